@@ -19,64 +19,66 @@
 
 namespace gs::qnv {
 
-/// What makes something to look at of a payload.
+/// Class that decodes a payload for display.
 enum class PayloadReader : std::uint8_t {
-  vectors,   // StreamDecoder, all of them
-  levels,    // LodStream, as finely as views want it
+  vectors,   // StreamDecoder: all vectors
+  levels,    // LodStream: as many as each view needs
   polygons,  // OutlineDecoder
 };
 
-/// Polygons in groups, with their looks.
+/// Polygons in groups, with their appearances.
 struct OutlineSource {
   const OutlineGroups& groups;
   std::span<const OutlineAppearance> appearances;
   const OutlineEncodeOptions& options;
 };
-/// What a stream is made of.
+/// Input of an encoder.
 using EncodeSource = std::variant<std::reference_wrapper<const TriangleSource>, std::reference_wrapper<const Cloud>,
                                   OutlineSource, VolumeVectors>;
 
-/// What is in a stream that has ended.
+/// Content of a complete stream.
 struct DecodedStream {
-  std::optional<StreamHeader> header;  // nothing: it is none
+  std::optional<StreamHeader> header;  // nullopt if the bytes are not a stream
   std::variant<Cloud, std::vector<OutlineBatch>> content;
   std::vector<StreamProblem> problems;
   std::size_t refused_chunks = 0;
 };
 
-/// Of the chunks of a payload, as many as any has.
+/// Chunk types of a payload; the size is the maximum over all payloads.
 using ChunkTypes = std::array<ChunkType, 9>;
 
-/// One payload of QNV streams: what those need to know of it who write, read, carry or lose its chunks.
+/// Table row of a QNV payload: its properties for code that writes, reads, transports or drops its chunks.
 struct PayloadRow {
   Payload payload;
   std::string_view name;
   PayloadReader reader;
-  ChunkTypes chunks;           // the types of its chunks; often one and the same
-  std::size_t head_bytes;      // of a chunk's payload, of which nothing may be missing
-  std::size_t record_bytes;    // behind them, each of use by itself; 0: a chunk is of use only as a whole
-  std::size_t packet_records;  // that travel together and are lost together
-  /// Makes a stream; an error where the payload is not made of such a source. `options.payload` does not count, nor do
-  /// the others for polygons, which have their own. Blocking; any thread.
+  ChunkTypes chunks;           // padded with repetitions
+  std::size_t head_bytes;      // header of a chunk's payload; must be received completely
+  std::size_t record_bytes;    // size of the records after the header, each usable alone; 0 if only whole chunks are
+                               // usable
+  std::size_t packet_records;  // number of records per packet, lost together
+  /// Encodes a stream. Returns an error if the payload does not support this kind of source. Ignores `options.payload`;
+  /// outlines use the options in their source instead. Blocks; safe from any thread.
   std::variant<EncodedStream, EncodeError> (*encode)(const EncodeSource& source, EncodeOptions options,
                                                      Progress* progress);
-  /// All that a whole stream, or the front of one, has: at most so many vectors or polygons. Safe for untrusted bytes.
+  /// Decodes a whole stream or a prefix, up to `most` vectors or polygons. Safe for untrusted bytes.
   DecodedStream (*decode)(std::span<const std::byte> stream, std::size_t most);
 };
 
-/// All payloads, in the order of their numbers.
+/// Returns all payloads, ordered by number.
 [[nodiscard]] std::span<const PayloadRow> payload_rows();
 [[nodiscard]] const PayloadRow& row_of(Payload payload);
-/// The payload of the stream that begins so; null: it is none, or too little of it is there. Safe for untrusted bytes.
+/// Returns the payload of a stream from its first bytes, or nullptr for other data or too few bytes. Safe for untrusted
+/// bytes.
 [[nodiscard]] const PayloadRow* payload_of(std::span<const std::byte> bytes);
-/// Whether chunks of this type are the payload's own.
+/// Reports whether a payload uses chunks of this type.
 [[nodiscard]] bool carries(const PayloadRow& row, ChunkType type);
 
-/// A whole chunk as an unreliable line carries it: all of the head, and of the body what arrives.
+/// Whole chunk as sent over an unreliable connection: the head is always received, the body in part.
 struct ChunkParts {
   std::span<const std::byte> head, body;
 };
-/// Nothing where the bytes are no chunk that is just so long, or none of the payload. The checksum is not looked at.
+/// Splits a chunk. Returns nullopt if the bytes are not exactly one chunk of the payload. Does not verify the checksum.
 /// Safe for untrusted bytes.
 [[nodiscard]] std::optional<ChunkParts> cut_chunk(const PayloadRow& row, std::span<const std::byte> chunk);
 

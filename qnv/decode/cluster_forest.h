@@ -13,19 +13,19 @@
 
 namespace gs::qnv {
 
-/// The clusters of an octree as they arrive, in any order; what comes before its parent waits. A Cluster has a header
-/// (ClusterHeader), `voxels` with a size, and level(). One thread; safe for untrusted bytes.
+/// Received clusters of an octree, in any order; clusters wait for their parent. A Cluster has a header
+/// (ClusterHeader), `voxels` with a size, and level(). Not thread-safe; safe for untrusted bytes.
 template <class Cluster>
 class ClusterForest {
  public:
   struct Held {
     Cluster cluster;
-    std::vector<bool> refined;  // a voxel: its children have arrived
+    std::vector<bool> refined;  // by voxel: its children were received
   };
-  /// What is known of the payload.
+  /// Functions that depend on the payload.
   struct Codec {
     std::variant<ClusterHeader, PackedError> (*read_header)(std::span<const std::byte> payload);
-    /// How many vectors voxels first to first + count are.
+    /// Returns the number of vectors of voxels `first` to `first + count` - 1.
     std::uint32_t (*vectors_of)(const Cluster& cluster, std::size_t first, std::size_t count);
   };
   struct Count {
@@ -35,7 +35,8 @@ class ClusterForest {
 
   explicit ClusterForest(const Codec& codec) : codec_(codec) {}
 
-  /// `decode(payload, parent)`: a cluster or why not. No more than `most_vectors` are shown at a time.
+  /// Adds a cluster. `decode(payload, parent)` returns the cluster or an error. At most `most_vectors` are shown at a
+  /// time.
   template <class Decode>
   void add(std::span<const std::byte> payload, std::size_t most_vectors, const Decode& decode) {
     const auto read = codec_.read_header(payload);
@@ -52,7 +53,7 @@ class ClusterForest {
     }
     auto decoded = decode(payload, parent ? &parent->cluster : nullptr);
     auto* cluster = std::get_if<Cluster>(&decoded);
-    // A place is refined once, the root too.
+    // A voxel is refined only once, and there is only one root.
     bool again = !parent && rooted_;
     for (std::size_t i = 0; cluster && parent && i < cluster->header.count; ++i)
       again = again || parent->refined[cluster->header.first + i];
@@ -60,7 +61,7 @@ class ClusterForest {
       ++count_.refused;
       return;
     }
-    // What was refined is kept too, since others may refine the rest of its cluster.
+    // Keep refined voxels too, since other clusters may refine the rest of the same cluster.
     const std::size_t voxels = cluster->voxels.size();
     if (count_.vectors + codec_.vectors_of(*cluster, 0, voxels) > most_vectors ||
         (voxels_ + voxels) / 2 > most_vectors) {
@@ -70,7 +71,7 @@ class ClusterForest {
     }
     const std::uint32_t id = header->id;
     take(std::move(*cluster), parent);
-    // What came too early.
+    // Clusters that waited for this one.
     std::vector<std::vector<std::byte>> ready;
     const auto [first, last] = orphans_.equal_range(id);
     for (auto i = first; i != last; ++i) {
@@ -83,7 +84,7 @@ class ClusterForest {
 
   [[nodiscard]] const Count& count() const { return count_; }
 
-  /// Calls visit(cluster, first, count) for all runs of voxels that nothing finer has replaced.
+  /// Calls visit(cluster, first, count) for all runs of voxels without finer voxels.
   template <class Visit>
   void visit_shown(Visit&& visit) const {
     for (const auto& [id, held] : clusters_) {
@@ -98,9 +99,9 @@ class ClusterForest {
   }
 
  private:
-  // Chunks that wait for a parent that may never come.
+  // Limits the chunks that wait for a parent, which may never be received.
   static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
-  /// Bytes that a chunk without its parent takes, about.
+  /// Returns the approximate memory of a waiting chunk.
   static std::size_t cost(std::span<const std::byte> payload) { return payload.size() + 128; }
 
   void wait(const ClusterHeader& header, std::span<const std::byte> payload) {
@@ -131,10 +132,10 @@ class ClusterForest {
 
   Codec codec_;
   Count count_;
-  std::size_t voxels_ = 0, waiting_bytes_ = 0;  // of all clusters, also where vectors were refined
-  bool rooted_ = false;                         // the cluster without a parent has arrived
+  std::size_t voxels_ = 0, waiting_bytes_ = 0;  // voxels_: of all clusters, including refined voxels
+  bool rooted_ = false;                         // the cluster without a parent was received
   std::map<std::uint32_t, Held> clusters_;
-  std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // by the parent that has not arrived
+  std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // by the missing parent
 };
 
 }  // namespace gs::qnv

@@ -18,19 +18,19 @@
 
 namespace gs::qnv {
 
-/// Turns a stream that arrives piece by piece, or with holes, into vectors. What has arrived is always a whole
-/// picture. One thread; safe for untrusted bytes; memory is bounded by `most_vectors`.
+/// Decodes a stream, received in pieces or with losses, into vectors or a surface. At any time, the received part is a
+/// complete picture. Not thread-safe; safe for untrusted bytes; memory is bounded by `most_vectors`.
 class StreamDecoder {
  public:
   explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26);
 
-  /// The next bytes of the stream. False once it was refused.
+  /// Decodes the next bytes of the stream. Returns false once the stream is rejected.
   bool push(std::span<const std::byte> bytes);
-  /// A chunk that came by another way (a datagram), after the header. Any order, any subset. Of a chunk of records the
-  /// bytes `missing` from the payload, and those behind its end, may come another time, or never; other chunks are
-  /// refused then.
+  /// Adds a chunk received separately (as a datagram), after the header, in any order. Of a records chunk, the bytes
+  /// `missing` in the payload and those after its end may be added later or never. Chunks of other types must be
+  /// complete.
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing = {});
-  /// The stream has ended: reads what waited for more bytes, and says what is missing.
+  /// Ends the stream: decodes waiting bytes, and reports missing ones.
   void finish();
 
   [[nodiscard]] const StreamHeader* header() const { return reader_.header(); }
@@ -39,49 +39,49 @@ class StreamDecoder {
     return refused_chunks_ + packed_.count().refused + voxels_.count().refused + surface_.count().refused +
            exact_.count().refused + progressive_.count().refused;
   }
-  /// Whether chunks were left out because of `most_vectors`.
+  /// Reports whether chunks were dropped because of `most_vectors`.
   [[nodiscard]] bool full() const {
     return records_full_ || packed_.count().full || voxels_.count().full || surface_.count().full ||
            exact_.count().full || progressive_.count().full;
   }
-  /// How many discs `cloud` has.
+  /// Returns the number of vectors of cloud().
   [[nodiscard]] std::size_t vectors() const {
     if (exact_.whole()) return exact_.vectors();
     return records_vectors_ + packed_.count().vectors + voxels_.count().vectors +
            (progressive_.begun() ? progressive_.shown().positions.size() : surface_vectors());
   }
-  /// Changes whenever `cloud` would.
+  /// Returns a number that changes whenever cloud() would.
   [[nodiscard]] std::uint64_t revision() const {
     return records_revision_ + packed_.count().taken + voxels_.count().taken + surface_.count().taken +
            exact_.count().taken + progressive_.count().taken;
   }
-  /// Of a displaced surface, or an octree of one: the mesh itself, as far as it has come.
+  /// Returns the exact mesh at the end of a displaced surface or an octree, as far as received.
   [[nodiscard]] const ExactSurface& exact() const { return exact_; }
-  /// The same of one that becomes the mesh vertex by vertex.
+  /// Returns the mesh of a stream with splits, as far as received.
   [[nodiscard]] const ProgressiveSurface& progressive() const { return progressive_; }
-  /// Whether what is there is the mesh itself, all of it.
+  /// Reports whether the complete exact mesh is shown.
   [[nodiscard]] bool is_mesh() const { return exact_.finest() || progressive_.mesh().whole(); }
-  /// The stages of a displaced surface.
+  /// Returns the stages of a displaced surface.
   [[nodiscard]] const SurfaceStages& stages() const { return surface_; }
-  /// Whether `cloud_to_draw` gives arrays, not patches.
+  /// Reports whether cloud_to_draw() returns arrays instead of patches.
   [[nodiscard]] bool has_arrays() const;
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
-  /// Everything that has arrived, each place at its finest; discs that were refined are gone. Of voxels in an order in
-  /// which the first ones cover all of it evenly.
+  /// Returns everything received, at its finest detail; refined vectors are left out. The first voxels of a volume
+  /// cover it evenly.
   [[nodiscard]] Cloud cloud() const;
-  /// The same for who draws it: a displaced surface has patches in place of arrays, of which only those are worked out
-  /// that have changed since the last call. Meshes have arrays.
+  /// Like cloud(), for renderers: a displaced surface has patches instead of arrays, and only those changed since the
+  /// last call are re-evaluated. Meshes have arrays.
   [[nodiscard]] Cloud cloud_to_draw();
 
  private:
-  /// Of a displaced surface: the first stage is a part of the header, and there before any chunk.
+  /// Starts a displaced surface from its first stage, which is in the header.
   void begin_surface();
   void add_piece(std::span<const std::byte> payload);
   void add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing);
   void append_records(Cloud& cloud) const;
   void append_surface(Cloud& cloud) const;
-  /// Where a part of the mesh is shown beside the patches that it does not cover: those that it does; else empty.
+  /// Returns the patches that received triangles cover, if a part of the mesh is shown; else an empty list.
   [[nodiscard]] std::vector<bool> covered() const;
   [[nodiscard]] std::size_t surface_vectors() const;
 
@@ -92,10 +92,10 @@ class StreamDecoder {
   ClusterForest<Cluster> packed_;
   ClusterForest<VolumeCluster> voxels_;
   SurfaceStages surface_;
-  ProgressiveSurface progressive_;  // in its place from the header on
-  ExactSurface exact_;              // shown in the place of either once it is there
+  ProgressiveSurface progressive_;  // replaces the stages, from the header on
+  ExactSurface exact_;              // replaces either of them once received
   std::map<int, PieceGroup> groups_;
-  mutable std::optional<RecordsAssembly> records_;  // files what arrived only when it is asked
+  mutable std::optional<RecordsAssembly> records_;  // inserts received chunks only on request
   std::vector<DirectoryEntry> directory_;
 };
 

@@ -18,72 +18,72 @@
 
 namespace gs::qnv {
 
-/// The mesh at the end of a displaced stream. It grows triangle by triangle as its tail comes; once a table says which
-/// patches of a stage it covers, what is there of it can be shown beside the others. One thread; safe for untrusted
+/// Exact mesh at the end of a stream. It grows triangle by triangle as its tail is received. With the table of covered
+/// patches, its received part is shown beside the remaining patches of a stage. Not thread-safe; safe for untrusted
 /// bytes.
 class ExactSurface {
  public:
   struct Count {
     std::size_t refused = 0, taken = 0;
-    bool full = false;  // it was left out because of `most_vectors`
+    bool full = false;  // dropped because of `most_vectors`
   };
 
-  /// The payload of a chunk. `box`: of the stream.
+  /// Adds the payload of a tail chunk. `box` is the stream's.
   void add(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors);
-  /// That of one that says how it is shaded; it may come behind the tail.
+  /// Adds the payload of a shading chunk, even after the tail.
   void add_shading(std::span<const std::byte> payload);
-  /// The bits of finer lattices; they may come before the tail.
+  /// Adds the low bits of positions, even before the tail.
   void add_low_bits(std::span<const std::byte> payload);
-  /// The table of what patches it covers; it may come behind the tail.
+  /// Adds the table of covered patches, even after the tail.
   void add_cover(std::span<const std::byte> payload);
-  /// The picture of a textured mesh, without which it is not shown; it may come before the tail.
+  /// Adds a part of the picture, even before the tail. A textured mesh is shown only with its picture.
   void add_picture(std::span<const std::byte> payload);
-  /// Normals that are its own; they may come before the tail, and are used once it and all of them are there.
+  /// Adds a part of the mesh's own normals, even before the tail. They are used once they and the tail are complete.
   void add_normals(std::span<const std::byte> payload);
-  /// Whether it is there; its places and its picture may still become finer.
+  /// Reports whether the mesh can be shown; its positions and picture may still be refined.
   [[nodiscard]] bool whole() const { return mesh_ && dressed(); }
-  /// The patches that are covered, where some of it is there and not all; null: it is nothing yet.
+  /// Returns the table of covered patches if a part of the mesh can be shown, else nullptr.
   [[nodiscard]] const exact::Cover* cover() const;
-  /// How many triangles have come.
+  /// Returns the number of triangles received.
   [[nodiscard]] std::size_t triangles() const {
     return mesh_ ? mesh_->triangles.size() : reader_ ? reader_->triangles() : 0;
   }
-  /// Whether they are as fine as they will be.
+  /// Reports whether the mesh is final.
   [[nodiscard]] bool finest() const;
-  /// How many bytes of the tail have come, and how many there are; 0: none have.
+  /// Returns the bytes of the tail received; length() returns the total, or 0 if unknown.
   [[nodiscard]] std::size_t come() const { return pieces_.come(); }
   [[nodiscard]] std::size_t length() const { return pieces_.length(); }
-  /// Places an axis, as a power of two; 0: it is not there.
+  /// Returns log2 of the lattice positions per axis, or 0 without a mesh.
   [[nodiscard]] int bits() const { return mesh_ ? std::max(mesh_->bits, mesh_->finest) : 0; }
-  /// The vertices that have come, one a side where it has a crease, and the triangles between them. `colored`: they
-  /// have colours, that of the cloud where it has none.
+  /// Appends the received vertices, duplicated at creases, and their triangles. `colored` appends colours; a mesh
+  /// without colours uses the cloud's colour.
   void append(Cloud& cloud, bool colored) const;
-  /// How many bytes of the picture have come, and how many there are; 0: none have.
+  /// Returns the bytes of the picture received; picture_length() returns the total, or 0 if unknown.
   [[nodiscard]] std::size_t picture_come() const { return picture_.come(); }
   [[nodiscard]] std::size_t picture_length() const { return picture_.length(); }
-  /// How many vertices it is shown with.
+  /// Returns the number of vertices shown.
   [[nodiscard]] std::size_t vectors() const { return triangles() > 0 ? shown().positions.size() : 0; }
   [[nodiscard]] const Count& count() const { return count_; }
 
  private:
-  /// Works them out once all is there that it takes.
+  /// Decodes the mesh's own normals once they and the tail are complete.
   void read_normals();
-  /// Made anew when something came since the last time.
+  /// Returns the shown vertices; recomputes them after changes.
   [[nodiscard]] const ShadedVertices& shown() const;
   [[nodiscard]] bool textured() const { return mesh_ ? mesh_->texture.bits > 0 : reader_ && reader_->textured(); }
-  /// Whether there is what it takes to show what has come of it.
+  /// Reports whether everything needed to show the received part is available.
   [[nodiscard]] bool dressed() const { return !textured() || picture_.enough(); }
 
   exact::TailPieces pieces_;
-  std::optional<exact::TailReader> reader_;  // until all of it has come
-  std::optional<exact::ExactMesh> mesh_;     // from then on
+  std::optional<exact::TailReader> reader_;  // until the tail is complete
+  std::optional<exact::ExactMesh> mesh_;     // once the tail is complete
   std::optional<exact::Cover> cover_;
   std::optional<exact::Shading> shading_;
   exact::LowBits low_bits_;
   exact::PictureReader picture_;
   exact::TailPieces normal_pieces_;
-  std::vector<std::byte> normal_bytes_;         // until the tail is there
-  mutable std::vector<glm::vec3> own_normals_;  // of corners; none: by the rule of its shading
+  std::vector<std::byte> normal_bytes_;         // until the tail is complete
+  mutable std::vector<glm::vec3> own_normals_;  // of corners; if empty, the shading rule applies
   Box box_;
   std::size_t most_vectors_ = 0;
   bool done_ = false;

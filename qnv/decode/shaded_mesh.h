@@ -12,18 +12,17 @@
 
 namespace gs::qnv {
 
-/// A mesh on a lattice as it is shown: its vertices, one a side where it has a crease or its texture a seam, and the
-/// triangles between them.
+/// Mesh for display: its vertices, duplicated at creases and texture seams, and its triangles.
 struct ShadedVertices {
   std::vector<glm::vec3> positions, normals;
-  std::vector<Rgb8> colors;                    // one a vertex, or none at all
-  std::vector<glm::vec2> texture_coordinates;  // likewise
+  std::vector<Rgb8> colors;                    // one per vertex, or empty
+  std::vector<glm::vec2> texture_coordinates;  // one per vertex, or empty
   std::vector<std::uint32_t> triangles;
 
-  /// `with_colors`: the cloud has colours, its own where these have none.
+  /// Appends the mesh to a cloud. `with_colors` appends colours; a mesh without colours uses the cloud's colour.
   void append(Cloud& cloud, bool with_colors) const;
 };
-/// `normals`: of corners 3 t + k; `box`: of the stream.
+/// Returns a mesh for display. `normals` are those of corners 3 t + k; `box` is the stream's.
 [[nodiscard]] ShadedVertices shaded_vertices(const exact::ExactMesh& mesh, std::span<const glm::vec3> normals,
                                              const Box& box);
 

@@ -6,8 +6,8 @@
 
 namespace gs::qnv {
 
-/// Gives the vectors from number `start` on, which have no weights yet, a third of the area of the triangles round
-/// them: those from index `first` of `cloud.triangles` on.
+/// Sets the weights of the vectors from number `start` on to a third of the area of their triangles. Uses the triangles
+/// from index `first` of `cloud.triangles` on.
 void weigh_by_triangles(Cloud& cloud, std::size_t start, std::size_t first);
 
 }  // namespace gs::qnv

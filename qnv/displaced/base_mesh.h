@@ -13,26 +13,26 @@
 
 namespace gs::qnv::displaced {
 
-/// A coarse mesh whose vertices lie on a lattice of 2^bits places an axis. Every edge has at most one triangle a side.
+/// Coarse mesh with vertices on a lattice of 2^bits positions per axis. Every edge has at most one triangle per side.
 struct BaseMesh {
   int bits = 8;  // 1 to 16
   std::vector<glm::ivec3> vertices;
   std::vector<Corners> triangles;
-  std::vector<bool> creases;  // of each edge in the order of Patches; empty: there are none
+  std::vector<bool> creases;  // of each edge in the order of Patches; empty if there are none
 };
 
-/// The bytes of a base mesh, and the mesh as it comes out of them: the same, in another order. It must be manifold, as
-/// `simplify` gives it.
+/// Encoded base mesh, and the mesh as decoded: equal but reordered. The mesh must be manifold, as simplify() returns
+/// it.
 struct CodedBase {
   std::vector<std::byte> bytes;
   BaseMesh mesh;
-  std::vector<std::uint32_t> source;  // of each vertex: its number before
+  std::vector<std::uint32_t> source;  // original number of each vertex
 };
-/// `is_crease`: of two vertices of `mesh` with an edge between them.
+/// Encodes a base mesh. `is_crease` is called with two vertices of `mesh` that share an edge.
 [[nodiscard]] CodedBase encode_base(const BaseMesh& mesh,
                                     const std::function<bool(std::uint32_t, std::uint32_t)>& is_crease);
 
-/// Nothing where the bytes are not a base mesh of at most so many triangles. Safe for untrusted bytes.
+/// Returns nullopt if the bytes are not a base mesh of at most `most_triangles` triangles. Safe for untrusted bytes.
 [[nodiscard]] std::optional<BaseMesh> decode_base(std::span<const std::byte> bytes, std::size_t most_triangles);
 
 }  // namespace gs::qnv::displaced

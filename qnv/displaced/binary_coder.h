@@ -10,17 +10,17 @@
 
 namespace gs::qnv::displaced {
 
-// Adaptive binary range coding (G. N. N. Martin, 1979; carries as in LZMA). Small clusters cannot afford tables of
-// probabilities, nor the 32 bytes that eight states end with (rans.h); they learn from what they decode. The bytes are
-// defined in FORMAT.md, "Binary range coding".
+// Adaptive binary range coding (G. N. N. Martin, 1979; carries as in LZMA). Small clusters cannot afford probability
+// tables, nor the 32 bytes of final rANS states (rans.h); models learn from the decoded data instead. FORMAT.md,
+// "Binary range coding", defines the bytes.
 
-/// Zeros that a decoder reads behind the end of the bytes, and an encoder leaves out at most.
+/// Maximum number of trailing zeros that an encoder omits; decoders read zeros past the end.
 inline constexpr std::size_t kSparedZeros = 8;
 
-/// What a yes is worth: a probability of 1/65536 that learns, fast at first.
+/// Adaptive probability of a yes, in 1/65536; learns fast at first.
 struct BitModel {
   std::uint16_t one = 32768;  // probability of a 1
-  std::uint8_t seen = 0;      // decisions, at most kMostSeen
+  std::uint8_t seen = 0;      // number of decisions, at most kMostSeen
 
   static constexpr std::uint8_t kMostSeen = 30;
   /// 65536 / (n + 3/2), rounded down.
@@ -35,7 +35,7 @@ struct BitModel {
     one = static_cast<std::uint16_t>(one + change);
     seen = static_cast<std::uint8_t>(seen + (seen < kMostSeen ? 1 : 0));
   }
-  /// Of 65536, never 0 and never all.
+  /// Returns the probability, clamped away from 0 and 65536.
   [[nodiscard]] std::uint32_t probability() const { return std::clamp<std::uint32_t>(one, 64, 65536 - 64); }
 };
 
@@ -46,17 +46,17 @@ class BinaryEncoder {
     model.learn(bit);
     narrow(bit, bound);
   }
-  /// A decision that is a yes with this probability of 65536, neither 0 nor all of it.
+  /// Codes a decision with a fixed probability (of 65536), exclusive of 0 and 65536.
   void put(std::uint32_t probability, bool bit) {
     narrow(bit, static_cast<std::uint32_t>(static_cast<std::uint64_t>(range_) * probability >> 16));
   }
-  /// Equally likely bits, the highest first.
+  /// Codes equally likely bits, highest first.
   void put_bits(std::uint32_t value, int bits) {
     for (int i = bits; i-- > 0;) narrow((value >> i & 1) != 0, range_ >> 1);
   }
-  /// The bytes. Up to kSparedZeros zeros at the end are left out: a decoder reads them anyway.
+  /// Returns the bytes, without up to kSparedZeros trailing zeros, which decoders read anyway.
   [[nodiscard]] std::vector<std::byte> finish();
-  /// How many bytes there are by now, about.
+  /// Returns the approximate number of bytes so far.
   [[nodiscard]] std::size_t size() const { return bytes_.size() + pending_; }
 
  private:
@@ -75,15 +75,15 @@ class BinaryEncoder {
   void shift();
 
   std::vector<std::byte> bytes_;
-  std::uint64_t low_ = 0;  // bit 32: a carry into what was handed out
+  std::uint64_t low_ = 0;  // bit 32: carry into bytes already produced
   std::uint32_t range_ = 0xffffffff;
   std::uint8_t cache_ = 0;
-  std::size_t pending_ = 0;  // bytes of 255 behind the cache, which a carry would change
-  bool first_ = true;        // nothing is in the cache
+  std::size_t pending_ = 0;  // bytes of 255 after the cache, which a carry would change
+  bool first_ = true;        // the cache is empty
 };
 
-/// Reads what BinaryEncoder wrote; of other bytes, something. Never reads outside of them: behind their end are zeros,
-/// of which no stream needs more than kSparedZeros.
+/// Decodes the output of BinaryEncoder; other bytes give arbitrary decisions. Never reads past the end: zeros follow
+/// there, and no valid stream needs more than kSparedZeros.
 class BinaryDecoder {
  public:
   explicit BinaryDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
@@ -104,10 +104,10 @@ class BinaryDecoder {
     return value;
   }
 
-  /// Whether more was needed than there is: then the bytes are none that an encoder wrote.
+  /// Reports whether more bytes were needed than exist; no encoder wrote them then.
   [[nodiscard]] bool exhausted() const { return at_ > bytes_.size() + kSparedZeros; }
-  /// More of the same bytes have come: all of them again, maybe elsewhere. Whoever goes on as long as enough are
-  /// `unread` reads what he would read of all.
+  /// Replaces the bytes by a longer version of them, possibly at another address. Decoding that stops before unread()
+  /// runs out gives the same result as with all bytes.
   void extend(std::span<const std::byte> bytes) { bytes_ = bytes; }
   [[nodiscard]] std::size_t unread() const { return bytes_.size() - std::min(at_, bytes_.size()); }
 
@@ -136,8 +136,8 @@ class BinaryDecoder {
   std::uint32_t range_ = 0xffffffff, code_ = 0;
 };
 
-/// A whole number from 0 up: unary steps with models of their own as far as `Steps`, then Exp-Golomb of order 0 whose
-/// prefix learns too.
+/// Models of a number >= 0: unary steps, each with its own model, up to `Steps`, then Exp-Golomb of order 0 with an
+/// adaptive prefix.
 template <std::size_t Steps>
 struct NumberModel {
   std::array<BitModel, Steps> more;
@@ -163,7 +163,7 @@ struct NumberModel {
   }
 };
 
-/// 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ...
+/// Maps 0, -1, 1, -2, 2, ... to 0, 1, 2, 3, 4, ...
 inline std::uint32_t zigzag(std::int32_t value) {
   return static_cast<std::uint32_t>(value) << 1 ^ static_cast<std::uint32_t>(value >> 31);
 }

@@ -7,14 +7,14 @@
 
 namespace gs::qnv::displaced {
 
-/// Where a triangle is said to be when triangles are parted in space.
+/// Triangle with its position for spatial partitioning.
 struct Centre {
   glm::vec3 place;
   std::uint32_t triangle;
 };
 
-/// The lower half along an axis before `middle`. No two are equal, and comparing has no branch: which is lower cannot
-/// be foretold.
+/// Partitions so that the lower half along an axis precedes `middle`. No two entries compare equal. The comparison is
+/// branch-free, because its result is unpredictable.
 template <class At>
 void put_middle(At begin, At middle, At end, int axis) {
   const auto along = [&](auto coordinate) {

@@ -13,19 +13,20 @@
 
 namespace gs::qnv::displaced {
 
-/// The decisions about whole numbers of the new vertices of a run of patches, in the order of FORMAT.md, "Clusters".
-/// Written once for both directions: `Coder` is BinaryEncoder, then the numbers are read, or BinaryDecoder, then they
-/// are written. What is outside of the run is never looked at: nothing depends on what was lost.
+/// Codes the numbers of the new vertices of a run of patches, in the order of FORMAT.md, "Clusters". Works in both
+/// directions: with BinaryEncoder as `Coder` it reads the numbers, with BinaryDecoder it writes them. Never reads
+/// outside the run, so that nothing depends on lost clusters.
 template <class Coder>
 class ClusterCoder {
  public:
   ClusterCoder(Coder& coder, const Patches& patches, std::uint32_t first, std::uint32_t count)
       : coder_(coder), patches_(patches), first_(first), end_(first + count) {}
 
-  /// `now`: a number a vertex of this level (1 and up), of which those of the run's new ones count. `sideways`: the
-  /// same of lines, from the first vertex of an edge on; null or empty: there are none. False where the bytes ended.
+  /// Codes a level (1 and up). `now` has one number per vertex of the level; only those of the run's new vertices are
+  /// coded. `sideways` has the numbers of lines, from the first edge vertex on; nullptr or empty if there are none.
+  /// Returns false if the bytes end early.
   bool level(int level, NumberArray& now, NumberArray* sideways);
-  /// Of vertices of the base, each with the first of all patches that it is a corner of.
+  /// Codes base vertices, each in the first of all patches with it as a corner.
   bool base(NumberArray& now);
 
  private:
@@ -70,7 +71,7 @@ class ClusterCoder {
   std::uint32_t first_, end_;
   std::array<BitModel, kContexts> nonzero_;
   std::array<NumberModel<6>, 4> sizes_;
-  std::array<BitModel, 3> filled_;  // after none, one, more empty patches
+  std::array<BitModel, 3> filled_;  // by the number of preceding empty patches: none, one, more
   std::uint32_t empties_ = 0;
   std::vector<std::uint32_t> grid_;
   std::vector<std::uint8_t> known_;
@@ -112,7 +113,7 @@ bool ClusterCoder<Coder>::level(int level, NumberArray& now, NumberArray* sidewa
     for (std::uint32_t k = 0; k < 3; ++k) {
       const Patches::Edge& edge = patches_.edges()[patches_.edge(p, k)];
       if (!mine(edge.owner)) continue;
-      std::size_t last = 0;  // the place before on this edge
+      std::size_t last = 0;  // previous position on this edge
       for (std::size_t t = 1; t < n; t += 2) {
         const std::size_t at = k == 0 ? t : k == 1 ? row_start(t, n) + n - t : row_start(n - t, n);
         const std::uint32_t v = grid_[at];

@@ -13,36 +13,36 @@
 
 namespace gs::qnv::displaced {
 
-/// A corner of three vertices, counter-clockwise seen from outside.
+/// Vertices of a triangle's corners, counter-clockwise seen from outside.
 using Corners = std::array<std::uint32_t, 3>;
 
-/// Triangles that share their vertices.
+/// Indexed triangle mesh.
 struct SurfaceMesh {
   std::vector<glm::vec3> positions;  // units of the source
-  std::vector<Rgb8> colors;          // one a vertex, or none at all
+  std::vector<Rgb8> colors;          // one per vertex, or empty
   std::vector<Corners> triangles;
-  std::vector<std::array<glm::vec3, 3>> normals;  // for shading, a corner each, unit; or none at all
+  std::vector<std::array<glm::vec3, 3>> normals;  // unit shading normals, one per corner; or empty
 };
 
-/// Triangles beside triangles: neighbours[t][k] lies beside the edge from corner k to corner k + 1; kNone where the
-/// mesh ends.
+/// Adjacent triangles: neighbours[t][k] is across the edge from corner k to corner k + 1, or kNone on a rim.
 using Neighbours = std::vector<std::array<std::uint32_t, 3>>;
 inline constexpr std::uint32_t kNone = 0xffffffff;
 
-/// Gathers triangles and welds what lies at the same place.
+/// Collects triangles and welds equal positions.
 class MeshBuilder {
  public:
-  /// `colored`: vertices get the mean of the colours at their place; `apart`: other colours are other vertices.
+  /// `colored` gives each vertex the mean colour at its position; `apart` makes separate vertices for different
+  /// colours.
   explicit MeshBuilder(bool colored, bool apart = false);
-  /// Triangles that are not finite, or have no area, are left out.
+  /// Adds triangles; skips those that are not finite or have no area.
   void add(std::span<const Triangle> triangles);
-  /// How many triangles it has.
+  /// Returns the number of triangles.
   [[nodiscard]] std::size_t triangles() const { return mesh_.triangles.size(); }
-  /// All that was added, joined where it lies at the same place; triangles may meet in any way, and be there twice.
+  /// Returns all triangles, welded at equal positions; may be non-manifold and contain duplicates.
   [[nodiscard]] SurfaceMesh welded() const;
-  /// A mesh in which every edge has one triangle a side or is a rim, and the triangles round every vertex are one fan:
-  /// double triangles are left out, and where more than two meet, or two turn different ways, the surface is cut.
-  /// `beside`: gets its neighbours.
+  /// Returns a manifold mesh: every edge has one triangle per side or is a rim, and the triangles around each vertex
+  /// form one fan. Drops duplicate triangles, and cuts the surface where more than two triangles meet or orientations
+  /// conflict. Fills `beside`, if given, with the neighbours.
   [[nodiscard]] SurfaceMesh finish(Neighbours* beside = nullptr);
 
  private:
@@ -53,23 +53,23 @@ class MeshBuilder {
   bool colored_, apart_;
   SurfaceMesh mesh_;
   std::vector<glm::vec3> sums_;        // of the colours of a vertex
-  std::vector<std::uint32_t> counts_;  // how many
-  std::vector<Rgb8> own_colors_;       // of vertices, where others are apart
-  std::vector<std::uint32_t> table_;   // open addressing: vertex + 1
+  std::vector<std::uint32_t> counts_;  // number of colours
+  std::vector<Rgb8> own_colors_;       // of vertices, if colours are apart
+  std::vector<std::uint32_t> table_;   // open addressing; vertex + 1
 };
 
-/// Gives vertices of their own to what is no fan round a vertex, and where more than two triangles meet at an edge, or
-/// two turn different ways.
+/// Duplicates vertices so that the mesh becomes manifold: each vertex has one fan, and each edge at most two triangles
+/// of equal orientation.
 void part(SurfaceMesh& mesh);
 
-/// A mesh in two, without colours and normals: components that have at least this part of the area, and the others.
-/// Vertices that neither uses are left out.
+/// Mesh split in two, without colours and normals: components with at least a given part of the area, and the others.
+/// Unused vertices are dropped.
 struct SplitMesh {
   SurfaceMesh large, small;
 };
 [[nodiscard]] SplitMesh split_components(const SurfaceMesh& mesh, double least_part);
 
-/// The mesh is as `MeshBuilder::finish` gives it.
+/// Returns the neighbours in a mesh from MeshBuilder::finish().
 [[nodiscard]] Neighbours neighbours_of(std::span<const Corners> triangles);
 
 }  // namespace gs::qnv::displaced

@@ -9,18 +9,18 @@
 
 namespace gs::qnv::displaced {
 
-/// Whole numbers of which most may never come: what was never written is 0, and takes memory only beside what was.
+/// Sparse array of numbers. Unwritten entries are 0; memory is allocated in pages around written ones.
 class NumberArray {
  public:
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// All are 0.
+  /// Resizes the array; all entries become 0.
   void assign_zeros(std::size_t size) {
     size_ = size;
     pages_.clear();
     pages_.resize((size + kPage - 1) / kPage);
   }
-  /// Memory for all of them: afterwards several threads may write, each its own.
+  /// Allocates all pages; afterwards several threads may write different entries.
   void fill_pages() {
     for (auto& page : pages_)
       if (!page) page = std::make_unique<Page>();
@@ -34,7 +34,7 @@ class NumberArray {
     if (!page) page = std::make_unique<Page>();
     return (*page)[i % kPage];
   }
-  /// `count` of them from `first` on.
+  /// Copies `count` entries from `first` on.
   void copy(std::size_t first, std::size_t count, std::int16_t* to) const {
     while (count > 0) {
       const std::size_t at = first % kPage, some = std::min(count, kPage - at);
@@ -47,7 +47,7 @@ class NumberArray {
       to += some;
     }
   }
-  /// Whether one of `count` numbers from `first` on is not 0.
+  /// Reports whether any of `count` entries from `first` on is not 0.
   [[nodiscard]] bool any(std::size_t first, std::size_t count) const {
     for (std::size_t i = first; i < first + count; ++i)
       if ((*this)[i] != 0) return true;

@@ -11,35 +11,35 @@
 
 namespace gs::qnv::displaced {
 
-/// One side of a triangle.
+/// Side of a triangle.
 struct Side {
-  std::uint32_t low, high;  // its vertices
-  std::uint32_t at;         // 3 * triangle + corner where it begins
+  std::uint32_t low, high;  // vertices
+  std::uint32_t at;         // 3 * triangle + corner at its start
 };
 
 inline bool same_edge(const Side& a, const Side& b) { return a.low == b.low && a.high == b.high; }
 
 bool side_before(const Side& a, const Side& b);
 
-/// All sides, those between the same vertices beside each other, by the numbers of their triangles.
+/// Returns all sides, sorted by their vertices, then by triangle.
 [[nodiscard]] std::vector<Side> sorted_sides(std::span<const Corners> triangles);
 
-/// Calls each(first, last) for the sides of every edge, in several threads at once, in no order.
+/// Calls each(first, last) for the sides of every edge, from several threads at once, in no defined order.
 void for_each_edge(std::span<const Side> sides, const std::function<void(std::size_t, std::size_t)>& each);
 
-/// Where two triangles that turn the same way, and no others, meet at an edge they are neighbours in `beside`, which
-/// has room for all. Comes back: the sides of edges where others meet, in the order of sorted_sides.
+/// Sets the neighbours in `beside`, which is already sized, at edges with exactly two triangles of equal orientation.
+/// Returns the sides of all other edges with several triangles, in the order of sorted_sides().
 [[nodiscard]] std::vector<Side> join_at(std::span<const Corners> triangles, std::span<const Side> sides,
                                         Neighbours& beside);
 
-/// Calls each(corner) for all corners (3 * triangle + corner) at the vertex of one, over neighbours from it on, until
-/// it says false.
+/// Calls each(corner) for all corners (3 * triangle + corner) at the same vertex, across neighbours, starting with the
+/// given corner. Stops when `each` returns false.
 template <class Each>
 void for_each_in_fan(std::span<const Corners> triangles, const Neighbours& beside, std::uint32_t corner,
                      const Each& each) {
   const std::uint32_t v = triangles[corner / 3][corner % 3];
   if (!each(corner)) return;
-  // Beyond the side that begins here, and where that way ends at a rim, beyond the one that ends here.
+  // First across the side that starts here; if that reaches a rim, then across the side that ends here.
   for (const std::uint32_t side : {0u, 2u})
     for (std::uint32_t t = corner / 3, k = corner % 3;;) {
       const std::uint32_t next = beside[t][(k + side) % 3];
@@ -52,7 +52,7 @@ void for_each_in_fan(std::span<const Corners> triangles, const Neighbours& besid
     }
 }
 
-/// Whether the triangles round each vertex are one fan.
+/// Reports for each vertex whether its triangles form one fan.
 [[nodiscard]] std::vector<std::uint8_t> one_fan(std::span<const Corners> triangles, std::size_t vertices,
                                                 const Neighbours& beside);
 

@@ -12,17 +12,17 @@
 
 namespace gs::qnv::displaced {
 
-/// Where a new vertex would lie by what is around it, and in which directions it may be moved.
+/// Predicted position of a new vertex, and the directions in which it may be displaced.
 struct Prediction {
   glm::vec3 position{0};
   glm::vec3 normal{0};    // unit
-  glm::vec3 sideways{0};  // of a line: across it, in the surface, unit; else 0
+  glm::vec3 sideways{0};  // of a line: across it, tangent to the surface, unit; else 0
 };
 
-/// The vertices along an edge of the base, 0 its `from`, as another numbering of the same patches has them.
+/// Vertices along an edge of the base, from its `from`, in another numbering of the same patches.
 class EdgeWalk {
  public:
-  /// `patch`: beside the edge; from its side the edge is seen.
+  /// `patch` is adjacent to the edge and selects the side.
   EdgeWalk(const Patches& patches, std::uint32_t edge, std::uint32_t patch, const Patches& numbering, int level)
       : n_(std::uint32_t{1} << level) {
     std::uint32_t k = 0;
@@ -44,17 +44,17 @@ class EdgeWalk {
   bool same_way_ = true;
 };
 
-/// A new vertex of a level, between two of the level before.
+/// New vertex of a level, between two vertices of the previous level.
 struct NewVertex {
   std::uint32_t vertex = 0, a = 0, b = 0;  // numbers in Patches
-  std::uint32_t edge = kNone;              // of the base, on which it lies
-  std::uint32_t slot_a = 0, slot_b = 0;    // of a and b in the patches that were cut along creases
-  std::uint32_t other_a = 0, other_b = 0;  // of a crease: the same on its other side
+  std::uint32_t edge = kNone;              // edge of the base that contains it, or kNone
+  std::uint32_t slot_a = 0, slot_b = 0;    // slots of a and b in the patches cut along creases
+  std::uint32_t other_a = 0, other_b = 0;  // of a crease: slots on its other side
 };
 
-/// Calls visit(NewVertex) for every new vertex of a level (1 and up), and keep(vertex, before) for every other one,
-/// which has the number `before` at the level before. `slots`: patches.cut(). Of `parts` parts of the level, which
-/// have no vertex in common, the one given.
+/// Calls visit(NewVertex) for every new vertex of a level (1 and up). Calls keep(vertex, before) for every other
+/// vertex; `before` is its number at the previous level. `slots` is patches.cut(). Processes one of `parts` disjoint
+/// parts of the level.
 template <class Visit, class Keep>
 void visit_level(const Patches& patches, const Patches& slots, int level, Visit visit, Keep keep, std::size_t part = 0,
                  std::size_t parts = 1) {
@@ -95,16 +95,16 @@ void visit_level(const Patches& patches, const Patches& slots, int level, Visit 
   }
 }
 
-/// The mean normals at the slots of a level, unit; zero where there is none. `positions`: of the vertices. They are the
-/// same on any number of threads (0: one a core).
+/// Returns the unit mean normals at the slots of a level; zero if undefined. `positions` are those of the vertices. The
+/// result does not depend on the number of threads (0: one per core).
 [[nodiscard]] std::vector<glm::vec3> slot_normals(const Patches& patches, const Patches& slots, int level,
                                                   std::span<const glm::vec3> positions, unsigned threads = 1);
 
-/// Where a vertex between two others is: on a curve that leaves them at right angles to their normals (T. Boubekeur,
-/// M. Alexa, Phong tessellation, 2008); of a line, half-way.
+/// Predicts a vertex between two others: on a curve perpendicular to their normals (T. Boubekeur, M. Alexa, Phong
+/// tessellation, 2008), or halfway on a line.
 [[nodiscard]] inline Prediction predict(const NewVertex& v, bool line, std::span<const glm::vec3> positions,
                                         std::span<const glm::vec3> normals) {
-  constexpr float kCurve = 0.5f;  // of the way to the mean of both tangent planes
+  constexpr float kCurve = 0.5f;  // fraction of the way to the mean of both tangent planes
   constexpr float kMost = 0.15f;  // of the edge's length
   Prediction p;
   const glm::vec3 a = positions[v.a], b = positions[v.b], middle = 0.5f * (a + b), along = b - a;

@@ -15,47 +15,49 @@
 
 namespace gs::qnv::displaced {
 
-/// A place on a surface.
+/// Point on a surface.
 struct SurfacePoint {
-  std::uint32_t triangle = kNone;  // kNone: there is none
+  std::uint32_t triangle = kNone;  // kNone if there is no point
   glm::vec3 position{0};
-  float distance = std::numeric_limits<float>::infinity();  // from where it was looked for; along a line: signed
+  float distance = std::numeric_limits<float>::infinity();  // from the query point; signed along a line
 };
 
-/// The triangles of a mesh in a tree of boxes. Does not change; any number of threads may ask.
+/// Bounding volume hierarchy of a mesh's triangles. Immutable; safe from any thread.
 class TriangleTree {
  public:
-  /// The mesh must stay. Built on `threads` threads (0: one a core).
+  /// `mesh` must outlive this object. Built on `threads` threads (0: one per core).
   explicit TriangleTree(const SurfaceMesh& mesh, unsigned threads = 0);
 
-  /// Where the line through `from` along +-`direction` (of length 1) meets the surface nearest to `from`, within
-  /// `reach`, on a triangle whose normal is within `least` (a cosine) of `facing`.
+  /// Returns the intersection nearest to `from`, within `reach`, of the surface with the line through `from` along
+  /// +-`direction` (a unit vector). Considers only triangles with a normal within `least` (a cosine) of `facing`.
   [[nodiscard]] SurfacePoint along(const glm::vec3& from, const glm::vec3& direction, float reach,
                                    const glm::vec3& facing, float least) const;
-  /// Where that line meets one triangle, if it does within `reach`.
+  /// Returns the intersection of that line with one triangle, within `reach`.
   [[nodiscard]] SurfacePoint on(std::uint32_t triangle, const glm::vec3& from, const glm::vec3& direction,
                                 float reach) const;
-  /// The nearest place of the surface within `reach`, on a triangle whose normal is within `least` of `facing`.
+  /// Returns the nearest point of the surface within `reach`. Considers only triangles with a normal within `least` (a
+  /// cosine) of `facing`.
   [[nodiscard]] SurfacePoint nearest(const glm::vec3& from, float reach, const glm::vec3& facing, float least) const;
-  /// How much of each corner a place of a triangle has; in sum 1.
+  /// Returns the barycentric coordinates of a point.
   [[nodiscard]] glm::vec3 weights(const SurfacePoint& point) const;
-  /// Where the smooth surface lies that shading makes of the triangle round a place of it: on a curve that leaves its
-  /// corners at right angles to their normals. Without normals, the place itself.
+  /// Returns the point on the smooth surface that shading suggests: on a curve perpendicular to the corners' normals.
+  /// Returns the point itself if there are no normals.
   [[nodiscard]] glm::vec3 smooth(const SurfacePoint& point) const;
 
  private:
   using Four = float __attribute__((vector_size(16)));
-  /// Up to four children. No count: a node; no triangles at all: a box that nothing meets.
+  /// Inner node with up to four children. A count of 0 marks a child node; an unused child has an empty box.
   struct Node {
     std::array<Four, 3> lower, upper;
-    std::array<std::uint32_t, 4> first, count;  // the node, or the leaf
+    std::array<std::uint32_t, 4> first, count;  // index of the child node or leaf
   };
   /// Up to four triangles.
   struct Leaf {
-    std::array<Four, 3> a, ab, ac, normal;  // a corner, from it to the others; unit, or zero where there is no area
+    std::array<Four, 3> a, ab, ac, normal;  // a corner, its edges to the others, and the unit normal (zero without
+                                            // area)
     std::array<std::uint32_t, 4> triangle;
   };
-  /// Triangles that a node is to have, and where it, what lies below it, and its leaves stand.
+  /// Triangles of a node to be built, and the indices of the node, its descendants and its leaves.
   struct Part {
     std::uint32_t first, count, node, leaf;
   };
@@ -71,7 +73,7 @@ class TriangleTree {
   const SurfaceMesh& mesh_;
   std::vector<Node> nodes_;
   std::vector<Leaf> leaves_;
-  std::map<std::uint32_t, Size> sizes_;  // of a tree of so many triangles
+  std::map<std::uint32_t, Size> sizes_;  // of a tree, by its number of triangles
 };
 
 }  // namespace gs::qnv::displaced

@@ -14,20 +14,21 @@
 
 namespace gs::qnv {
 
-/// Carries triangles to work that another thread does on them, batch by batch in their order, while the next ones are
-/// read. On one thread, or where the system has no other, it is done at once.
+/// Pipeline that passes batches of triangles, in order, to work on a second thread while the caller reads the next
+/// ones. With one thread, or if the system has no other, it does the work immediately.
 class Conveyor {
  public:
   using Work = std::function<void(std::span<const Triangle>)>;
-  /// `threads`: as of parallel_for.
+  /// `threads` is as in parallel_for().
   Conveyor(Work work, unsigned threads);
   Conveyor(const Conveyor&) = delete;
   Conveyor& operator=(const Conveyor&) = delete;
   ~Conveyor() { stop(); }
 
-  /// Waits while much lies there. False where the work threw something, so that nothing more is of use.
+  /// Adds triangles; blocks while many are waiting. Returns false if the work has thrown, so that more triangles are
+  /// useless.
   bool put(std::span<const Triangle> triangles);
-  /// Waits until all is done; what the work threw is thrown here.
+  /// Waits until all work is done. Rethrows an exception of the work.
   void finish();
 
  private:
@@ -37,7 +38,7 @@ class Conveyor {
   Work work_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::vector<Triangle>> waiting_, used_;  // `used_`: whose memory is there to be used again
+  std::deque<std::vector<Triangle>> waiting_, used_;  // `used_`: batches whose memory is reused
   bool ended_ = false, failed_ = false;
   std::exception_ptr failure_;
   std::thread thread_;

@@ -11,43 +11,39 @@
 
 namespace gs::qnv {
 
-/// Which of a volume's gradient vectors are kept: the longest, as many as both bounds allow.
+/// Selection of a volume's gradient vectors: the longest, within both limits.
 struct GradientOptions {
-  /// Of all voxels of the volume, missing ones and those without a gradient included: at most
-  /// round(fraction * voxels) vectors. 0..1; the paper's figure 2 ends at 0.091.
+  /// Limits the vectors to round(fraction * voxels) of all voxels, including missing ones and those without a gradient.
+  /// 0..1; figure 2 of the paper ends at 0.091.
   double fraction = 0.09;
-  /// At most this many. More than 2^31 cannot be asked for.
+  /// Limits the vectors to an absolute number; 2^31 is the maximum.
   std::uint64_t vectors = std::uint64_t{1} << 31;
-  unsigned threads = 0;  // 0: one a core
+  unsigned threads = 0;  // 0: one per core
 };
 
-/// The gradient vectors of a volume (paper, section 2.1), longest first, equally long ones in the order of
-/// their voxels; the same for every number of threads.
-///
-/// A vector stands at its voxel's centre and has the direction of the gradient (towards higher values),
-/// the gradient's length as its weight (value per world unit) and the voxel's value as its class, 0..255 from the
-/// least to the largest value that is there. Gradients are central differences in world space, one-sided next to
-/// borders and missing voxels. Missing voxels and zero gradients have no vector.
-///
-/// The description has the volume's metadata, the box of the voxels' centres, the sum of all lengths (of
-/// vectors that were left out too), the shortest axis and default_transfer().
-///
-/// Reads the volume two or three times, slice by slice: needs memory for a few slices and for the result.
-/// Errors: an unsound layout or options, a source that cannot be read, no value at all, cancelled. Progress counts
-/// slices. Any thread; safe for untrusted values.
+/// Returns the gradient vectors of a volume (paper, section 2.1), longest first; vectors of equal length are in the
+/// order of their voxels. The result does not depend on the number of threads. A vector's position is its voxel's
+/// centre, its direction the gradient's (towards higher values), and its weight the gradient's length (value per world
+/// unit). Its class is the voxel's value, 0..255 from the minimum to the maximum. Gradients are central differences in
+/// world space, one-sided next to borders and missing voxels. Missing voxels and zero gradients have no vector. The
+/// description has the volume's metadata, the box of the voxels' centres, the sum of all lengths (including omitted
+/// vectors), the shortest axis and default_transfer().
+/// Reads the volume two or three times, slice by slice. Needs memory for a few slices and the result. Returns an error
+/// for an invalid layout or options, a source that fails, a volume without values, or if cancelled. Progress counts
+/// slices. Safe from any thread and for untrusted values.
 [[nodiscard]] std::variant<Cloud, VolumeError> gradient_vectors(const VolumeSource& source,
                                                                 const GradientOptions& options,
                                                                 Progress* progress = nullptr);
 
-/// A soft start for a transfer function over values from `least` to `most`: from transparent through warm
-/// colours to white, nearly opaque. Where zero lies in the lower half of the range, it and what is below
-/// are transparent: noise about an empty background.
+/// Returns an initial transfer function for values from `least` to `most`: from transparent through warm colours to
+/// nearly opaque white. If zero lies in the lower half of the range, zero and everything below are transparent, which
+/// hides noise around an empty background.
 [[nodiscard]] std::vector<TransferPoint> default_transfer(float least, float most);
 
-/// The box of the centres of all voxels of a sound layout, from its base.
+/// Returns the box of all voxel centres of a valid layout, relative to its base.
 [[nodiscard]] Box voxel_box(const VolumeLayout& layout);
 
-/// The centre of voxel (x, y, z), world units from the layout's base; fractions are between voxels.
+/// Returns the centre of voxel (x, y, z), world units relative to the layout's base. Fractions interpolate.
 [[nodiscard]] inline glm::vec3 voxel_position(const VolumeLayout& layout, double x, double y, double z) {
   const auto along = [&](int i) {
     return static_cast<float>(((layout.origin[i] + layout.axes[0][i] * x) + layout.axes[1][i] * y) +

@@ -9,25 +9,22 @@
 
 namespace gs::qnv {
 
-/// Which surface of a volume, and how it is made.
+/// Options of an isosurface.
 struct IsosurfaceOptions {
   double isovalue = 0;   // in the volume's values
   Rgb8 color{};          // of every corner
-  unsigned threads = 0;  // 0: one a core
+  unsigned threads = 0;  // 0: one per core
 };
 
-/// The surface that parts values >= isovalue from lower ones, by marching cubes (Lorensen and Cline 1987): in each
-/// cell of eight voxels triangles between points of its edges, in world units. Faces with two diagonal
-/// corners inside are decided by their bilinear saddle (Nielson and Hamann 1991), which both cells at the face see
-/// alike: the surface has no cracks. It is open where it meets the volume's border or missing voxels.
-///
-/// Triangles are counter-clockwise seen from lower values; normals come from the gradient and point to lower values,
-/// zero where there is no gradient. Triangles with two equal corners are left out. They come in the
-/// order of their cells, in batches, from the calling thread: the same for every number of threads, in
-/// memory for a few slices and one batch.
-///
-/// Nothing when it worked, or the sink wanted no more. Errors: an unsound layout, an isovalue that is not finite, a
-/// source that cannot be read, cancelled. Progress counts slices. Any thread; safe for untrusted values.
+/// Extracts the surface between values >= isovalue and lower ones by marching cubes (Lorensen and Cline 1987), in world
+/// units. A bilinear saddle test decides faces with two diagonal corners inside (Nielson and Hamann 1991). Both cells
+/// at such a face decide alike, so the surface has no cracks. It is open at the volume's border and at missing voxels.
+/// Triangles are counter-clockwise seen from lower values. Normals come from the gradient and point to lower values;
+/// they are zero if there is no gradient. Triangles with two equal corners are dropped. The calling thread delivers
+/// triangles in batches, in the order of their cells, independent of the number of threads. Needs memory for a few
+/// slices and one batch. Returns nullopt on success, or if the sink requested no more. Returns an error for an invalid
+/// layout, an isovalue that is not finite, a source that fails, or if cancelled. Progress counts slices. Safe from any
+/// thread and for untrusted values.
 [[nodiscard]] std::optional<VolumeError> isosurface(const VolumeSource& source, const IsosurfaceOptions& options,
                                                     const TriangleSink& sink, Progress* progress = nullptr);
 

@@ -13,47 +13,48 @@
 
 namespace gs::qnv {
 
-/// The mesh itself, as it comes at the end of a displaced stream.
+/// Exact mesh for the end of a stream.
 struct SurfaceTail {
-  std::vector<std::byte> bytes;  // none: there is no tail
+  std::vector<std::byte> bytes;  // empty if there is no tail
   std::size_t vertices = 0;
   exact::Shading shading;
-  std::optional<exact::Cover> cover;             // what of the stage before it covers
-  std::vector<std::vector<std::byte>> low_bits;  // behind it
+  std::optional<exact::Cover> cover;             // patches of the previous stage that it covers
+  std::vector<std::vector<std::byte>> low_bits;  // follow the tail
   std::size_t low_bytes = 0;
-  std::vector<std::byte> picture;  // of its texture; none: it has none
-  std::size_t picture_first = 0;   // of its bytes: come before the mesh
-  std::size_t picture_fine = 0;    // likewise, before what is finer of the mesh
-  std::vector<std::byte> normals;  // of its corners, where no rule gives them
+  std::vector<std::byte> picture;  // of its texture; empty if it has none
+  std::size_t picture_first = 0;   // bytes of the picture before the mesh
+  std::size_t picture_fine = 0;    // bytes of the picture before the finer parts of the mesh
+  std::vector<std::byte> normals;  // of its corners, if no shading rule reproduces them
   bool parity = false;
-  /// With what comes behind it.
+  /// Returns the total size, including everything that follows the tail.
   [[nodiscard]] std::size_t size() const { return bytes.size() + low_bytes + picture.size() + normals.size(); }
 };
 
-/// All of a source on a lattice of so many bits an axis; `bits` 0: of as many as its triangles are worth.
+/// Returns the whole source on a lattice of `bits` bits per axis; 0 chooses the bits from the size of its triangles.
 [[nodiscard]] exact::ExactMesh exact_mesh_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame,
                                              bool colored, int bits);
 
-/// The same of a textured surface, whose places count from the same origin.
+/// Returns a textured surface on the lattice; its positions have the same origin.
 [[nodiscard]] exact::ExactMesh exact_mesh_of(const TexturedSurface& surface, const displaced::Frame& frame, int bits);
 
-/// `bits`: of the tail itself; those of the mesh that are finer come behind it. `ranks`, `order`: as encode_tail has
-/// them.
+/// Encodes a tail of `bits` bits; finer bits of the mesh follow it as low bits. `ranks` and `order` are as in
+/// encode_tail().
 [[nodiscard]] SurfaceTail tail_of(const exact::ExactMesh& mesh, int bits, const exact::TailRanks* ranks = nullptr,
                                   exact::TailOrder* order = nullptr);
-/// That of the surface's texture, where the mesh has one.
+/// Adds the surface's texture, if the mesh has texture coordinates.
 void set_picture(SurfaceTail& tail, const TexturedSurface& surface);
-/// About how many bytes a tail takes, with what comes behind it.
+/// Returns the approximate size of a tail, including its low bits.
 [[nodiscard]] std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits);
-/// How many bits are in the tail itself where it is to be there soon; what is finer comes behind it.
+/// Returns the bits of the tail itself if it should arrive soon; finer bits follow it.
 [[nodiscard]] int first_tail_bits(const exact::ExactMesh& mesh);
-/// With how many bits in the tail itself it takes about the fewest bytes; fewer where that is no matter.
+/// Returns the bits of the tail itself that approximately minimise the total size; prefers fewer bits among near-equal
+/// choices.
 [[nodiscard]] int fewest_tail_bits(const exact::ExactMesh& mesh);
 
-/// What of places is finer than this comes behind the tail: any part of it makes the mesh finer.
+/// Default bits of the tail itself; finer position bits follow it, and any part of them refines the mesh.
 inline constexpr int kTailBits = 12;
 
-/// In pieces, behind `others`, whose place it takes.
+/// Appends the tail in pieces after `others`, which it replaces.
 void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingChunk>& others);
 
 }  // namespace gs::qnv

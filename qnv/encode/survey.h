@@ -13,27 +13,28 @@
 
 namespace gs::qnv {
 
-/// What is known of a surface once all of its triangles have been seen. Those that are not finite do not count.
+/// Statistics over all triangles of a surface; skips triangles that are not finite.
 struct SurfaceSurvey {
   Box box;
   double area = 0, volume = 0;
-  glm::dvec3 facing{0};  // sum of all triangles' normals times their areas
+  glm::dvec3 facing{0};  // sum of all normals times their areas
   std::size_t triangles = 0;
-  bool colored = false;  // not all of one colour
+  bool colored = false;  // has more than one colour
   Rgb8 color;            // of the first corner
-  glm::dvec3 colors{0};  // sum of all triangles' colours times their areas
+  glm::dvec3 colors{0};  // sum of all colours times the triangles' areas
 
   void add(std::span<const Triangle> triangles);
-  /// That of a surface of one colour; else the mean, which stands for them until they come.
+  /// Returns the single colour, or the mean, which is shown until the colours are received.
   [[nodiscard]] Rgb8 mean_color() const;
-  /// The areas of a closed surface cancel, and it encloses something: then its inside is never seen.
+  /// Reports whether the surface is closed: its area vectors cancel, and it encloses a volume. Its inside is then never
+  /// visible.
   [[nodiscard]] bool closed() const;
-  /// Whether there is something to encode.
+  /// Reports whether there is something to encode.
   [[nodiscard]] bool sound() const;
 };
 
-/// What the header says of the vectors that can be sent: the stream's total is theirs, because a receiver shares out as
-/// much over what arrives. `metadata` comes before what the cloud says of itself.
+/// Returns the description of the vectors that can be sent. The total counts only these, because receivers distribute
+/// it over the received vectors. `metadata` precedes the cloud's own.
 [[nodiscard]] Description describe_vectors(const Cloud& cloud,
                                            const std::vector<std::pair<std::string, std::string>>& metadata);
 

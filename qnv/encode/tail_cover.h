@@ -10,21 +10,21 @@
 
 namespace gs::qnv {
 
-/// Where a displaced surface lies beside the mesh that takes its place part by part.
+/// Correspondence between a displaced surface and the mesh that replaces it part by part.
 class TailCover {
  public:
-  /// `mesh`: on its lattice; it must stay. `surface`: what is shown before the tail, at `level`.
+  /// `mesh` is on its lattice and must outlive this object. `surface` is the stage shown before the tail, at `level`.
   TailCover(const exact::ExactMesh& mesh, const displaced::Surface& surface, int level, unsigned threads);
-  /// In which order pictures gain most: where normals are furthest off for what it takes to send the mesh there. Each
-  /// rank has about as many vertices.
+  /// Returns the ranks of cells by benefit: the largest normal errors per byte of the mesh first. Each rank has about
+  /// as many vertices.
   [[nodiscard]] exact::TailRanks ranks() const;
-  /// `stage`: the number of the surface; `order`: in which the mesh comes.
+  /// Returns the table of covered patches. `stage` is the surface's number; `order` is the mesh's decoding order.
   [[nodiscard]] exact::Cover cover(int stage, const exact::TailOrder& order) const;
 
  private:
   const exact::ExactMesh& mesh_;
-  std::vector<std::vector<std::uint32_t>> near_;  // a patch: triangles of the mesh nearest to its vertices
-  std::vector<double> cell_errors_;               // the mean of how far off normals are, by cell; below 0: not known
+  std::vector<std::vector<std::uint32_t>> near_;  // by patch: the triangles of the mesh nearest to its vertices
+  std::vector<double> cell_errors_;               // mean normal error of each cell; negative if unknown
 };
 
 }  // namespace gs::qnv

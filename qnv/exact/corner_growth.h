@@ -20,7 +20,7 @@
 
 namespace gs::qnv::exact {
 
-/// The largest whole number whose square is no larger.
+/// Returns the integer square root, rounded down.
 [[nodiscard]] inline std::int64_t root_of(std::int64_t square) {
   auto root = static_cast<std::int64_t>(std::sqrt(static_cast<double>(square)));
   while (root > 0 && root > square / root) --root;
@@ -28,15 +28,15 @@ namespace gs::qnv::exact {
   return root;
 }
 
-/// Where a corner lies in the texture, expected from a triangle on the other side of the opposite edge, or from that
-/// edge alone. `edge`, `corner`: from where the edge begins to its end and to the corner, on the lattice of places;
-/// `along`: the first one in the texture.
+/// Prediction of a corner's texture coordinates from the opposite edge and, if available, the triangle beyond it.
+/// `edge` and `corner` are the vectors from the edge's start to its end and to the corner, on the position lattice.
+/// `along` is `edge` in the texture.
 struct ExpectedCorner {
   glm::ivec3 edge, corner;
   glm::ivec2 start, along;
 
-  /// The texture goes on beyond the edge as it lies on the triangle there, folded flat. `beyond`, `beyond_at`: its
-  /// third corner, and where that lies in the texture, as above.
+  /// Predicts that the texture continues across the edge, with both triangles unfolded into a plane. `beyond` and
+  /// `beyond_at` are the third corner of the other triangle, on the position lattice and in the texture.
   [[nodiscard]] glm::ivec2 folded(const glm::ivec3& beyond, const glm::ivec2& beyond_at) const {
     const std::int64_t square = dot(edge, edge);
     if (square == 0) return start;
@@ -53,7 +53,7 @@ struct ExpectedCorner {
     }
     return at;
   }
-  /// Angles are in the texture what they are on the surface. `turn`: 1, or -1 where it is mirrored.
+  /// Predicts that the texture keeps the angles of the surface. `turn` is 1, or -1 if the texture is mirrored.
   [[nodiscard]] glm::ivec2 turned(int turn) const {
     const std::int64_t square = dot(edge, edge);
     if (square == 0) return start;
@@ -86,8 +86,8 @@ struct ExpectedCorner {
   }
 };
 
-/// The texture coordinates of the corners of a mesh that grows (mesh_growth.h): of each triangle once it is there. Most
-/// corners lie where those of the triangles beside theirs do. Written once for both directions; FORMAT.md, "Corners".
+/// Codes the texture coordinates of a growing mesh's corners (mesh_growth.h), triangle by triangle. Most corners equal
+/// those of adjacent triangles. Used in both directions; FORMAT.md, "Corners".
 template <class Coder>
 class CornerGrowth {
  public:
@@ -96,7 +96,7 @@ class CornerGrowth {
 
   [[nodiscard]] bool wanted() const { return models_ != nullptr; }
   [[nodiscard]] const std::vector<CornerCoordinates>& coordinates() const { return coordinates_; }
-  /// Those of the next triangle, which has them where it is written. False: they are none.
+  /// Codes the corners of the next triangle. `is` holds them when encoding. Returns false if the decisions are invalid.
   bool triangle(Decisions<Coder>& decisions, const Gates& gates, const std::vector<glm::ivec3>& places,
                 const CornerCoordinates& is);
 
@@ -104,17 +104,17 @@ class CornerGrowth {
   static constexpr std::size_t kRanks = 16;
   enum Situation : std::size_t { folded, turned, beside, alone, kSituations };
   struct Models {
-    // By how many corners of the triangle lie apart already, whether the vertex lies at several places, how many places
-    // there are beside it.
+    // Context: number of the triangle's corners that differ so far; whether the vertex has several coordinates; number
+    // of adjacent coordinates.
     std::array<std::array<std::array<TwoRates, 2>, 2>, 3> same;
     TwoRates other, again;
     std::array<std::array<Lengths, kRanks>, kSituations> sizes;
     std::array<std::array<Lengths, 18>, kSituations> sizes_before;
     std::array<Digits, kSituations> digits;
   };
-  /// Of a vertex.
+  /// State of a vertex.
   struct Vertex {
-    glm::ivec2 last{0};  // where it was told to lie last
+    glm::ivec2 last{0};  // last coordinates coded for it
     std::uint16_t off = 8;
     bool placed = false, several = false;
   };
@@ -134,11 +134,11 @@ class CornerGrowth {
   std::unique_ptr<Models> models_;
   std::vector<CornerCoordinates> coordinates_;
   std::vector<Vertex> vertices_;
-  glm::ivec2 last_{0};  // that was told
+  glm::ivec2 last_{0};  // last coordinates coded
   int turn_ = 1;
 };
 
-/// Of the triangle beside a side: where the side begins, which is where the one beside it ends.
+/// Returns the coordinates at the start of a side, from the triangle on its other side.
 template <class Coder>
 std::optional<glm::ivec2> CornerGrowth<Coder>::at_start(const Gates& gates, std::uint32_t side) const {
   if (!joined(gates, side)) return {};
@@ -179,7 +179,7 @@ bool CornerGrowth<Coder>::triangle(Decisions<Coder>& decisions, const Gates& gat
     const bool known = vertex.placed && vertex.last != first && vertex.last != second;
     if (known && decisions.bit(m.again, is[k] == vertex.last)) found[k] = vertex.last;
   }
-  // Those first beside which two are known.
+  // First the corners whose two other corners are known.
   const auto count = [&] { return (found[0] ? 1 : 0) + (found[1] ? 1 : 0) + (found[2] ? 1 : 0); };
   while (count() < 3) {
     std::uint32_t k = 0;

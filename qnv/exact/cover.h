@@ -8,22 +8,23 @@
 
 namespace gs::qnv::exact {
 
-/// Behind which part of a tail's triangles each patch of a stage is no longer needed: what it stands for is there.
+/// Table of covered patches: for each patch of a stage, the part of the tail's triangles after which the patch is no
+/// longer needed.
 struct Cover {
   int stage = 0;                      // 0 to 15
-  int parts = 1;                      // 1 to 255, into which the triangles are divided
+  int parts = 1;                      // 1 to 255; number of equal parts of the triangles
   std::uint32_t triangles = 0;        // of the whole tail
-  std::vector<std::uint8_t> patches;  // 0 to `parts`: so many of them
+  std::vector<std::uint8_t> patches;  // 0 to `parts`, for each patch
 
-  /// Whether a patch is covered by the first triangles.
+  /// Reports whether the first `come` triangles cover a patch.
   [[nodiscard]] bool covered(std::size_t patch, std::size_t come) const {
     return std::uint64_t{come} * static_cast<std::uint64_t>(parts) >= std::uint64_t{triangles} * patches[patch];
   }
 };
 
-/// The payload of a chunk.
+/// Returns the payload of a chunk.
 [[nodiscard]] std::vector<std::byte> encode_cover(const Cover& cover);
-/// Nothing where it is none. Safe for untrusted bytes.
+/// Returns nullopt if the payload is invalid. Safe for untrusted bytes.
 [[nodiscard]] std::optional<Cover> decode_cover(std::span<const std::byte> payload);
 
 }  // namespace gs::qnv::exact

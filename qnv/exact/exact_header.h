@@ -9,10 +9,10 @@
 
 namespace gs::qnv::exact {
 
-// What a tail begins with: FORMAT.md, "Exact tail".
+// Header of a tail: FORMAT.md, "Exact tail".
 inline constexpr std::size_t kTailFixedBytes = 11, kTailWeightsBytes = 2 * kNear * kSituations,
                              kTextureLatticeBytes = 17;
-/// Parallelograms: beside the gate, and where two triangles are new, beside the one behind it as well.
+/// Weights of parallelogram predictions: across the gate; for two new triangles, also across the side after the gate.
 inline constexpr Weights kUsualWeights = [] {
   constexpr std::int16_t kOne = 1 << kWeightBits, kHalf = kOne / 2;
   Weights weights{};
@@ -24,14 +24,14 @@ inline constexpr Weights kUsualWeights = [] {
   }
   return weights;
 }();
-/// A tail has at most so many triangles a byte; an encoder that needs fewer bytes adds zeros.
+/// Maximum number of triangles per byte of a tail; encoders pad with zeros if needed.
 inline constexpr std::size_t kMostTrianglesAByte = 64;
 
 [[nodiscard]] std::vector<std::byte> encode_tail_header(const TailHeader& header);
-/// Nothing where a field is out of its range, or promises more than the bytes can hold. Safe for untrusted bytes.
-/// `length`: of the whole tail, of which these bytes are the first.
+/// Returns nullopt if a field is out of range or promises more than `length` bytes can hold. `tail` is a prefix of the
+/// tail of `length` bytes. Safe for untrusted bytes.
 [[nodiscard]] std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail, std::size_t length);
-/// Bytes of the header that begins with these; 0: more are needed to tell.
+/// Returns the length of the header that starts with these bytes; 0 if more are needed.
 [[nodiscard]] std::size_t tail_header_bytes(std::span<const std::byte> tail);
 
 }  // namespace gs::qnv::exact

@@ -14,13 +14,13 @@
 
 namespace gs::qnv::exact {
 
-// What decides how a tail is read is worked out in whole numbers, so that every machine reads the same. FORMAT.md,
+// Integer arithmetic for tails. All decoding decisions use integers, so that every machine decodes the same. FORMAT.md,
 // "Exact tail".
 
-/// What a yes is worth, twice: as it learns fast and as it learns slowly.
+/// Adaptive probability of a yes, as two estimates that learn fast and slowly.
 struct TwoRates {
   std::uint16_t fast = 32768, slow = 32768;  // of 65536
-  std::uint8_t seen = 0;                     // decisions, at most kMostSeen
+  std::uint8_t seen = 0;                     // number of decisions, at most kMostSeen
 
   static constexpr std::uint8_t kMostSeen = 254, kFastSeen = 30;
   /// 65536 / (n + 3/2), rounded down.
@@ -38,18 +38,18 @@ struct TwoRates {
   [[nodiscard]] std::uint32_t sum() const { return std::uint32_t{fast} + slow; }
 };
 
-/// The lengths in bits of whole numbers.
+/// Models of the bit lengths of numbers.
 struct Lengths {
   static constexpr std::size_t kMost = 23;
   std::array<TwoRates, kMost> longer;
 };
-/// The two highest bits below the first one, by length.
+/// Models of the two bits after the leading one, by length.
 struct Digits {
   std::array<std::array<TwoRates, 3>, Lengths::kMost + 1> of;
 };
 
-/// Decisions in both directions: `Coder` is BinaryEncoder, then the values given are written and given back, or
-/// BinaryDecoder, then those given do not count.
+/// Decisions in both directions. With BinaryEncoder as `Coder`, the given values are written and returned; with
+/// BinaryDecoder, they are ignored.
 template <class Coder>
 class Decisions {
  public:
@@ -62,7 +62,7 @@ class Decisions {
     model.learn(is);
     return is;
   }
-  /// By two models that look at it from different sides: the mean of what they expect.
+  /// Codes a decision with two models of different contexts; the probability is their mean.
   bool bit(TwoRates& one, TwoRates& other, bool value) {
     const bool is = decide((one.sum() + other.sum()) >> 2, value);
     one.learn(is);
@@ -77,7 +77,7 @@ class Decisions {
       return coder_.get_bits(count);
     }
   }
-  /// A whole number below 2^Lengths::kMost of any sign.
+  /// Codes a signed integer with a magnitude below 2^Lengths::kMost.
   int number(Lengths& one, Lengths& other, Digits& digits, int value) {
     const auto size = static_cast<std::uint32_t>(std::abs(value));
     const auto length = static_cast<std::size_t>(std::bit_width(size));
@@ -117,14 +117,15 @@ class Decisions {
   Coder& coder_;
 };
 
-/// How large a number is, in quarters of octaves from 4 on: 0, 1, 2, 3, 4, 5, 6, 7, 8 (8, 9), 9 (10, 11), ...
+/// Returns the magnitude class of x: x itself below 4, then four classes per octave: 4, 5, 6, 7, 8 (8, 9), 9 (10, 11),
+/// ...
 [[nodiscard]] constexpr std::uint32_t grade(std::uint64_t x) {
   if (x < 4) return static_cast<std::uint32_t>(x);
   const auto bits = static_cast<std::uint32_t>(std::bit_width(x));
   return (bits - 2) * 4 + static_cast<std::uint32_t>(x >> (bits - 3) & 3);
 }
 
-/// A vector with room for products.
+/// Vector with room for products.
 using Long3 = std::array<std::int64_t, 3>;
 
 [[nodiscard]] constexpr std::int64_t dot(const glm::ivec3& a, const glm::ivec3& b) {
@@ -137,7 +138,7 @@ using Long3 = std::array<std::int64_t, 3>;
   return {std::int64_t{a.y} * b.z - std::int64_t{a.z} * b.y, std::int64_t{a.z} * b.x - std::int64_t{a.x} * b.z,
           std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x};
 }
-/// Halved, rounding down, until no component is larger than 2^bits - 1.
+/// Halves a vector, rounding down, until no component's magnitude exceeds 2^bits - 1.
 [[nodiscard]] constexpr Long3 reduced(const Long3& v, int bits) {
   std::uint64_t most = 0;
   for (const std::int64_t c : v) most = std::max(most, static_cast<std::uint64_t>(c < 0 ? -c : c));

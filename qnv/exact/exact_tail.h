@@ -10,33 +10,32 @@
 
 namespace gs::qnv::exact {
 
-/// A mesh as it was read, its vertices on the lattice: `mesh` is in units of the longest edge of the stream's box, from
-/// its lower corner on (displaced::Frame), and parted where it is no manifold. `bits`: kLeastBits to kMostBits.
+/// Quantises a welded mesh to the lattice. `mesh` is in units of the longest edge of the stream's box, from its lower
+/// corner (displaced::Frame). Splits non-manifold vertices. `bits` is kLeastBits to kMostBits.
 [[nodiscard]] ExactMesh quantized(displaced::SurfaceMesh mesh, int bits);
 
-/// Cells of the lattice, 2^cell_bits an axis, and their ranks from 0 to 7 (mesh_growth.h, cell_of): a mesh grows where
-/// they are low first, as far as it is joined.
+/// Ranks from 0 to 7 of the lattice's cells, 2^cell_bits per axis (cell_of() in mesh_growth.h). The mesh grows through
+/// connected cells of low rank first.
 struct TailRanks {
   int cell_bits = 0;
   std::vector<std::uint8_t> of;
 };
 struct TailOrder {
-  std::vector<std::uint32_t> vertices;   // the number that each has when it is read; kNone: no triangle has it
-  std::vector<std::uint32_t> triangles;  // as they come when it is read, those of the mesh
+  std::vector<std::uint32_t> vertices;   // decoded number of each vertex; kNone if no triangle uses it
+  std::vector<std::uint32_t> triangles;  // in decoding order, as numbers of the mesh
 };
 
-/// The bytes of a mesh, of which every edge has one triangle a side or is a rim, and the triangles round every vertex
-/// are one fan, as `quantized` gives it. The same bytes for the same mesh. `usual`: without weights of its own, of which
-/// small meshes are worth none. `ranks`: in which order it grows; null: in that which takes the fewest bytes. `order`: set
-/// to that in which it is read.
+/// Encodes a mesh as returned by quantized(): every edge has one triangle per side or is a rim, and each vertex has
+/// one fan. Deterministic. `usual` omits weights of its own, which do not pay for small meshes. `ranks` sets the order
+/// of growth; nullptr selects the smallest encoding. Fills `order`, if given, with the decoding order.
 [[nodiscard]] std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual = false,
                                                  const TailRanks* ranks = nullptr, TailOrder* order = nullptr);
 
-/// The same mesh, in another order. Nothing where the bytes are no tail, or have more than so many vertices. Safe for
-/// untrusted bytes: memory and time are in proportion to them.
+/// Decodes a mesh, in another order. Returns nullopt if the bytes are not a tail or have more than `most_vertices`
+/// vertices. Safe for untrusted bytes: memory and time are proportional to them.
 [[nodiscard]] std::optional<ExactMesh> decode_tail(std::span<const std::byte> bytes, std::size_t most_vertices);
 
-/// How much is in a tail; nothing where it is none. Safe for untrusted bytes.
+/// Size of a tail. tail_size() returns nullopt for other data. Safe for untrusted bytes.
 struct TailSize {
   int bits = 0;
   std::uint32_t vertices = 0, triangles = 0;

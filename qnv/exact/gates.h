@@ -12,9 +12,9 @@
 
 namespace gs::qnv::exact {
 
-/// The triangles of a mesh that grows, and its sides: side 3 t + k leads from corner k of triangle t to the next one.
-/// Sides beside which nothing is stand in chains: behind a side to b the first one comes that leaves b on the other
-/// side of the gap at b. Every chain is closed.
+/// Triangles of a growing mesh, and their sides: side 3 t + k leads from corner k of triangle t to the next one. Sides
+/// without a neighbour form closed chains. The next side of a side ending at b is the first that leaves b on the other
+/// side of the gap at b.
 class Gates {
  public:
   enum class State : std::uint8_t { open, rim, joined };
@@ -35,11 +35,11 @@ class Gates {
   [[nodiscard]] std::uint32_t opposite(std::uint32_t side) const { return triangles_[side / 3][(side % 3 + 2) % 3]; }
   [[nodiscard]] State state(std::uint32_t side) const { return states_[side]; }
   [[nodiscard]] bool open(std::uint32_t side) const { return states_[side] == State::open; }
-  /// Along its chain. Of a joined side: the one that lies beside it.
+  /// Returns the next side of the chain; for a joined side, the adjacent side.
   [[nodiscard]] std::uint32_t next(std::uint32_t side) const { return next_[side]; }
   [[nodiscard]] std::uint32_t before(std::uint32_t side) const { return before_[side]; }
 
-  /// Its first side; they are open, and in no chain yet.
+  /// Adds a triangle, and returns its first side. The sides are open and not yet in a chain.
   std::uint32_t add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const std::uint32_t side = sides();
     triangles_.push_back({a, b, c});
@@ -57,7 +57,7 @@ class Gates {
     next_[side] = other;
     next_[other] = side;
   }
-  /// Of every side the one that lies beside it; kNone: none does.
+  /// Returns the adjacent side of each side, or kNone.
   [[nodiscard]] std::vector<std::uint32_t> twins() const {
     std::vector<std::uint32_t> twins(sides(), kNone);
     for (std::uint32_t side = 0; side < sides(); ++side)
@@ -72,8 +72,8 @@ class Gates {
   std::vector<State> states_;
 };
 
-/// Open sides by the rank of where they lead to, then by how narrow the gap behind them is; of those alike the one that
-/// came first. One that has another side behind it by now, or is no longer open, is passed over.
+/// Queue of open sides: lowest rank of their end first, then narrowest gap after them, then first in. Skips sides that
+/// are no longer open or have another next side by now.
 class GateQueue {
  public:
   static constexpr std::uint32_t kGrades = 129, kRanks = 8;
@@ -101,7 +101,7 @@ class GateQueue {
 
  private:
   struct Queue {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> waiting;  // side, the one behind it
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> waiting;  // side, next side
     std::size_t first = 0;
   };
   std::array<Queue, kGrades * kRanks> queues_;

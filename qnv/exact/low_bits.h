@@ -11,19 +11,20 @@
 
 namespace gs::qnv::exact {
 
-/// What finer lattices add to a tail, bit by bit of all places: payloads of chunks, any of which is of use. `mesh`: as
-/// quantized, on the finest lattice; `bits`: of the tail; `numbers`: of its vertices in the tail, as encode_tail says.
+/// Returns chunk payloads with the position bits that the tail lacks, layer by layer; each is useful alone. `mesh` is
+/// as quantized() on the finest lattice, `bits` are those of the tail, and `numbers` are its vertex numbers from
+/// encode_tail().
 [[nodiscard]] std::vector<std::vector<std::byte>> low_bits_of(const ExactMesh& mesh, int bits,
                                                               std::span<const std::uint32_t> numbers);
 
-/// Such bits as they come, in any order. Safe for untrusted bytes; holds what came, and no more than so much.
+/// Received low bits, in any order. Safe for untrusted bytes; memory is bounded.
 class LowBits {
  public:
-  /// The payload of a chunk. False where it is none.
+  /// Adds the payload of a chunk. Returns false if it is invalid.
   bool add(std::span<const std::byte> payload);
-  /// Whether all that a mesh has room for has come.
+  /// Reports whether all bits of a mesh were received.
   [[nodiscard]] bool complete(const ExactMesh& mesh) const;
-  /// Places as exactly as they are known, on the mesh's finest lattice: the middle of what may be meant.
+  /// Sets the positions to the best known values on the finest lattice: the middle of the remaining interval.
   void apply(ExactMesh& mesh) const;
 
  private:

@@ -15,24 +15,24 @@
 
 namespace gs::qnv::exact {
 
-/// Vertices near a gate from which a new one is predicted, and in how many situations each has a weight of its own.
+/// Number of vertices that predict a new one, and of situations with weights of their own.
 inline constexpr std::size_t kNear = 8, kSituations = 6;
 inline constexpr int kWeightBits = 12;
 using Weights = std::array<std::array<std::int16_t, kNear>, kSituations>;
 
-/// What stands before the decisions.
+/// Fields before the coded decisions.
 struct TailHeader {
-  int bits = 11, finest = 11;  // finest: with the bits that come behind the tail
+  int bits = 11, finest = 11;  // finest: including the low bits that follow the tail
   bool colored = false;
-  bool usual = false;      // the weights are the usual ones, and not told
-  int crease_angle = 180;  // of ExactMesh
+  bool usual = false;      // the weights are the usual ones and omitted
+  int crease_angle = 180;  // as ExactMesh::crease_angle
   std::uint32_t vertices = 0, triangles = 0;
   Weights weights{};       // of 2^kWeightBits
-  TextureLattice texture;  // of the coordinates that corners have
-  int cell_bits = 0;       // cells of 2^-cell_bits of the lattice have ranks; 0: they have none
+  TextureLattice texture;  // lattice of the corners' texture coordinates
+  int cell_bits = 0;       // cells of 2^-cell_bits of the lattice have ranks; 0: none do
 };
 
-/// Cells are the highest bits of places; a mesh that has ranks grows where they are low first.
+/// Maximum bits of a cell. Cells are the highest bits of positions; the mesh grows through cells of low rank first.
 inline constexpr int kMostCellBits = 5;
 [[nodiscard]] constexpr std::size_t cell_of(const glm::ivec3& place, int bits, int cell_bits) {
   const int shift = bits - cell_bits;
@@ -40,31 +40,29 @@ inline constexpr int kMostCellBits = 5;
   return (part(place.z) << 2 * cell_bits) + (part(place.y) << cell_bits) + part(place.x);
 }
 
-/// A colour as luma and two chromas, without loss (H. Malvar, G. Sullivan, YCoCg-R, 2003).
+/// Returns a colour as luma and two chromas, lossless (H. Malvar, G. Sullivan, YCoCg-R, 2003).
 [[nodiscard]] constexpr glm::ivec3 luma_of(Rgb8 c) {
   const int co = c.r - c.b, t = c.b + (co >> 1), cg = c.g - t;
   return {t + (cg >> 1), co, cg};
 }
-/// Whether it is one of a colour of 8 bits; then `to`.
+/// Converts back to `to`. Returns false if the colour exceeds 8 bits.
 [[nodiscard]] constexpr bool color_of(const glm::ivec3& c, Rgb8& to) {
   const int t = c.x - (c.z >> 1), g = c.z + t, b = t - (c.y >> 1), r = b + c.y;
   to = {static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b)};
   return r >= 0 && g >= 0 && b >= 0 && r < 256 && g < 256 && b < 256;
 }
 
-/// Behind the last decision: whoever is still in step reads this.
+/// Coded after the last decision; detects decoders out of step.
 inline constexpr std::uint32_t kEndMark = 0x5143;
 
-/// A mesh that grows triangle by triangle, where its gap is narrowest first (after P. Alliez, C. Gotsman, M. Desbrun,
-/// Near-optimal connectivity encoding, 2001; H. Lee, P. Alliez, M. Desbrun, Angle-Analyzer, 2002). What it decides next
-/// is expected from what is there: angles, distances, numbers of triangles. Written once for both directions;
-/// FORMAT.md, "Exact tail", has every step.
-///
-/// `Guide` knows the mesh where it is written; where it is read, nothing is asked of it.
+/// Codes a mesh triangle by triangle, at the narrowest gap first (after P. Alliez, C. Gotsman, M. Desbrun, Near-optimal
+/// connectivity encoding, 2001; H. Lee, P. Alliez, M. Desbrun, Angle-Analyzer, 2002). Angles, distances and triangle
+/// counts of the grown part predict each decision. Used in both directions; FORMAT.md, "Exact tail", has every step.
+/// `Guide` provides the mesh when encoding; it is unused when decoding.
 template <class Coder, class Guide>
 class MeshGrowth {
  public:
-  /// `room`: for so many triangles at once.
+  /// Reserves memory for up to `room` triangles.
   MeshGrowth(Coder& coder, const TailHeader& header, Guide& guide, std::size_t room)
       : decisions_(coder),
         header_(header),
@@ -78,8 +76,8 @@ class MeshGrowth {
     if (header.colored) colors_.reserve(vertices);
     if (header.cell_bits > 0) ranks_.assign(std::size_t{1} << 3 * header.cell_bits, kNoRank);
   }
-  enum class Growth { growing, whole, wrong };  // wrong: the decisions are none of a mesh
-  /// Goes on as long as `more` says that a step of so many bytes at most may be taken.
+  enum class Growth { growing, whole, wrong };  // wrong: the decisions do not describe a mesh
+  /// Continues while `more` permits a step of at most the given number of bytes.
   template <class More>
   Growth run(const More& more);
   bool run() {
@@ -98,43 +96,44 @@ class MeshGrowth {
   static constexpr bool kWrites = Decisions<Coder>::kWrites;
   static constexpr std::size_t kRanks = 40, kGaps = 33, kTurns = 10;
   static constexpr std::uint8_t kNoRank = 255;
-  // What a step takes at most: no decision takes more than 10 bits, no number more than 24 of them and 42 bits besides,
-  // a vertex has three, and three more as its colour; a component has three vertices. Two triangles have six corners
-  // with two numbers each.
+  // Maximum bytes of a step. A decision takes at most 10 bits; a number at most 24 decisions and 42 bits. A vertex has
+  // three numbers, and three more for its colour; a component has three vertices. Two triangles have six corners with
+  // two numbers each.
   static constexpr std::size_t kStepBytes = 288, kComponentBytes = 704, kCornersBytes = 448;
 
-  /// How far a vertex was from where it was expected, and how many triangles it has.
+  /// Prediction errors of a vertex, and its number of triangles.
   struct Mark {
     std::uint16_t along = 8, across = 8, color = 8;
     std::uint8_t triangles = 0;
   };
   struct Models {
-    // By the gap, the triangles at its vertex, whether its edges differ; by the gap, the triangles at its ends.
+    // By the gap, the triangles at its vertex, and whether its edges differ; the second pair by the gap and the
+    // triangles at its ends.
     std::array<std::array<std::array<TwoRates, 2>, kTurns>, kGaps> closes, twice;
     std::array<std::array<std::array<TwoRates, kTurns>, kTurns>, kGaps / 2 + 1> closes_ends, twice_ends;
     std::array<std::array<TwoRates, kTurns>, kGaps> fresh;
     std::array<TwoRates, 2> left, rim;
     std::array<Lengths, 2> starts;
     Digits start_digits;
-    // Where one triangle is new, or two; by what is beside.
+    // For one new triangle or two; by the errors of nearby vertices.
     std::array<std::array<std::array<Lengths, 8>, kRanks>, 2> along, across;
     std::array<std::array<std::array<Lengths, 16>, kGaps>, 2> along_gap, across_fold;
     std::array<Digits, 2> along_digits, across_digits;
     std::array<std::array<Lengths, 16>, 3> colors;
     std::array<std::array<Lengths, 10>, 3> colors_before;
     std::array<Digits, 3> color_digits;
-    std::array<std::array<TwoRates, GateQueue::kRanks>, GateQueue::kRanks> ranks;  // by the one before
+    std::array<std::array<TwoRates, GateQueue::kRanks>, GateQueue::kRanks> ranks;  // by the previous rank
   };
-  /// What is known of where a new vertex comes.
+  /// Surroundings of a new vertex.
   struct Site {
     std::uint32_t a, b, o, r, o2;
     std::uint32_t side, behind, before;  // the gate and its neighbours in the chain
     std::uint32_t gap = 0;
-    bool closes = false;  // the side behind is open
+    bool closes = false;  // the next side is open
     bool two = false;
   };
 
-  /// Where the corners of new triangles lie in the texture.
+  /// Codes the texture coordinates of new triangles.
   bool corners();
   [[nodiscard]] std::size_t corners_bytes() const { return corners_.wanted() ? kCornersBytes : 0; }
   [[nodiscard]] int top() const { return (1 << header_.bits) - 1; }
@@ -204,7 +203,7 @@ bool MeshGrowth<Coder, Guide>::corners() {
   return true;
 }
 
-/// That of the cell in which a vertex lies; it is told when it is asked for.
+/// Returns the rank of the vertex's cell, and codes it at first use.
 template <class Coder, class Guide>
 std::uint32_t MeshGrowth<Coder, Guide>::rank_at(std::uint32_t vertex) {
   if (header_.cell_bits == 0) return 0;
@@ -219,8 +218,8 @@ std::uint32_t MeshGrowth<Coder, Guide>::rank_at(std::uint32_t vertex) {
   return last_rank_;
 }
 
-// 32 |a - r|^2 / (|a - b|^2 + |r - b|^2) at b, from 0 to 64: 0 where both edges are one, 32 where they are at right
-// angles. Where the gap is wider than what is straight, 128 less that.
+// Gap at b: 32 |a - r|^2 / (|a - b|^2 + |r - b|^2), from 0 to 64: 0 if both edges coincide, 32 if they are
+// perpendicular. For gaps wider than a straight angle: 128 minus that.
 template <class Coder, class Guide>
 std::uint32_t MeshGrowth<Coder, Guide>::gap_behind(std::uint32_t side) const {
   const glm::ivec3 a = places_[gates_.from(side)], b = places_[gates_.to(side)], o = places_[gates_.opposite(side)];
@@ -313,7 +312,7 @@ bool MeshGrowth<Coder, Guide>::beside(const GateQueue::Gate& gate) {
   s.o2 = gates_.opposite(s.behind);
   s.closes = gates_.open(s.behind);
   if (s.r == s.a) return false;
-  // What lies beyond, where it is known: its side there, and which vertex, if it has a number.
+  // The side beyond the gate, if known, and its apex, if it has a number.
   std::uint32_t half = Gates::kNone, beyond = Gates::kNone;
   bool is_fresh = false;
   if constexpr (kWrites) {
@@ -447,7 +446,8 @@ glm::ivec3 MeshGrowth<Coder, Guide>::expected(const Site& s, std::array<glm::ive
   return at;
 }
 
-// Two axes as they are expected, then the third, along which the surface is steepest, where its plane would have it.
+// Codes two axes relative to their prediction. Then codes the third, along which the surface is steepest, relative to
+// the predicted plane.
 template <class Coder, class Guide>
 bool MeshGrowth<Coder, Guide>::vertex(const Site& s) {
   std::array<glm::ivec3, kNear> near{};
@@ -470,7 +470,7 @@ bool MeshGrowth<Coder, Guide>::vertex(const Site& s) {
   const auto rank = [](std::uint32_t x) { return std::min<std::size_t>(grade(x), kRanks - 1); };
   const auto edges = static_cast<std::uint64_t>(dot(a - b, a - b) + dot(o - b, o - b));
   const std::size_t scale = std::clamp(static_cast<int>(std::bit_width(edges)) / 2 - 2, 0, 7);
-  // How far the two triangles beside the gap are from being one plane: the sine, squared.
+  // Fold between the two triangles beside the gap: the squared sine of their angle.
   const Long3 n1 = reduced(here, 14), n2 = reduced(there, 14);
   const std::int64_t squares = dot(n1, n1) * dot(n2, n2), together = dot(n1, n2);
   std::int64_t bend = squares == 0 ? 0 : (squares - together * together) / std::max<std::int64_t>(1, squares >> 16);

@@ -12,22 +12,22 @@
 
 namespace gs::qnv::exact {
 
-/// Normals that corners of a mesh have in its file, where no rule of shading gives them. FORMAT.md, "Normals".
+/// Normals of a mesh's corners from its file, if no shading rule reproduces them. FORMAT.md, "Normals".
 inline constexpr int kOwnNormalBits = 9, kLeastNormalBits = 4, kMostNormalBits = 14;
 
-/// `mesh`: as it is decoded. `shaded`, `own`: of each of its corners 3 t + k, unit: as the rule of its shading has it,
-/// and in the file.
+/// Encodes normals. `mesh` is as decoded. `shaded` and `own` are the unit normals of each corner 3 t + k: by its
+/// shading rule, and from the file.
 [[nodiscard]] std::vector<std::byte> encode_normals(const ExactMesh& mesh, std::span<const glm::vec3> shaded,
                                                     std::span<const glm::vec3> own, int bits = kOwnNormalBits);
-/// The normals of all corners, unit. Nothing where the bytes are none of this mesh. Safe for untrusted bytes; time is
-/// in proportion to the corners.
+/// Returns the unit normals of all corners, or nullopt if the bytes do not belong to this mesh. Safe for untrusted
+/// bytes; time is proportional to the corners.
 [[nodiscard]] std::optional<std::vector<glm::vec3>> decode_normals(std::span<const std::byte> bytes,
                                                                    const ExactMesh& mesh,
                                                                    std::span<const glm::vec3> shaded);
 
-/// Normals of the corners of a mesh by the rule of its shading.
+/// Returns the normals of a mesh's corners by a shading rule.
 [[nodiscard]] std::vector<glm::vec3> shaded_normals(const ExactMesh& mesh, const Shading& shading);
-/// How far normals are apart, as the root of the mean square of chords.
+/// Returns the distance between normals, as the root mean square of chords.
 [[nodiscard]] double distance_of(std::span<const glm::vec3> shaded, std::span<const glm::vec3> own);
 
 }  // namespace gs::qnv::exact

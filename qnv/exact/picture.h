@@ -10,35 +10,35 @@
 
 namespace gs::qnv::exact {
 
-/// The picture that a tail's texture coordinates mean. FORMAT.md, "Picture".
+/// Texture of a tail with texture coordinates. FORMAT.md, "Picture".
 inline constexpr std::size_t kMostPictureFiles = 8;
 struct TailPicture {
-  std::vector<PictureFile> files;  // from coarse to fine: 1 to kMostPictureFiles
+  std::vector<PictureFile> files;  // coarse to fine; 1 to kMostPictureFiles
   bool repeat_s = true, repeat_t = true;
 };
 
-/// As it is cut into the payloads of chunks.
+/// Returns the bytes that are cut into chunk payloads.
 [[nodiscard]] std::vector<std::byte> encode_picture(const TailPicture& picture);
-/// So many of its bytes from the front on show a file.
+/// Returns the length of the prefix needed to show a file.
 [[nodiscard]] std::size_t bytes_until_shown(const TailPicture& picture, std::size_t file);
 
-/// A picture as its pieces come, in any order. Safe for untrusted bytes; holds no more than what came, twice.
+/// Picture received in pieces, in any order. Safe for untrusted bytes; holds at most twice what was received.
 class PictureReader {
  public:
-  /// The payload of a chunk. False where it is none.
+  /// Adds the payload of a chunk. Returns false if it is invalid.
   bool add(std::span<const std::byte> payload);
-  /// Whether there is enough of it to show something.
+  /// Reports whether enough was received to show a file.
   [[nodiscard]] bool enough() const { return !finest().empty(); }
   [[nodiscard]] bool whole() const { return pieces_.length() != 0 && front_.size() == pieces_.length(); }
-  /// What there is of it from the front on; null: nothing. It is another one than before only where a third more has
-  /// come, or all: pictures take time to unpack.
+  /// Returns the picture received so far, or nullptr. Returns a new object only after a third more was received, or all
+  /// of it, because decoding a picture takes time.
   [[nodiscard]] std::shared_ptr<const SurfacePicture> picture() const;
-  /// How many bytes of it have come, and how many there are; 0: none have.
+  /// Returns the bytes received; length() returns the total, or 0 if unknown.
   [[nodiscard]] std::size_t come() const { return pieces_.come(); }
   [[nodiscard]] std::size_t length() const { return pieces_.length(); }
 
  private:
-  /// From where to where the finest file of which there is enough has come; empty: there is none.
+  /// Received range of the finest file that can be shown; empty if none can.
   struct Range {
     std::size_t begin = 0, end = 0;
     [[nodiscard]] bool empty() const { return end == begin; }
@@ -48,7 +48,7 @@ class PictureReader {
   TailPieces pieces_;
   std::vector<std::byte> front_;
   mutable std::shared_ptr<const SurfacePicture> shown_;
-  mutable Range shown_range_;  // that it shows
+  mutable Range shown_range_;  // range held by shown_
 };
 
 }  // namespace gs::qnv::exact

@@ -8,32 +8,31 @@
 
 namespace gs::qnv::exact {
 
-/// A tail as its bytes come: a mesh that grows triangle by triangle. What is there at any time is a part of the whole,
-/// as many triangles of it as the bytes say. One thread; safe for untrusted bytes: memory and time are in proportion to
-/// what came.
+/// Incremental decoder of a tail: a mesh that grows triangle by triangle. At any time it is a part of the whole mesh.
+/// Not thread-safe. Safe for untrusted bytes: memory and time are proportional to the bytes received.
 class TailReader {
  public:
   enum class State {
-    growing,  // more bytes are needed
+    growing,  // needs more bytes
     whole,
-    refused,  // the bytes are no tail; what grew before that is still there
-    full      // it has more vertices than there may be
+    refused,  // the bytes are not a tail; the mesh decoded so far remains
+    full      // has more vertices than allowed
   };
 
-  /// `length`: of the whole tail, bytes.
+  /// `length` is that of the whole tail, in bytes.
   TailReader(std::size_t length, std::size_t most_vertices);
   TailReader(TailReader&&) noexcept;
   TailReader& operator=(TailReader&&) noexcept;
   ~TailReader();
-  /// The next bytes. Those behind the end are passed over.
+  /// Decodes the next bytes. Ignores bytes past the end.
   void push(std::span<const std::byte> bytes);
   [[nodiscard]] State state() const { return state_; }
-  /// How many triangles have come, and how many there will be; 0: that is not known yet.
+  /// Returns the triangles decoded; all_triangles() returns the total, or 0 if unknown.
   [[nodiscard]] std::size_t triangles() const;
   [[nodiscard]] std::size_t all_triangles() const;
-  /// Whether corners have texture coordinates, as far as that is known.
+  /// Reports whether corners have texture coordinates; false while unknown.
   [[nodiscard]] bool textured() const;
-  /// What has come.
+  /// Returns the mesh decoded so far.
   [[nodiscard]] ExactMesh mesh() const;
 
  private:

@@ -14,58 +14,58 @@
 
 namespace gs::qnv {
 
-/// What decoding one cluster gave, before it is a part of the tree.
+/// Result of decoding one cluster, before it is added to the tree.
 struct DecodedCluster {
-  std::unique_ptr<Cluster> cluster;  // none: the problem says why
+  std::unique_ptr<Cluster> cluster;  // nullptr on failure; see `problem`
   std::string problem;
   NormalCone cone;
-  std::uint32_t discs = 0, replaced = 0;  // its own; of its parent, in whose place they are
+  std::uint32_t discs = 0, replaced = 0;  // its own splats; those of its parent that they replace
 };
 
-/// What of a stream's clusters is decoded: voxels, which their children need, and discs, which are drawn. Clusters
-/// with one parent whose discs are made at the same time share a cloud, so that there are few. One thread, which makes
-/// others work for it.
+/// Decoded data of a stream's clusters: voxels, which children need, and splats, which are drawn. Clusters of one
+/// parent with splats made at the same time share a cloud, which keeps the number of clouds low. Call from one thread;
+/// it uses others internally.
 class LodCache {
  public:
-  /// `tree` and `header` are the stream's own. `keep_voxels`: also of clusters without children, which may come yet.
+  /// `tree` and `header` belong to the stream. `keep_voxels` keeps even the voxels of clusters without known children.
   LodCache(LodTree& tree, const StreamHeader& header, std::size_t most_bytes, bool keep_voxels)
       : tree_(tree), header_(header), most_bytes_(most_bytes), keep_voxels_(keep_voxels) {}
 
   void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
 
-  /// A place in a stream's bytes and what is wrong there.
+  /// Problems with their byte offsets.
   using Problems = std::vector<StreamProblem>;
 
   [[nodiscard]] bool has_voxels(std::uint32_t node) const { return entry(node) && entry(node)->voxels; }
   [[nodiscard]] bool has_discs(std::uint32_t node) const { return entry(node) && entry(node)->discs; }
   [[nodiscard]] bool has(std::uint32_t node) const { return has_voxels(node) || has_discs(node); }
 
-  /// Decodes the voxels of clusters, each of whose parents has its own or is among them. What cannot be decoded, or is
-  /// not what it was said to be, becomes broken.
+  /// Decodes the voxels of clusters. Every parent must be decoded or in `nodes`. Marks clusters as broken if they are
+  /// invalid or do not match their description.
   void decode(const ChunkSource& source, std::vector<std::uint32_t> nodes, std::uint64_t now, Problems& problems);
-  /// Decodes one, keeping nothing. `parent`: its parent's; null for the one without. Pure.
+  /// Decodes one cluster without storing it. `parent` is its parent's, or nullptr for the root. Pure.
   [[nodiscard]] DecodedCluster decode_one(const ChunkSource& source, std::uint32_t node, const Cluster* parent) const;
-  /// A box for a cluster that has none of its own, from the voxels of its parent if they are there.
+  /// Computes a box for a cluster without one, from its parent's voxels if available.
   void find_box(std::uint32_t node);
-  /// Makes the discs of clusters that have voxels.
+  /// Makes the splats of clusters that have voxels.
   void make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now);
 
-  /// Discs that some voxels of a cluster are, in the cloud that they lie in.
+  /// Splats of some voxels of a cluster, and their cloud.
   struct Discs {
-    std::uint64_t order = 0;  // of its cloud among all
+    std::uint64_t order = 0;  // sequence number of the cloud
     std::shared_ptr<const Cloud> cloud;
     std::size_t first = 0, last = 0;
   };
-  /// `node` must have discs.
+  /// Returns splats of a node. `node` must have splats.
   [[nodiscard]] Discs discs(std::uint32_t node, std::size_t first_voxel, std::size_t last_voxel) const;
 
-  /// Needed now.
+  /// Mark data as used now.
   void use_voxels(std::uint32_t node, std::uint64_t now);
   void use_discs(std::uint32_t node, std::uint64_t now);
-  /// Needed by the last cut of a viewport: discs that it shows, or whatever there is of a cluster of which it does not.
+  /// Pin data for a viewport's last cut: splats that it shows, or all data of a cluster that it does not show.
   void pin_discs(std::uint32_t node, std::uint64_t now);
   void pin(std::uint32_t node, std::uint64_t now);
-  /// Forgets what was not used for longest, as far as there is too much, but nothing that was pinned now.
+  /// Frees the least recently used data until the limit holds, except data pinned now.
   void shrink(std::uint64_t now);
 
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
@@ -80,11 +80,11 @@ class LodCache {
   };
   struct Entry {
     std::unique_ptr<Cluster> voxels;
-    std::vector<bool> divided;           // of the voxels, by children that are known
-    std::uint64_t used = 0, pinned = 0;  // the voxels
-    Group* discs = nullptr;              // where they lie
-    std::size_t first_disc = 0;          // there
-    std::vector<std::uint32_t> disc_of;  // of every voxel, and one more; empty when each has one disc
+    std::vector<bool> divided;           // voxels divided by known children
+    std::uint64_t used = 0, pinned = 0;  // of the voxels
+    Group* discs = nullptr;              // group that holds the splats
+    std::size_t first_disc = 0;          // in the group
+    std::vector<std::uint32_t> disc_of;  // first splat of every voxel, and one more; empty if each has one splat
   };
   struct Family;
 

@@ -13,7 +13,7 @@
 
 namespace gs::qnv {
 
-/// Where the bytes of a stream lie: in memory, or in a file that whoever does I/O reads.
+/// Random access to the bytes of a stream, in memory or in a file.
 class ChunkSource {
  public:
   ChunkSource() = default;
@@ -21,28 +21,28 @@ class ChunkSource {
   ChunkSource& operator=(const ChunkSource&) = delete;
   virtual ~ChunkSource() = default;
 
-  /// How long the stream is.
+  /// Returns the length of the stream.
   [[nodiscard]] virtual std::uint64_t size() const = 0;
-  /// Copies what stands from `offset` on; how many bytes came: fewer than `to` has where the stream ends or cannot be
-  /// read. Several threads may read at once.
+  /// Copies bytes from `offset` on. Returns the number of bytes read, which is less than the size of `to` at the end of
+  /// the stream or on failure. Safe from several threads at once.
   [[nodiscard]] virtual std::size_t read(std::uint64_t offset, std::span<std::byte> to) const = 0;
 };
 
-/// A stream that lies in memory as a whole.
+/// Returns a source for a stream that is completely in memory.
 [[nodiscard]] std::shared_ptr<const ChunkSource> memory_source(std::vector<std::byte> bytes);
 
-/// The chunks of a stream that have come, in any order. One thread adds; not while others read.
+/// Received chunks of a stream, in any order. Add from one thread, and not while others read.
 class ArrivedChunks : public ChunkSource {
  public:
-  /// `most_bytes`: of all of them together.
+  /// `most_bytes` limits the total size.
   explicit ArrivedChunks(std::size_t most_bytes) : most_bytes_(most_bytes) {}
   void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
-  /// A whole chunk that stands at `offset`. False when they would take too much memory.
+  /// Adds a whole chunk at `offset`. Returns false if the limit would be exceeded.
   bool add(std::uint64_t offset, std::vector<std::byte> chunk);
   [[nodiscard]] bool has(std::uint64_t offset) const { return chunks_.contains(offset); }
 
   [[nodiscard]] std::uint64_t size() const override { return ~std::uint64_t{0}; }
-  /// Only from the first byte of a chunk on, and no further than its end.
+  /// Reads one chunk. `offset` must be its start; never reads past its end.
   [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override;
 
  private:
@@ -50,24 +50,24 @@ class ArrivedChunks : public ChunkSource {
   std::size_t most_bytes_, bytes_ = 0;
 };
 
-/// A chunk, whole and with the right checksum.
+/// Complete chunk with a valid checksum.
 struct SoundChunk {
   ChunkType type = ChunkType::packed;
-  std::span<const std::byte> payload;  // in the bytes that it was read from
+  std::span<const std::byte> payload;  // points into the bytes that were parsed
 };
 
-/// Bytes that should be exactly one chunk; else what is wrong with them. Safe for untrusted bytes.
+/// Parses bytes that should be exactly one chunk. Returns a problem otherwise. Safe for untrusted bytes.
 [[nodiscard]] std::variant<SoundChunk, std::string> sound_chunk(std::span<const std::byte> bytes);
-/// The chunk of `bytes` bytes at `offset`, which lies in `buffer` then.
+/// Reads the chunk of `bytes` bytes at `offset` into `buffer`.
 [[nodiscard]] std::variant<SoundChunk, std::string> read_chunk(const ChunkSource& source, std::uint64_t offset,
                                                                std::size_t bytes, std::vector<std::byte>& buffer);
 
-/// The header of a stream, and how long it is.
+/// Reads the header of a stream; sets its length.
 [[nodiscard]] std::variant<StreamHeader, StreamProblem> read_stream_header(const ChunkSource& source,
                                                                            std::size_t& header_bytes);
-/// All entries of the directory; empty unless it is whole.
+/// Returns all directory entries; empty if the directory is incomplete.
 [[nodiscard]] std::vector<DirectoryEntry> read_directory(const ChunkSource& source, const StreamHeader& header);
-/// The same of the bytes of its chunks, one after the other.
+/// Returns all directory entries from the concatenated directory chunks.
 [[nodiscard]] std::vector<DirectoryEntry> directory_of(std::span<const std::byte> chunks, const StreamHeader& header);
 
 }  // namespace gs::qnv

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-// Numbers of any width, packed without gaps, lowest bit first; and the checksums of heads and records. FORMAT.md,
+// Numbers of any bit width, packed without gaps, lowest bit first; and the checksums of heads and records. FORMAT.md,
 // "Outlines payload".
 namespace gs::qnv::outline {
 
-/// 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ...
+/// Maps 0, -1, 1, -2, 2, ... to 0, 1, 2, 3, 4, ...
 [[nodiscard]] constexpr std::uint64_t zigzag(std::int64_t value) {
   return (static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63);
 }
@@ -19,13 +19,13 @@ namespace gs::qnv::outline {
   return static_cast<std::int64_t>(value >> 1) ^ -static_cast<std::int64_t>(value & 1);
 }
 
-/// Orders of Exp-Golomb codes are 0..31.
+/// Maximum order of an Exp-Golomb code.
 constexpr int kMostOrder = 31;
-/// Values of Exp-Golomb codes are below 2^40.
+/// Bits of an Exp-Golomb code's value; values are below 2^40.
 constexpr int kMostValueBits = 40;
 
-/// How many bits an Exp-Golomb code takes (J. Teuhola 1978): b - order - 1 zeros, a one, and the lower b - 1 bits of
-/// value + 2^order, which has b bits.
+/// Returns the length of an Exp-Golomb code in bits (J. Teuhola 1978): b - order - 1 zeros, a one, and the lower b - 1
+/// bits of value + 2^order, which has b bits.
 [[nodiscard]] constexpr int golomb_bits(std::uint64_t value, int order) {
   return 2 * static_cast<int>(std::bit_width(value + (std::uint64_t{1} << order))) - order - 1;
 }
@@ -33,7 +33,7 @@ constexpr int kMostValueBits = 40;
 class BitWriter {
  public:
   explicit BitWriter(std::vector<std::byte>& out) : out_(out) {}
-  /// The lowest `width` bits, at most 40.
+  /// Writes the lowest `width` bits, at most 40.
   void bits(std::uint64_t value, int width) {
     waiting_ |= (value & ((std::uint64_t{1} << width) - 1)) << count_;
     for (count_ += width; count_ >= 8; count_ -= 8, waiting_ >>= 8)
@@ -47,7 +47,7 @@ class BitWriter {
     flag(true);
     bits(sum, width - 1);
   }
-  /// Zeros up to the next byte.
+  /// Fills the last byte with zeros.
   void align() {
     if (count_ > 0) bits(0, 8 - count_);
   }
@@ -58,11 +58,11 @@ class BitWriter {
   int count_ = 0;
 };
 
-/// Behind the end are zeros, and `good` tells.
+/// Reads packed numbers. Past the end it returns zeros, and good() becomes false.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  /// At most 40.
+  /// Reads at most 40 bits.
   std::uint64_t bits(int width) {
     while (count_ < width) {
       if (at_ == bytes_.size()) {
@@ -90,7 +90,7 @@ class BitReader {
   }
   [[nodiscard]] bool good() const { return good_; }
   [[nodiscard]] std::size_t left() const { return static_cast<std::size_t>(count_) + 8 * (bytes_.size() - at_); }
-  /// Whether all was read but what fills the last byte, and that is 0.
+  /// Reports whether everything was read except the padding of the last byte, and the padding is 0.
   [[nodiscard]] bool at_end() const { return good_ && at_ == bytes_.size() && count_ < 8 && waiting_ == 0; }
 
  private:
@@ -101,9 +101,9 @@ class BitReader {
   bool good_ = true;
 };
 
-/// CRC-8: polynomial 07, highest bit first, starting with FF, no final inversion.
+/// Returns the CRC-8: polynomial 07, highest bit first, initial value FF, no final inversion.
 [[nodiscard]] std::uint8_t crc8(std::span<const std::byte> bytes);
-/// CRC-16: polynomial 1021, highest bit first, starting with FFFF, no final inversion.
+/// Returns the CRC-16: polynomial 1021, highest bit first, initial value FFFF, no final inversion.
 [[nodiscard]] std::uint16_t crc16(std::span<const std::byte> bytes, std::uint16_t from = 0xffff);
 
 }  // namespace gs::qnv::outline

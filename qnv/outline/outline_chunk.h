@@ -9,46 +9,46 @@
 #include <span>
 #include <vector>
 
-// A chunk of outlines or of inner polygons: a head, then records. Only for the encoder and the decoder of outline
-// streams; FORMAT.md, "Outlines payload", defines every bit.
+// A chunk of outlines or of inner polygons: a head, then records. Internal to the encoder and decoder of outline
+// streams. FORMAT.md, "Outlines payload", defines every bit.
 namespace gs::qnv::outline {
 
-/// A corner: x, y, z on the lattice of positions, s, t on that of texture coordinates.
+/// Corner: x, y, z on the position lattice, s, t on the texture lattice.
 struct Corner {
   std::array<std::uint32_t, 3> p{};
   std::array<std::uint32_t, 2> t{};
 };
 
-/// A corner as it is written: u, v, w, s, t.
+/// Coordinates of a corner as written: u, v, w, s, t.
 constexpr std::size_t kAxes = 5, kPlaneAxes = 3;
 using Place = std::array<std::int64_t, kAxes>;
 
-/// Which axis is w, the one that a plane gives: then u and v are the two behind it, in the order x, y, z, x. From w is
-/// taken what the slopes give, so that what lies in the plane has about the same w.
+/// Plane of polygons. `axis` is w; u and v are the next two axes in the order x, y, z, x. Subtracting the plane's rise
+/// from w makes w nearly constant within the plane.
 struct Plane {
   static constexpr std::array<int, 4> kSlopeBits{0, 6, 10, 14};
-  std::uint8_t axis = 2, precision = 0;  // precision: 0..3, none without slopes
-  std::array<std::int32_t, 2> slopes{};  // in 1 / 2^(bits - 2)
+  std::uint8_t axis = 2, precision = 0;  // precision: 0..3; 0 means no slopes
+  std::array<std::int32_t, 2> slopes{};  // in units of 1 / 2^(bits - 2)
 
   [[nodiscard]] std::size_t u() const { return (axis + 1u) % 3; }
   [[nodiscard]] std::size_t v() const { return (axis + 2u) % 3; }
-  /// What the slopes give at a distance of (u, v), rounded down.
+  /// Returns the rise of the plane at (u, v), rounded down.
   [[nodiscard]] std::int64_t rise(std::int64_t u, std::int64_t v) const {
     return precision == 0 ? 0 : (slopes[0] * u + slopes[1] * v) >> (kSlopeBits[precision] - 2);
   }
-  /// Bits that `write` takes.
+  /// Returns the number of bits that write() produces.
   [[nodiscard]] int cost() const { return 4 + 2 * kSlopeBits[precision]; }
   void write(BitWriter& to) const;
-  static Plane read(BitReader& from);  // axis 3 is left for the reader to refuse
+  static Plane read(BitReader& from);  // may return axis 3, which the caller must reject
   [[nodiscard]] bool good() const { return axis < 3; }
 };
 
-/// Corners seen from one of them (or any place on the lattice), in a plane's axes.
+/// Corners relative to a point on the lattice, in a plane's axes.
 class PlaneView {
  public:
   PlaneView(const Plane& plane, const std::array<std::int64_t, 3>& origin) : plane_(plane), origin_(origin) {}
   [[nodiscard]] Place place(const Corner& corner) const;
-  /// Back to x, y, z; s and t as they are.
+  /// Converts back to x, y, z; s and t are unchanged.
   [[nodiscard]] Place lattice(const Place& place) const;
 
  private:
@@ -56,7 +56,7 @@ class PlaneView {
   std::array<std::int64_t, 3> origin_;
 };
 
-/// How differences are written, as zigzag: the orders of their Exp-Golomb codes.
+/// Orders of the Exp-Golomb codes for zigzag differences.
 struct Code {
   std::array<std::uint8_t, kAxes> orders{};
 
@@ -64,32 +64,32 @@ struct Code {
   static Code read(BitReader& from, std::size_t axes);
 };
 
-/// What records of a chunk have in common unless they say otherwise.
+/// Shared parameters of a chunk's records.
 struct Frame {
-  std::uint32_t first_group = 0;  // records count from it
+  std::uint32_t first_group = 0;  // base of the records' group numbers
   int group_bits = 0;             // 0..31
   Plane plane;
   Place origin{};                          // of the box of first corners
-  std::array<std::uint8_t, kAxes> bits{};  // of that box
+  std::array<std::uint8_t, kAxes> bits{};  // widths within that box
   Code code;
-  std::uint8_t count_order = 0;  // outlines: of the number of inner polygons
+  std::uint8_t count_order = 0;  // outlines: order of the number of inner polygons
 
-  /// Where in the box of first corners one lies: what is written of it.
+  /// Returns a first corner relative to the box, as written.
   [[nodiscard]] Place place(const Corner& corner) const;
-  /// Back to x, y, z, s, t on the lattices.
+  /// Converts back to x, y, z, s, t on the lattices.
   [[nodiscard]] Place lattice(Place place) const;
 
  private:
-  /// From u and v of the box's origin, and from w = 0.
+  /// Returns the view from the box's origin (u, v) and w = 0.
   [[nodiscard]] PlaneView view() const;
 };
 
-/// Widths of numbers in heads: what the stream's lattices need.
+/// Bit widths in heads, which follow from the stream's lattices.
 struct LatticeBits {
   explicit LatticeBits(const OutlineHeader& header);
   std::array<int, 3> positions{};
   std::array<int, 2> texture_coordinates{};
-  int sheared = 0;  // of w less a rise, with its sign
+  int sheared = 0;  // of w minus a rise, with its sign
 };
 
 struct ChunkHead {
@@ -99,16 +99,16 @@ struct ChunkHead {
   bool inner = false, textured = false;
   std::uint32_t first_group = 0;
   std::vector<Frame> frames;           // 1..255
-  std::vector<std::uint16_t> lengths;  // of the records, in bytes, with their checksums
+  std::vector<std::uint16_t> lengths;  // of the records in bytes, including their checksums
 
   [[nodiscard]] std::size_t axes() const { return textured ? kAxes : kPlaneAxes; }
   [[nodiscard]] int frame_bits() const { return static_cast<int>(std::bit_width(frames.size() - 1)); }
-  /// The bytes of the head, with its checksum.
+  /// Returns the bytes of the head, with its checksum.
   [[nodiscard]] std::vector<std::byte> encode(const LatticeBits& bits) const;
 };
 
-/// Reads a head; false when it is damaged or impossible, or its records do not fill the payload exactly. `head_bytes`
-/// is where the first record begins. Safe for untrusted bytes.
+/// Reads a head. Returns false if it is damaged or invalid, or if its records do not fill the payload exactly. Sets
+/// `head_bytes` to the offset of the first record. Safe for untrusted bytes.
 [[nodiscard]] bool decode_head(std::span<const std::byte> payload, const LatticeBits& bits, ChunkHead& head,
                                std::size_t& head_bytes);
 

@@ -14,45 +14,46 @@
 
 namespace gs::qnv {
 
-/// Any polygon model: polygons as rings of corners into positions, convex or not, planar or not.
+/// Polygon model: polygons as rings of corners that index positions. Polygons may be concave and non-planar.
 struct PolygonModel {
-  std::vector<glm::vec3> positions;        // duplicates allowed: equal ones are one
-  std::vector<std::uint32_t> corners;      // polygon after polygon, counter-clockwise seen from the front
-  std::vector<std::uint32_t> ends;         // of each polygon, in `corners`; ascending
-  std::vector<std::uint32_t> appearances;  // empty, or one a polygon: different ones share neither group nor polygon
-  std::vector<glm::vec2> texture_coordinates;  // empty, or one a corner
-  std::vector<std::uint8_t> bent;  // empty, or one a polygon; not 0: shading bends it, so that even where it
-                                   // is coplanar with another, the two are not merged exactly
+  std::vector<glm::vec3> positions;            // may contain duplicates, which are welded
+  std::vector<std::uint32_t> corners;          // of all polygons in order, counter-clockwise seen from the front
+  std::vector<std::uint32_t> ends;             // end of each polygon in `corners`; ascending
+  std::vector<std::uint32_t> appearances;      // empty, or one per polygon; different ones are never grouped or merged
+  std::vector<glm::vec2> texture_coordinates;  // empty, or one per corner
+  std::vector<std::uint8_t> bent;  // empty, or one per polygon; nonzero: smooth shading bends it, so that it is not
+                                   // merged exactly with coplanar polygons
 };
 
-/// Lengths in the model's units, angles in radians. What is negative or no number counts as 0.
+/// Lengths in the model's units, angles in radians. Negative values and NaN count as 0.
 struct OutlineOptions {
-  /// Most distance of a corner from its group's plane. 0: groups are flat, as the merging below has it.
+  /// Maximum distance of a corner from its group's plane. 0: groups are flat, as defined for merging below.
   double tolerance = 0;
-  /// Most between a polygon's normal and its group's. Polygons thinner than the rounding of positions count as having
+  /// Maximum angle between polygon and group normals. Polygons thinner than the rounding of positions count as having
   /// none.
   double angle = 0.7;
-  /// Stop when no more than so many are left; 0: as few as the two above allow. For about N whatever they look like:
-  /// an infinite tolerance and an angle of 1.5. What is not connected stays apart.
+  /// Stop at this number of groups; 0: as few as the two limits above allow. To get about N groups unconditionally, use
+  /// an infinite tolerance and an angle of 1.5. Unconnected parts stay separate.
   std::size_t groups = 0;
-  /// Most distance from the plane of what becomes one polygon, and of vertices that are dropped from nearly straight
-  /// edges. 0: what is coplanar to the rounding of positions, with normals within 1e-6, and no vertex is dropped (even
-  /// a perfectly straight one: graphics hardware rounds corners to fractions of a pixel): nothing visible changes.
+  /// Maximum distance from the plane of polygons merged into one, and of vertices dropped from nearly straight edges.
+  /// 0: merge what is coplanar within the rounding of positions and has normals within 1e-6, and drop no vertex, not
+  /// even from a perfectly straight edge. Nothing visible changes then; graphics hardware rounds corners to fractions
+  /// of a pixel.
   double merge_tolerance = 0;
-  /// Most between the normals of what becomes one polygon; only with a merge_tolerance.
+  /// Maximum angle between the normals of polygons merged into one; used only with a merge_tolerance.
   double merge_angle = 0.01;
-  /// Most distance of dropped vertices from an outline. 0: outlines have all vertices that inner polygons have there.
+  /// Maximum distance of dropped vertices from an outline. 0: outlines keep all vertices of the inner polygons there.
   double outline_tolerance = 0;
-  unsigned threads = 0;  // 0: one a core
+  unsigned threads = 0;  // 0: one per core
 };
 
-/// One polygon: its first ring is the outer one, counter-clockwise seen from the front; the others are holes,
-/// clockwise. Rings of merged polygons may touch each other at vertices but do not cross; outlines of bent groups are
-/// not flat, and where they are simplified much they may cross themselves. A view, valid as long as what it is of.
+/// View of one polygon, valid as long as its owner. The first ring is the outer one, counter-clockwise seen from the
+/// front; the others are holes, clockwise. Rings of merged polygons may touch at vertices but do not cross. Outlines of
+/// bent groups are not flat and, if much simplified, may cross themselves.
 struct OutlinePolygon {
   std::span<const glm::vec3> positions;            // ring after ring
-  std::span<const glm::vec2> texture_coordinates;  // empty, or one a position
-  std::span<const std::uint32_t> ring_ends;        // in the positions of what it is a view of: minus `first`
+  std::span<const glm::vec2> texture_coordinates;  // empty, or one per position
+  std::span<const std::uint32_t> ring_ends;        // in the positions of the owner: subtract `first`
   std::uint32_t first = 0;
   double area = 0;  // units^2
 
@@ -64,10 +65,10 @@ struct OutlinePolygon {
   }
 };
 
-/// Polygons in flat arrays: a million of them cost a handful of allocations.
+/// Polygons in flat arrays, with few allocations even for a million polygons.
 struct OutlinePolygons {
   std::vector<glm::vec3> positions;            // ring after ring, polygon after polygon
-  std::vector<glm::vec2> texture_coordinates;  // empty, or one a position
+  std::vector<glm::vec2> texture_coordinates;  // empty, or one per position
   std::vector<std::uint32_t> ring_ends;        // in `positions`
   std::vector<std::uint32_t> polygon_ends;     // in `ring_ends`
   std::vector<double> areas;                   // of each polygon, without its holes; units^2
@@ -77,33 +78,33 @@ struct OutlinePolygons {
   [[nodiscard]] OutlinePolygon operator[](std::size_t polygon) const;
 };
 
-/// Polygons that are nearly in one plane, of one appearance, connected over edges.
+/// Connected polygons of one appearance that are nearly in one plane.
 struct OutlineGroup {
   std::uint32_t appearance = 0;
-  glm::vec3 normal{0};         // unit: the mean of its polygons' by area
+  glm::vec3 normal{0};         // unit; mean of its polygons' normals by area
   double offset = 0;           // of the plane: dot(normal, p) = offset, midway between its outermost corners
-  double deviation = 0;        // most distance of a corner from that plane
-  double area = 0;             // of the polygons in it; units^2
-  std::uint32_t polygons = 0;  // of the model, in it
-  OutlinePolygons outline;     // usually one: to be filled while nothing else is there. Largest first; may be empty
-                               // where an outline_tolerance leaves nothing of a small group
-  OutlinePolygons inner;       // its polygons, coplanar ones merged, largest first; empty: the outline is exactly that
+  double deviation = 0;        // maximum distance of a corner from that plane
+  double area = 0;             // of its polygons; units^2
+  std::uint32_t polygons = 0;  // number of the model's polygons in it
+  OutlinePolygons outline;     // usually one polygon, shown until the inner ones are received; largest first; may be
+                               // empty for a small group with an outline_tolerance
+  OutlinePolygons inner;       // its polygons, coplanar ones merged, largest first; if empty, the outline is exact
 };
 
-/// What was seen of a model, counted in its polygons unless it says otherwise.
+/// Statistics of a model, in its polygons unless stated otherwise.
 struct OutlineCounts {
   std::size_t polygons = 0;
-  std::size_t invalid = 0;        // left out: corners that do not exist or are no numbers
-  std::size_t degenerate = 0;     // left out: fewer than three different corners, or no area and nothing beside them
-  std::size_t duplicates = 0;     // left out: the same corners facing the same way, once more
-  std::size_t merged = 0;         // that became part of a larger one
+  std::size_t invalid = 0;        // skipped: corners that do not exist or are not finite
+  std::size_t degenerate = 0;     // skipped: fewer than three different corners, or no area and no neighbour
+  std::size_t duplicates = 0;     // skipped: repeated polygons with the same corners and orientation
+  std::size_t merged = 0;         // polygons that became part of a larger one
   std::size_t border_edges = 0;   // edges of one polygon
-  std::size_t unusual_edges = 0;  // edges of more than two polygons, or of two that face differently
+  std::size_t unusual_edges = 0;  // edges of more than two polygons, or of two with conflicting orientation
 };
 
 struct OutlineGroups {
   std::vector<OutlineGroup> groups;     // largest area first
-  std::vector<std::uint32_t> group_of;  // of each polygon of the model, in `groups`; kNoGroup: left out
+  std::vector<std::uint32_t> group_of;  // group of each polygon of the model; kNoGroup: skipped
   OutlineCounts counts;
 
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
@@ -113,32 +114,27 @@ struct OutlineError {
   std::string message;
 };
 
-/// Cuts a model into outline groups (paper, section 1.1): clusters of the polygons' dual graph, grown by merging the
-/// neighbours whose normals differ least by area (Garland et al. 2001 with the measure of Cohen-Steiner et al. 2004)
-/// while every corner and every normal stays within the tolerances; a polygon that alone breaks them is a group.
-/// Then coplanar polygons of a group are merged exactly, and its boundary is chained to rings.
-///
-/// No crack and no T-junction appears that the model does not have: every ring keeps the model's own positions, and a
-/// vertex is dropped only by all that pass it, and only where the same two neighbours follow in all of them. That holds
-/// among outlines, and among inner polygons together with the outlines of groups that have none.
-///
-/// Polygons with texture coordinates are merged only where one affine map gives all of them. Outlines of more than
-/// one polygon have no texture coordinates.
-///
-/// Safe for any model: what cannot be used is counted and left out; time and memory grow about as n log n. An error
-/// where the arrays of the model do not fit each other, or when it was cancelled. The same result for any number of
-/// threads. Blocking; any thread.
+/// Divides a model into outline groups (paper, section 1.1): clusters of the polygons' dual graph. Clusters grow by
+/// merging the neighbours with the least normal difference by area (Garland et al. 2001 with the measure of
+/// Cohen-Steiner et al. 2004), while every corner and normal stays within the tolerances. A polygon that exceeds them
+/// alone is a group. Then coplanar polygons of a group are merged exactly, and its boundary is chained into rings. Adds
+/// no crack and no T-junction: every ring keeps the model's own positions. A vertex is dropped only from all rings that
+/// pass it, and only if the same two neighbours follow in all of them. This holds among outlines, and among inner
+/// polygons together with the outlines of groups that have none. Polygons with texture coordinates are merged only if
+/// one affine map gives all coordinates. Outlines of more than one polygon have no texture coordinates. Safe for any
+/// model: unusable polygons are counted and skipped. Time and memory grow approximately as n log n. Returns an error if
+/// the arrays of the model do not match, or if cancelled. The result does not depend on the number of threads. Blocks;
+/// safe from any thread.
 [[nodiscard]] std::variant<OutlineGroups, OutlineError> group_outlines(const PolygonModel& model,
                                                                        const OutlineOptions& options,
                                                                        Progress* progress = nullptr);
 
-/// The length of the diagonal of the box of a model's positions that are numbers, as a measure for tolerances; 0 for
-/// none.
+/// Returns the diagonal of the box of all finite positions, as a scale for tolerances; 0 if there are none.
 [[nodiscard]] double model_diagonal(const PolygonModel& model);
 
-/// A polygon with holes as one ring that runs to every hole and back over a bridge: what IndexedFaceSet with convex
-/// FALSE and ear clipping take. Indices into polygon.positions; bridge ends are there twice. A hole for which there is
-/// no bridge inside the polygon (it lies outside) is left out. Takes at worst holes times corners steps.
+/// Returns a polygon with holes as one ring that visits every hole over a bridge and back, as IndexedFaceSet with
+/// convex FALSE and ear clipping need it. The result indexes polygon.positions; bridge ends occur twice. Drops holes
+/// that no bridge inside the polygon can reach (they lie outside). Worst case: holes times corners steps.
 [[nodiscard]] std::vector<std::uint32_t> bridged_ring(const OutlinePolygon& polygon);
 
 }  // namespace gs::qnv

@@ -12,25 +12,25 @@
 #include <cstdint>
 #include <vector>
 
-/// A polygon model as outline groups need it: welded, cleaned, and who is beside whom. Only for them.
+/// Polygon model prepared for outline grouping: welded, cleaned and with adjacency. Internal to group_outlines().
 namespace gs::qnv::outline {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// Faces in half-edges: the half-edge h runs from vertices[h] to vertices[next(h)] with its face to the left.
+/// Half-edge mesh: half-edge h runs from vertices[h] to vertices[next(h)], with its face to the left.
 struct Mesh {
-  std::vector<glm::vec3> positions;        // no two are equal
-  std::vector<std::uint32_t> vertices;     // where each half-edge begins
-  std::vector<std::uint32_t> corners;      // of the model, a half-edge each; empty without texture coordinates
+  std::vector<glm::vec3> positions;        // unique
+  std::vector<std::uint32_t> vertices;     // start vertex of each half-edge
+  std::vector<std::uint32_t> corners;      // of the model, by half-edge; empty without texture coordinates
   std::vector<std::uint32_t> faces;        // of each half-edge
-  std::vector<std::uint32_t> mates;        // the half-edge back along the same edge, of the same appearance; or kNone
-  std::vector<std::uint32_t> begins;       // of each face, in half-edges; one more at the end
-  std::vector<std::uint32_t> sources;      // of each face: the polygon of the model
-  std::vector<std::uint32_t> appearances;  // of each face
-  std::vector<glm::dvec3> normals;         // of each face, unit; 0 where it has no area
-  std::vector<double> areas;               // of each face
-  std::vector<std::uint8_t> thin;          // of each face: so thin that rounding may have turned its normal anywhere
-  double rounding = 0;                     // how far coordinates may be off for being 32 bit floats
+  std::vector<std::uint32_t> mates;        // opposite half-edge of the same appearance, or kNone
+  std::vector<std::uint32_t> begins;       // first half-edge of each face, and one more at the end
+  std::vector<std::uint32_t> sources;      // polygon of the model, by face
+  std::vector<std::uint32_t> appearances;  // by face
+  std::vector<glm::dvec3> normals;         // by face, unit; 0 without area
+  std::vector<double> areas;               // by face
+  std::vector<std::uint8_t> thin;          // by face: so thin that rounding may turn its normal in any direction
+  double rounding = 0;                     // error of coordinates due to float32
 
   [[nodiscard]] std::size_t face_count() const { return sources.size(); }
   [[nodiscard]] std::uint32_t next(std::uint32_t h) const {
@@ -40,11 +40,11 @@ struct Mesh {
   [[nodiscard]] glm::dvec3 position(std::uint32_t h) const { return {positions[vertices[h]]}; }
 };
 
-/// Welds equal positions, drops what is no polygon or there twice, and finds the mates. Where more than two faces meet
-/// at an edge, those whose normals agree best are mates.
+/// Welds equal positions, drops invalid and duplicate polygons, and finds mates. If more than two faces meet at an
+/// edge, those with the closest normals become mates.
 [[nodiscard]] Mesh make_mesh(const PolygonModel& model, unsigned threads, OutlineCounts& counts);
 
-/// Calls work(begin, end) for ranges that make up 0..count, as parallel_for.
+/// Calls work(begin, end) for ranges that cover 0..count, with parallel_for().
 template <typename Work>
 bool for_ranges(std::size_t count, std::size_t range, unsigned threads, const Work& work,
                 Progress* progress = nullptr) {
@@ -53,7 +53,7 @@ bool for_ranges(std::size_t count, std::size_t range, unsigned threads, const Wo
                       [&](std::size_t i) { work(i * range, std::min(count, (i + 1) * range)); }, threads, progress);
 }
 
-/// Twice the vector area of a ring of positions: the cross products around its first.
+/// Returns twice the vector area of a ring of positions, as the sum of cross products around the first one.
 template <typename Position>
 glm::dvec3 ring_area(std::size_t size, const Position& position) {
   glm::dvec3 sum(0);
@@ -69,7 +69,7 @@ glm::dvec3 ring_area(std::size_t size, const Position& position) {
   return sum;
 }
 
-//// Two axes in the plane of a normal, so that counter-clockwise seen from its front is so in them.
+/// Two axes in the plane of a normal. Preserves orientation: counter-clockwise seen from the front.
 struct PlaneAxes {
   explicit PlaneAxes(const glm::dvec3& normal) {
     const glm::dvec3 size(std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z));
@@ -83,7 +83,7 @@ struct PlaneAxes {
   glm::dvec3 x{0}, y{0};
 };
 
-/// Twice the area of a triangle; positive: counter-clockwise.
+/// Returns twice the signed area of a triangle; positive if counter-clockwise.
 inline double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }

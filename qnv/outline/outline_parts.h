@@ -7,19 +7,19 @@
 #include <span>
 #include <vector>
 
-/// The steps from a mesh to outline groups, one file each. Only for group_outlines.
+/// Steps from a mesh to outline groups, one per file. Internal to group_outlines().
 namespace gs::qnv::outline {
 
-/// Faces by what they belong to, numbered from 0.
+/// Partition of faces into labels, numbered from 0.
 struct Labels {
-  std::vector<std::uint32_t> of;  // of each face
+  std::vector<std::uint32_t> of;  // by face
   std::uint32_t count = 0;
 
-  /// Gives numbers in the order in which the labels come.
+  /// Renumbers the labels in order of first use.
   void renumber();
 };
 
-/// The faces of each label one after the other.
+/// Faces of each label, in sequence.
 struct FaceLists {
   explicit FaceLists(const Labels& labels);
   [[nodiscard]] std::span<const std::uint32_t> operator[](std::uint32_t label) const {
@@ -30,40 +30,40 @@ struct FaceLists {
   std::vector<std::uint32_t> begins_, faces_;
 };
 
-/// How far merging goes. Distances in units: of corners from the plane, of dropped vertices from an edge (negative:
-/// none is dropped); of unit normals from each other.
+/// Limits of merging. Distances in units: of corners from the plane, and of dropped vertices from an edge (negative:
+/// none is dropped). Also the maximum distance between unit normals.
 struct MergeLimits {
   double distance = 0, angle = 0, line = -1;
-  bool exact = true;  // so that the normal of the thinnest face counts: it would be seen
+  bool exact = true;  // the thinnest face's normal counts too, because differences would be visible
 };
 [[nodiscard]] MergeLimits merge_limits(const Mesh& mesh, const OutlineOptions& options);
 
-/// Connected faces in one plane that can be merged: larger ones first take what fits their plane.
+/// Labels connected, mergeable faces in one plane. Larger faces first collect the faces that fit their plane.
 [[nodiscard]] Labels coplanar_regions(const PolygonModel& model, const Mesh& mesh, const MergeLimits& limits,
                                       unsigned threads);
 
-/// Connected regions that are nearly in one plane: labels of faces.
+/// Labels the faces of connected regions that are nearly in one plane.
 [[nodiscard]] Labels cluster_regions(const Mesh& mesh, const Labels& regions, const OutlineOptions& options,
                                      Progress* progress);
 
-/// A ring of half-edges of one label's faces, along where it ends.
+/// Ring of half-edges along the boundary of one label.
 using Ring = std::vector<std::uint32_t>;
 
-/// The boundary of faces of one label as simple rings: an edge is part of it where its mate is missing or has another
-/// label. `visited` has a bit of its own, `mark`, for each half-edge; calls for different labels may run at once.
+/// Returns the boundary of one label's faces as simple rings. An edge is on the boundary if its mate is missing or has
+/// another label. `visited` reserves the bit `mark` of each half-edge; calls for different labels may run at once.
 [[nodiscard]] std::vector<Ring> boundary_rings(const Mesh& mesh, const std::vector<std::uint32_t>& labels,
                                                std::span<const std::uint32_t> faces, std::vector<std::uint8_t>& visited,
                                                std::uint8_t mark);
 
-/// Appends polygons made of rings: which holes lie in which outer ring is told in the plane of `normal`. Vertices that
-/// are not `kept` and rings that have fewer than three left are dropped.
+/// Appends polygons made of rings. Assigns holes to outer rings in the plane of `normal`. Drops vertices that are not
+/// `kept`, and rings with fewer than three vertices.
 class PolygonMaker {
  public:
   PolygonMaker(const PolygonModel& model, const Mesh& mesh, const std::vector<std::uint8_t>& kept)
       : model_(model), mesh_(mesh), kept_(kept) {}
 
   void add(std::vector<Ring> rings, const glm::dvec3& normal, bool textured, OutlinePolygons& to) const;
-  /// A face as it is, as one ring.
+  /// Appends an unchanged face, as one ring.
   void add_face(std::uint32_t face, OutlinePolygons& to) const;
 
  private:
@@ -75,13 +75,14 @@ class PolygonMaker {
   const std::vector<std::uint8_t>& kept_;
 };
 
-/// Whether the rings bound a flat surface once: one outer ring, holes, no crossing, an area that is that of the faces.
-/// False too where to find out, or to make bridges to the holes, would take too long.
+/// Reports whether the rings bound a flat surface once: one outer ring, holes, no crossings, and the area of the faces.
+/// Also returns false if the test, or bridges to the holes, would take too long.
 [[nodiscard]] bool bounds_surface(const Mesh& mesh, const std::vector<Ring>& rings, const glm::dvec3& normal,
                                   double area);
 
-/// Which vertices of the half-edges that are `boundary` stay: chains between those where other than two edges meet are
-/// simplified within `tolerance` (Douglas & Peucker 1973), once for all rings that pass them. Negative: all stay.
+/// Returns the vertices of `boundary` half-edges to keep. Simplifies chains between vertices with other than two edges
+/// within `tolerance` (Douglas & Peucker 1973), once for all rings that pass them. If `tolerance` is negative, keeps
+/// all.
 [[nodiscard]] std::vector<std::uint8_t> kept_vertices(const Mesh& mesh, const std::vector<std::uint8_t>& boundary,
                                                       double tolerance);
 

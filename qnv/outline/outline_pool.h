@@ -10,16 +10,16 @@
 #include <string>
 #include <vector>
 
-// Polygons of outline groups, put on the lattice. Only for the encoder of outline streams.
+// Polygons of outline groups on the lattice. Internal to the encoder of outline streams.
 namespace gs::qnv::outline {
 
-/// Rings on the lattice, one polygon after the other.
+/// Rings on the lattice, one polygon after another.
 struct LatticeRings {
   std::vector<Corner> corners;
   std::vector<std::uint32_t> ring_ends;
 };
 
-/// A polygon on the lattice that is to become a record.
+/// Polygon on the lattice that becomes a record.
 struct Placed {
   std::uint32_t group = 0;
   bool textured = false;
@@ -33,28 +33,29 @@ struct PolygonPool {
   [[nodiscard]] Polygon view(std::size_t polygon) const;
 };
 
-/// The lattices of a stream: steps are powers of two, as fine as `position_bits` allow, or as coarse as what lies
-/// on them allows. Nothing where the model is too far from the origin for its size, or has no polygon.
+/// Lattices of a stream. Steps are powers of two, as fine as `position_bits` allows, or as coarse as the positions on
+/// them allow. choose_lattices() returns nullopt if the model is too far from the origin for its size, or has no
+/// polygon.
 struct Lattices {
   OutlineLattice<3> positions;
   OutlineLattice<2> texture_coordinates;
 };
 [[nodiscard]] std::optional<Lattices> choose_lattices(const OutlineGroups& groups, int position_bits, int texture_bits);
 
-/// More corners than this would not be sure to fit into a record.
+/// Returns the maximum number of corners that surely fit into a record.
 [[nodiscard]] std::size_t most_corners(const LatticeBits& bits);
 
-/// Outlines, or inner polygons, of all groups in an order of groups; in a group by area, largest first. What has no
-/// area on the lattice is left out; what has too many corners is cut. False where that failed.
+/// Places the outlines or inner polygons of all groups, in the given order of groups, largest first within a group.
+/// Drops polygons without area on the lattice, and cuts those with too many corners. Returns false if that failed.
 [[nodiscard]] bool place_polygons(const OutlineGroups& groups, std::span<const std::uint32_t> order, bool inner,
                                   const Lattices& lattices, std::size_t most_corners, PolygonPool& pool);
 
-/// Cuts a polygon in two halves of about as many corners, along a line of the lattice: appends their polygons, one
-/// a LatticeRings. False where it cannot, for its rings cross.
+/// Cuts a polygon along a line of the lattice into halves with about as many corners. Appends their polygons, one per
+/// LatticeRings. Returns false if its rings cross.
 [[nodiscard]] bool cut_polygon(const Polygon& polygon, std::vector<LatticeRings>& pieces);
 
-/// Leaves out corners like the one before them, and rings of fewer than three. Nothing is left of a polygon whose outer
-/// ring goes, or that is a triangle without area.
+/// Removes repeated corners, and rings of fewer than three. Removes the whole polygon if its outer ring goes or it is a
+/// triangle without area.
 void clean(LatticeRings& rings);
 
 }  // namespace gs::qnv::outline

@@ -19,80 +19,81 @@
 
 namespace gs::qnv {
 
-// Outline groups as a stream: outlines of all groups first, then the polygons that take their place, group after
-// group; largest first. Every polygon is a record with a checksum of its own that is understood without any other; a
-// damaged one costs itself. The bytes are defined in FORMAT.md, "Outlines payload".
+// Outline groups as a stream: first the outlines of all groups, then the polygons that replace them, group after group,
+// largest first. Every polygon is a record with its own checksum and decodes alone, so damage costs one record.
+// FORMAT.md, "Outlines payload", defines the bytes.
 
 struct OutlineEncodeOptions {
   int position_bits = 16;          // of the lattice along the longest side of the box; 1..30
   int texture_bits = 12;           // steps of texture coordinates are 2^-this of the texture, or coarser; 1..20
-  std::size_t max_bytes = 0;       // of the whole stream; 0: no limit
-  std::size_t chunk_bytes = 1200;  // of payload, about; a polygon that needs more has a longer chunk
+  std::size_t max_bytes = 0;       // of the whole stream; 0 means unlimited
+  std::size_t chunk_bytes = 1200;  // approximate payload; larger polygons have longer chunks
   std::vector<std::pair<std::string, std::string>> metadata{};
-  unsigned threads = 0;  // 0: one a core
+  unsigned threads = 0;  // 0: one per core
 };
 
-/// Encodes groups with their polygons' looks, one an appearance number that groups name; without any, the default one.
-///
-/// Positions go to the nearest point of a lattice whose step is a power of two: at most half a step of error an axis,
-/// 2^-position_bits of the longest side. Corners that were equal stay equal, in bits. Where all positions lie on a
-/// coarser lattice, that one is taken, and nothing is lost. What has no area left on the lattice is left out; a polygon
-/// of more corners than a chunk can hold is cut, so that its edges get new corners on the lattice.
-///
-/// An error where the arrays do not fit each other, a group names an appearance that is not there, the appearances do
-/// not fit into a header, nothing is left, the model is too far from the origin for its size, or it was cancelled. The
-/// same bytes for any number of threads. Blocking; any thread.
+/// Encodes groups with `appearances`, which the groups index; if empty, a default appearance is used.
+/// Positions are rounded to a lattice with a power-of-two step: the error is at most half a step per axis,
+/// 2^-position_bits of the longest side. Equal corners stay bitwise equal. If all positions lie on a coarser lattice,
+/// that one is used without loss. Polygons without area on the lattice are dropped. A polygon with more corners than a
+/// chunk can hold is cut, which adds corners on the lattice. Returns an error if the arrays do not match, a group has
+/// an unknown appearance, the appearances do not fit into a header, nothing is left, the model is too far from the
+/// origin for its size, or if cancelled. The bytes do not depend on the number of threads. Blocks; safe from any
+/// thread.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_outlines(const OutlineGroups& groups,
                                                                        std::span<const OutlineAppearance> appearances,
                                                                        const OutlineEncodeOptions& options,
                                                                        Progress* progress = nullptr);
 
-/// Polygons of one appearance that have come, outlines or inner ones.
+/// Received polygons of one appearance, either outlines or inner ones.
 struct OutlineBatch {
-  std::uint32_t appearance = 0;  // in the header's
+  std::uint32_t appearance = 0;  // index in the header
   bool inner = false;
-  std::vector<std::uint32_t> groups;  // of each polygon, below the header's number of them
-  /// Outlines, a polygon: how many inner polygons take the place of its group's outline when all of them have come; 0:
-  /// it stays, it is the surface. Empty for inner polygons.
+  std::vector<std::uint32_t> groups;  // group of each polygon, below the header's number of groups
+  /// For each outline polygon, the number of inner polygons that replace its group's outline when all are received; 0:
+  /// it stays, since it is exact. Empty for inner polygons.
   std::vector<std::uint32_t> counts;
   OutlinePolygons polygons;  // all with texture coordinates, or none
 
   [[nodiscard]] bool stays(std::size_t polygon) const { return !inner && counts[polygon] == 0; }
 };
 
-/// Turns an outline stream that arrives piece by piece, or with holes, into polygons. One thread; safe for untrusted
-/// bytes: what is impossible is left out. Memory is bounded by what has come since `take`, and by a bit a polygon.
+/// Decodes an outline stream, received in pieces or with losses, into polygons. Not thread-safe. Safe for untrusted
+/// bytes: invalid parts are skipped. Memory is bounded by the data received since the last take(), plus one bit per
+/// polygon.
 class OutlineDecoder {
  public:
-  /// No more polygons than this are handed out, nor more than eight times as many corners.
+  /// Limits the polygons returned to `most_polygons`, and their corners to eight times as many.
   explicit OutlineDecoder(std::size_t most_polygons = std::size_t{1} << 23) : most_polygons_(most_polygons) {}
 
-  /// The next bytes of the stream. False once it was refused: it is no stream of outlines, or its header is damaged.
+  /// Decodes the next bytes of the stream. Returns false once the stream is rejected: it is not an outline stream, or
+  /// its header is damaged.
   bool push(std::span<const std::byte> bytes);
-  /// A chunk that came by another way (a datagram), after the header. Any order, any subset; what came before is not
-  /// handed out again. The bytes `missing` from the payload may come another time, or never: records outside of them
-  /// are used, if the chunk's head is whole.
+  /// Adds a chunk received separately (as a datagram), after the header, in any order. Skips records received before.
+  /// The bytes `missing` in the payload may be added later or never; if the chunk's head is complete, the other records
+  /// are used.
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing = {});
-  /// The stream has ended: reads what waited for more bytes, and says what is missing.
+  /// Ends the stream: decodes waiting bytes, and reports missing ones.
   void finish();
 
-  /// Polygons that have come since this was last called, in the order in which their kinds came.
+  /// Returns the polygons received since the last call, in the order in which their kinds first appeared.
   [[nodiscard]] std::vector<OutlineBatch> take();
 
   [[nodiscard]] const StreamHeader* header() const { return reader_.header(); }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const;
   [[nodiscard]] bool refused() const { return refused_ || reader_.refused(); }
-  /// How many have come, each counted once.
+  /// Returns the number of outlines received, each counted once.
   [[nodiscard]] std::size_t outline_polygons() const { return outline_polygons_; }
   [[nodiscard]] std::size_t inner_polygons() const { return inner_polygons_; }
-  /// Chunks of which nothing could be used, and records of others, those that never came not among them.
+  /// Returns the number of unusable chunks. refused_records() counts unusable records in other chunks, without lost
+  /// ones.
   [[nodiscard]] std::size_t refused_chunks() const { return refused_chunks_; }
   [[nodiscard]] std::size_t refused_records() const { return refused_records_; }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
  private:
   bool is_outlines();
-  /// False where the head is damaged.
+  /// Returns false if the head is damaged.
   bool add_polygons(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing);
   OutlineBatch& batch(std::uint32_t appearance, bool inner, bool textured);
 
@@ -100,8 +101,8 @@ class OutlineDecoder {
   std::size_t most_polygons_, corners_ = 0;
   std::size_t outline_polygons_ = 0, inner_polygons_ = 0, refused_chunks_ = 0, refused_records_ = 0;
   bool refused_ = false;
-  std::vector<StreamProblem> other_payload_;                         // what is wrong where it is no stream of outlines
-  std::unordered_map<std::uint32_t, std::vector<bool>> handed_out_;  // by the chunk's number: which of its records
+  std::vector<StreamProblem> other_payload_;                         // problems, if the stream is not of outlines
+  std::unordered_map<std::uint32_t, std::vector<bool>> handed_out_;  // received records, by chunk number
   std::vector<OutlineBatch> batches_;
   std::map<std::tuple<std::uint32_t, bool, bool>, std::size_t> batch_of_;  // appearance, inner, textured
   std::vector<DirectoryEntry> directory_;

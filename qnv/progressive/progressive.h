@@ -12,37 +12,37 @@
 
 namespace gs::qnv::progressive {
 
-/// A mesh that begins coarse and becomes itself vertex by vertex: the front stands in the header of a stream, the
-/// segments are payloads of chunks.
+/// Encoded progressive mesh: starts coarse and becomes exact vertex by vertex. The front is in the stream's header; the
+/// segments are chunk payloads.
 struct ProgressiveBytes {
   std::vector<std::byte> front;
   std::vector<std::vector<std::byte>> segments;
-  std::size_t vertices = 0;  // in the end
+  std::size_t vertices = 0;  // final number
 };
 
-/// `mesh`: as exact::quantized gives it, without colours. The front has at most so many bytes; nothing where that
-/// cannot be.
+/// Encodes a mesh, as returned by exact::quantized() and without colours. The front has at most `most_front` bytes;
+/// returns nullopt if that is impossible.
 [[nodiscard]] std::optional<ProgressiveBytes> encode_progressive(const exact::ExactMesh& mesh, std::size_t most_front);
 
-/// Whether a section of the header is such a front, and one of more than so many vertices.
+/// Reports whether a header section is a front of a mesh with more than `most_vertices` vertices.
 [[nodiscard]] bool promises_more(std::span<const std::byte> section, std::size_t most_vertices);
 
-/// The mesh as it comes. Segments that come before their time wait. One thread; safe for untrusted bytes: memory is in
-/// proportion to them.
+/// Received progressive mesh. Segments wait for earlier ones. Not thread-safe; safe for untrusted bytes: memory is
+/// proportional to them.
 class ProgressiveMesh {
  public:
-  /// False where the bytes are no front, or promise more than `most_vertices`.
+  /// Starts from a front. Returns false if the bytes are not a front or promise more than `most_vertices`.
   bool begin(std::span<const std::byte> front, std::size_t most_vertices);
   [[nodiscard]] bool begun() const { return growth_.has_value(); }
-  /// The payload of a chunk. False where it is none.
+  /// Adds the payload of a chunk. Returns false if it is invalid.
   bool add(std::span<const std::byte> payload);
-  /// Whether all of it is there, to the last bit.
+  /// Reports whether the mesh is complete and exact.
   [[nodiscard]] bool whole() const;
   [[nodiscard]] int bits() const { return bits_; }
-  /// Segments that have been read.
+  /// Returns the number of segments decoded.
   [[nodiscard]] std::size_t segments() const { return next_; }
   [[nodiscard]] std::size_t vertices() const { return growth_ ? growth_->size() : 0; }
-  /// What there is of it, on the finest lattice.
+  /// Returns the mesh decoded so far, on the finest lattice.
   [[nodiscard]] exact::ExactMesh mesh() const;
 
  private:
@@ -53,7 +53,7 @@ class ProgressiveMesh {
   exact::Shading shading_;
   std::uint32_t vertices_ = 0, triangles_ = 0;
   std::size_t next_ = 0, waiting_bytes_ = 0;
-  bool broken_ = false;  // a segment was none: what follows it cannot be read
+  bool broken_ = false;  // an invalid segment makes all later ones unreadable
   std::map<std::size_t, std::vector<std::byte>> waiting_;  // by number
 };
 

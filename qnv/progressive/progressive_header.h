@@ -10,18 +10,18 @@
 
 namespace gs::qnv::progressive {
 
-// FORMAT.md, "Splits".
-inline constexpr std::uint8_t kFrontMark = 255;  // where a stage has its depth
+// Byte layout of fronts and segments: FORMAT.md, "Splits".
+inline constexpr std::uint8_t kFrontMark = 255;  // stands at the position of a stage's depth
 inline constexpr std::size_t kFrontBytes = 13;   // before the first mesh
 inline constexpr std::size_t kSegmentHeaderBytes = 6;
-/// A segment has at most so many visits a byte.
+/// Maximum number of visits per byte of a segment.
 inline constexpr std::size_t kMostVisitsAByte = 64;
 
 struct FrontHeader {
   int bits = 12;
-  bool middles = false;  // of SplitGrowth
+  bool middles = false;  // as in SplitGrowth
   exact::Shading shading;
-  std::uint32_t vertices = 0, triangles = 0;  // in the end
+  std::uint32_t vertices = 0, triangles = 0;  // final numbers
 };
 
 }  // namespace gs::qnv::progressive

@@ -15,20 +15,20 @@
 
 namespace gs::qnv::progressive {
 
-/// What an encoder does at a vertex.
+/// Action of an encoder at a vertex.
 struct WantedSplit {
   VertexSplit how;
   glm::ivec3 place{0};
 };
 
-/// A mesh whose vertices are visited again and again: each pass either divides some of them, or brings one more bit of
-/// all their places. Written once for both directions; FORMAT.md, "Splits", has every step. One thread.
+/// Codes a mesh by visiting its vertices repeatedly. Each pass either splits some vertices, or adds one bit to all
+/// positions. Used in both directions; FORMAT.md, "Splits", has every step. Not thread-safe.
 class SplitGrowth {
  public:
   static constexpr std::uint32_t kMostVertices = 1u << 28;
 
-  /// `mesh`: on a lattice of `bits`, which become `finest` in the end. Never more than so many vertices
-  /// and triangles. `middles`: new vertices are expected in the middle of those around, else where the old ones are.
+  /// `mesh` is on a lattice of `bits` bits, finally `finest`. `vertices` and `triangles` are the maximum numbers. With
+  /// `middles`, new vertices are predicted at the mean of their neighbours, else at the old vertex.
   SplitGrowth(SplitMesh mesh, int bits, int finest, std::size_t vertices, std::size_t triangles, bool middles)
       : mesh_(std::move(mesh)),
         bits_(bits),
@@ -42,17 +42,17 @@ class SplitGrowth {
 
   [[nodiscard]] const SplitMesh& mesh() const { return mesh_; }
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(mesh_.places().size()); }
-  /// Whether a pass is at its end, and which vertex is next within it.
+  /// Reports whether a pass has ended; next() returns the next vertex of the current pass.
   [[nodiscard]] bool between() const { return at_ == end_; }
   [[nodiscard]] std::uint32_t next() const { return at_; }
   [[nodiscard]] int bits() const { return bits_; }
-  /// A place on the finest lattice: the middle of what may be meant.
+  /// Returns a position on the finest lattice: the middle of the remaining interval.
   [[nodiscard]] glm::ivec3 place(std::uint32_t vertex) const {
     const int less = finest_ - bits_ + (refines_ && at_ < end_ && vertex >= at_ ? 1 : 0);
     return mesh_.places()[vertex] << less | (less > 0 ? 1 << (less - 1) : 0);
   }
 
-  /// The next visit. `Guide`: asked where it is written. False where the decisions are none.
+  /// Codes the next visit. `guide` is used only for encoding. Returns false if the decisions are invalid.
   template <class Coder, class Guide>
   bool visit(exact::Decisions<Coder>& decisions, Guide& guide);
 
@@ -61,7 +61,8 @@ class SplitGrowth {
   static constexpr std::uint32_t kTurns = 12, kSizes = 32;
   static constexpr std::uint32_t kChoices = 16;
   struct Models {
-    std::array<std::array<std::array<TwoRates, 2>, 2>, kTurns> divides;  // by triangles, an end, what is new beside
+    std::array<std::array<std::array<TwoRates, 2>, 2>, kTurns> divides;  // by number of triangles, open or closed ring,
+                                                                         // new neighbours
     std::array<std::array<TwoRates, 3>, kSizes> divides_size;
     std::array<TwoRates, 2> one, left;
     std::array<std::array<TwoRates, kChoices>, kChoices + 1> firsts, spans;
@@ -83,7 +84,7 @@ class SplitGrowth {
   SplitMesh mesh_;
   int bits_, finest_;
   std::size_t most_vertices_, most_triangles_;
-  std::uint32_t at_ = 0, end_ = 0;  // of the pass; those from end_ on are new in it
+  std::uint32_t at_ = 0, end_ = 0;  // of the pass; vertices from end_ on were added in it
   bool refines_ = false, middles_;
   VertexRing ring_;
   std::unique_ptr<Models> models_;
@@ -106,7 +107,7 @@ bool SplitGrowth::visit(exact::Decisions<Coder>& decisions, Guide& guide) {
     mesh_.ring(at_, ring_);
     glm::ivec3& place = mesh_.places()[at_];
     for (int axis = 0; axis < 3; ++axis) {
-      // What has been at the same height as a neighbour mostly stays there.
+      // A coordinate that equalled a neighbour's usually still does.
       std::size_t beside = 2;
       for (const std::uint32_t n : ring_.neighbours)
         if (beside == 2 && n < at_ && mesh_.places()[n][axis] >> 1 == place[axis])
@@ -177,7 +178,7 @@ bool SplitGrowth::divide(exact::Decisions<Coder>& decisions, Guide& guide) {
   return true;
 }
 
-// One of `of`, which is below `of`.
+// Codes a choice below `of`.
 template <class Coder>
 std::uint32_t SplitGrowth::choice(exact::Decisions<Coder>& decisions,
                                   std::array<std::array<TwoRates, kChoices>, kChoices + 1>& by, std::uint32_t of,

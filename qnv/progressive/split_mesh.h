@@ -13,22 +13,23 @@ namespace gs::qnv::progressive {
 using displaced::Corners;
 using displaced::kNone;
 
-/// What lies round a vertex, counter-clockwise: triangle k is between neighbours k and k + 1. Where the mesh ends there,
-/// it begins behind the end, and has one neighbour more than triangles; else neighbour 0 follows the last one.
+/// Triangles and vertices around a vertex, counter-clockwise: triangle k is between neighbours k and k + 1. At the
+/// mesh's rim, the ring starts after the rim and has one more neighbour than triangles; else neighbour 0 follows the
+/// last one.
 struct VertexRing {
-  std::vector<std::uint32_t> corners;     // of the triangles: 3 t + k
+  std::vector<std::uint32_t> corners;     // corners of the triangles: 3 t + k
   std::vector<std::uint32_t> neighbours;  // vertices
   bool open = false;
 };
 
-/// How a vertex becomes two: the triangles from neighbour `first` to neighbour `last` go to the new one, and beside
-/// both of these a triangle between old and new closes the gap, unless it is left out at an end of the mesh.
+/// Description of a vertex split: the triangles from neighbour `first` to neighbour `last` move to the new vertex. At
+/// both neighbours, a triangle between the old and the new vertex closes the gap, unless it is omitted at a rim.
 struct VertexSplit {
-  std::uint32_t first = 0, last = 0;  // of VertexRing::neighbours; last may be behind the end: modulo
-  bool left = true, right = true;     // a triangle at `first`, at `last`
+  std::uint32_t first = 0, last = 0;  // in VertexRing::neighbours; `last` may pass the end: modulo
+  bool left = true, right = true;     // add a triangle at `first`, at `last`
 };
 
-/// Triangles, sides and vertices of a mesh that grows vertex by vertex. FORMAT.md, "Splits".
+/// Triangles, sides and vertices of a mesh that grows by vertex splits. FORMAT.md, "Splits".
 class SplitMesh {
  public:
   SplitMesh() = default;
@@ -38,9 +39,10 @@ class SplitMesh {
   [[nodiscard]] const std::vector<std::uint32_t>& twins() const { return twins_; }
   [[nodiscard]] const std::vector<glm::ivec3>& places() const { return places_; }
   [[nodiscard]] std::vector<glm::ivec3>& places() { return places_; }
-  /// Where the mesh does not end, the ring begins with the least corner. Time is in proportion to its triangles.
+  /// Collects a vertex's ring. A closed ring starts with the smallest corner number. Time is proportional to its
+  /// triangles.
   void ring(std::uint32_t vertex, VertexRing& out) const;
-  /// The new vertex has the next number. `ring`: of the vertex.
+  /// Splits a vertex; the new vertex gets the next number. `ring` is the vertex's.
   void split(std::uint32_t vertex, const VertexRing& ring, const VertexSplit& how, const glm::ivec3& place);
 
  private:
@@ -50,7 +52,7 @@ class SplitMesh {
 
   std::vector<Corners> triangles_;
   std::vector<std::uint32_t> twins_;    // of side 3 t + k, from corner k to the next one
-  std::vector<std::uint32_t> corners_;  // a corner of each vertex; kNone: it has none
+  std::vector<std::uint32_t> corners_;  // one corner of each vertex, or kNone
   std::vector<glm::ivec3> places_;
 };
 

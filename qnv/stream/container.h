@@ -16,20 +16,21 @@
 
 namespace gs::qnv {
 
-// The container of a QNV stream: a header, chunks that stand alone, most important first, and a directory at the
-// end. The bytes are defined in FORMAT.md, "Container".
+// The container of a QNV stream: a header, independent chunks in order of importance, and a directory. FORMAT.md,
+// "Container", defines the bytes.
 
-/// That is written where a stream has an origin (Description::origin), and where it has none. Both are read.
+/// Versions for streams with an origin (Description::origin) and without. Both can be read.
 constexpr std::uint16_t kVersion = 2, kVersionWithoutOrigin = 1;
-/// More than this no header has, and no chunk's payload.
+/// Limits of a header and of a chunk's payload.
 constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20, kMostChunkBytes = 65535;
 constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;
-/// A reader takes no further directory chunk once it has more entries than this, and notes no more problems.
+/// Limits of a reader: further directory chunks are skipped once it has that many entries, and further problems are not
+/// recorded.
 constexpr std::size_t kMostDirectoryEntries = std::size_t{1} << 22, kMostProblems = 100;
 
-/// What the payloads of a stream's chunks are.
+/// Encoding of a stream's geometry.
 enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, voxels = 4 };
-/// What one chunk is.
+/// Type of one chunk.
 enum class ChunkType : std::uint8_t {
   records = 0,
   packed = 1,
@@ -47,7 +48,7 @@ enum class ChunkType : std::uint8_t {
   normals = 13,
   directory = 254
 };
-/// Whether a chunk's type is one of these; others are passed over.
+/// Reports whether a chunk type is known; readers skip others.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   return type <= static_cast<std::uint8_t>(ChunkType::normals) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
@@ -56,76 +57,79 @@ enum class ChunkType : std::uint8_t {
 struct StreamHeader {
   Description description;
   Payload payload = Payload::packed;
-  bool colored = false;         // vectors have their own colours
-  bool meshed = false;          // packed: the mesh itself comes behind the octree
-  Rgb8 color;                   // else of all
+  bool colored = false;         // each vector has its own colour
+  bool meshed = false;          // packed: the exact mesh follows the octree
+  Rgb8 color;                   // of all vectors otherwise
   std::uint64_t vectors = 0;    // at full detail
-  std::uint32_t chunks = 0;     // without the directory; 0: not known when the header was written
-  std::uint64_t directory = 0;  // its offset from the start of the stream; 0: none
-  Cube cube;                    // packed: what the octree divides
-  std::vector<Rgb8> palette;    // records of a surface: the colours of C, at most 256
-  OutlineHeader outlines;       // only of that payload
-  std::vector<std::byte> base;  // displaced: the first stage (displaced/surface.h), as it came
-  VoxelLattice lattice;         // only of voxels
+  std::uint32_t chunks = 0;     // without the directory; 0 if unknown when the header was written
+  std::uint64_t directory = 0;  // offset in the stream; 0 means none
+  Cube cube;                    // packed: divided by the octree
+  std::vector<Rgb8> palette;    // records of a surface: colours of C, at most 256
+  OutlineHeader outlines;       // outlines only
+  std::vector<std::byte> base;  // displaced: the first stage (displaced/surface.h), as received
+  VoxelLattice lattice;         // voxels only
   friend bool operator==(const StreamHeader&, const StreamHeader&);
 };
 
-/// What the directory says of a chunk.
+/// Directory entry of a chunk.
 struct DirectoryEntry {
-  std::uint64_t offset = 0;  // of its chunk header
-  std::uint32_t bytes = 0;   // with the chunk header
-  /// Packed, voxels: of its voxels; displaced: of its vertices; records: layer; outlines: 0, inner polygons: 1.
+  std::uint64_t offset = 0;  // of the chunk header
+  std::uint32_t bytes = 0;   // including the chunk header
+  /// packed, voxels: level of the voxels; displaced: level of the vertices; records: layer; outlines: 0; inner
+  /// polygons: 1
   std::uint8_t level = 0;
-  std::uint32_t parent = 0;  // packed, voxels: the chunk that it refines; 0xffffffff: none
+  std::uint32_t parent = 0;  // packed, voxels: the chunk that it refines; 0xffffffff means none
   std::uint32_t vectors = 0;
   Box box;  // rounded outwards to 1/65535 of the stream's box
   friend bool operator==(const DirectoryEntry&, const DirectoryEntry&) = default;
 };
 
-/// What is wrong with a stream, and where (byte offset from its start).
+/// Problem in a stream, with its byte offset from the start.
 struct StreamProblem {
   std::uint64_t offset = 0;
   std::string message;
 };
 
 [[nodiscard]] std::vector<std::byte> encode_header(const StreamHeader& header);
-/// A chunk with its header; `payload` of at most kMostChunkBytes.
+/// Returns a chunk with its header. `payload` has at most kMostChunkBytes bytes.
 [[nodiscard]] std::vector<std::byte> encode_chunk(ChunkType type, std::span<const std::byte> payload);
-/// One or several directory chunks.
+/// Returns one or more directory chunks.
 [[nodiscard]] std::vector<std::byte> encode_directory(std::span<const DirectoryEntry> entries, const Box& box);
-/// The entries of the payload of one directory chunk. Safe for untrusted bytes.
+/// Returns the entries of one directory chunk's payload. Safe for untrusted bytes.
 [[nodiscard]] std::vector<DirectoryEntry> decode_directory(std::span<const std::byte> payload, const Box& box);
 
-/// What a chunk says of itself.
+/// Type and length of a chunk.
 struct ChunkHead {
   ChunkType type = ChunkType::records;
-  std::size_t bytes = 0;  // with this
+  std::size_t bytes = 0;  // including the chunk header
 };
-/// Of the chunk that begins here, however much of it there is; nothing where none does, or its head is not there as a
-/// whole. Its checksum is not looked at. Safe for untrusted bytes.
+/// Reads the header of the chunk at the start of `bytes`, which may be incomplete. Returns nullopt if no chunk starts
+/// there or its header is truncated. Does not verify the checksum. Safe for untrusted bytes.
 [[nodiscard]] std::optional<ChunkHead> chunk_head(std::span<const std::byte> bytes);
 
-/// Whether bytes begin like a QNV stream (8 bytes tell).
+/// Reports whether bytes start like a QNV stream; 8 bytes suffice.
 [[nodiscard]] bool is_stream(std::span<const std::byte> bytes);
-/// What a stream that begins so says its payload is (12 bytes tell); nothing where it is none, or too little is there.
+/// Returns the payload number of a stream from its first bytes; 12 suffice. Returns nullopt for other data or fewer
+/// bytes.
 [[nodiscard]] std::optional<std::uint8_t> payload_number(std::span<const std::byte> bytes);
 
-/// Reads a header that is there as a whole: nothing when more bytes are needed. Safe for untrusted bytes.
+/// Reads a complete header. If the header is incomplete, sets `need_more`. Safe for untrusted bytes.
 [[nodiscard]] std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byte> bytes,
                                                                       std::size_t& header_bytes, bool& need_more);
 
-/// Takes a stream piece by piece, however it was cut, and hands out whole chunks. A chunk whose checksum is wrong is
-/// left out and reading goes on at the next one; memory is bounded by one chunk. One thread; safe for untrusted bytes.
+/// Splits a stream, received in pieces of any size, into whole chunks. Skips chunks with a wrong checksum, and resumes
+/// at the next chunk. Memory is bounded by one chunk. Not thread-safe; safe for untrusted bytes.
 class StreamReader {
  public:
   using OnChunk = std::function<void(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset)>;
-  /// A chunk of outlines or inner polygons whose checksum is wrong, though it is as long as it says: another one or the
-  /// stream's end stands behind it. True where something of it could be used, so that reading goes on behind it.
+  /// Callback for a chunk of outlines or inner polygons with a wrong checksum but a plausible length: another chunk or
+  /// the end of the stream follows it. Returns true if part of it was usable; reading then resumes after it.
   using OnDamaged = std::function<bool(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset)>;
 
-  /// False once the stream was refused: it does not begin like a QNV stream or its header is damaged.
+  /// Processes the next bytes. Returns false once the stream is rejected: its start is not a QNV stream's, or its
+  /// header is damaged.
   bool push(std::span<const std::byte> bytes, const OnChunk& on_chunk, const OnDamaged& on_damaged = {});
-  /// The stream ends: says what is missing, and hands out the whole chunks behind a damaged length.
+  /// Ends the stream: reports missing parts, and delivers whole chunks that follow a damaged length.
   void finish(const OnChunk& on_chunk, const OnDamaged& on_damaged = {});
 
   [[nodiscard]] const StreamHeader* header() const { return header_ ? &*header_ : nullptr; }
@@ -135,15 +139,16 @@ class StreamReader {
  private:
   bool read_header();
   bool read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damaged);
-  /// What stands behind a chunk of `bytes` that may be damaged: nothing where that has not arrived.
+  /// Reports whether a sound chunk or the stream's end follows a possibly damaged chunk of `bytes` bytes. Returns
+  /// nullopt until enough bytes are received.
   [[nodiscard]] std::optional<bool> ends_well(std::size_t bytes) const;
   void problem(std::uint64_t offset, std::string message);
 
   std::optional<StreamHeader> header_;
   std::vector<std::byte> waiting_;
-  std::size_t at_ = 0;        // of waiting_: what comes next
+  std::size_t at_ = 0;        // next byte to read in waiting_
   std::uint64_t offset_ = 0;  // of waiting_[0] in the stream
-  std::uint64_t wasted_ = 0;  // bytes of chunks that were summed in vain
+  std::uint64_t wasted_ = 0;  // bytes of chunks with a wrong checksum, checked so far
   bool refused_ = false, lost_ = false, ended_ = false;
   std::vector<StreamProblem> problems_;
 };

@@ -11,22 +11,23 @@
 
 namespace gs::qnv {
 
-/// A group is cut into so many pieces at most, of so many bytes each.
+/// Maximum number of pieces of a group, and bytes of each.
 inline constexpr std::size_t kMostPieces = 128, kMostPieceBytes = 4096, kMostGroupBytes = kMostPieces * kMostPieceBytes;
 
-/// Payloads of chunks that are of little use one without the other (a base, and the clusters without which it is not
-/// shown) as pieces, none larger than a datagram. As many as `data` bring all of them back, whichever they are.
+/// Chunk payloads that depend on each other (a base, and the clusters needed to show it), cut into pieces of at most a
+/// datagram. Any `data.size()` of all the pieces restore the group.
 struct CutGroup {
-  std::vector<std::vector<std::byte>> data, parity;  // payloads of chunks
+  std::vector<std::vector<std::byte>> data, parity;  // chunk payloads
 };
-/// `number`: 0 to kMostGroup; the payloads with their lengths: at most kMostGroupBytes. `parity`: so many pieces more,
-/// as a part of the others, and so many besides. `aimed`: bytes of a piece, about.
+/// Cuts payloads into a group. `number` is 0 to kMostGroup. The payloads with their lengths have at most
+/// kMostGroupBytes bytes. `parity` is the number of parity pieces relative to the data pieces; `besides` are added to
+/// it. `aimed` is the approximate size of a piece.
 inline constexpr std::size_t kAimedPieceBytes = 1150;
 [[nodiscard]] CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads, double parity,
                                  std::size_t besides, std::size_t aimed = kAimedPieceBytes);
 
-/// From these numbers on groups hold pieces of exact tails, splits, low bits, pictures, and normals; before them what
-/// chunks of displaced streams hold.
+/// First numbers of the groups that hold pieces of exact tails, splits, low bits, pictures and normals. Smaller numbers
+/// hold chunks of type `displaced`.
 inline constexpr int kGroupsOfTails = 16, kGroupsOfSplits = 32, kGroupsOfLowBits = 48, kGroupsOfPictures = 64,
                      kGroupsOfNormals = 80, kMostGroup = 95;
 [[nodiscard]] constexpr ChunkType type_of_group(int number) {
@@ -38,34 +39,34 @@ inline constexpr int kGroupsOfTails = 16, kGroupsOfSplits = 32, kGroupsOfLowBits
                                       : ChunkType::normals;
 }
 
-/// What a piece says of itself.
+/// Header of a piece.
 struct PieceHeader {
   int group = 0;
-  std::size_t length = 0;  // of the group, bytes
-  std::size_t needed = 1;  // pieces that bring it back; as many are its own bytes
-  std::size_t number = 0;  // of this one; from `needed` on: parity
+  std::size_t length = 0;  // of the group, in bytes
+  std::size_t needed = 1;  // number of pieces that restore the group; as many hold its own bytes
+  std::size_t number = 0;  // number of this piece; parity from `needed` on
   [[nodiscard]] std::size_t size() const { return (length + needed - 1) / needed; }  // of each piece
 };
-/// Nothing where a field is out of its range, or there are not so many bytes. Safe for untrusted bytes.
+/// Returns nullopt if a field is out of range or the payload is too short. Safe for untrusted bytes.
 [[nodiscard]] std::optional<PieceHeader> read_piece_header(std::span<const std::byte> payload);
 
-/// The pieces of one group as they come, in any order, also more than once. Safe for untrusted bytes; holds no more
-/// than what came.
+/// Received pieces of one group, in any order; duplicates are allowed. Safe for untrusted bytes; holds no more than was
+/// received.
 class PieceGroup {
  public:
-  /// False where it is no piece of what came first.
+  /// Adds a piece. Returns false if it does not match the first piece.
   bool add(const PieceHeader& header, std::span<const std::byte> payload);
-  /// The next payloads of which all has come, each once: those at the front, and as soon as there are enough pieces,
-  /// all.
+  /// Returns the next complete payloads, each once: those at the front, and all of them once enough pieces are
+  /// received.
   [[nodiscard]] std::vector<std::vector<std::byte>> take();
 
  private:
   void restore();
 
-  std::size_t length_ = 0, needed_ = 0, joined_ = 0;  // joined_: pieces that are in front_
-  std::size_t read_ = 0;                              // bytes of front_ that were taken
+  std::size_t length_ = 0, needed_ = 0, joined_ = 0;  // joined_: pieces already in front_
+  std::size_t read_ = 0;                              // bytes of front_ already taken
   std::vector<std::byte> front_;
-  std::map<std::size_t, std::vector<std::byte>> pieces_;  // by number, those that are not in front_
+  std::map<std::size_t, std::vector<std::byte>> pieces_;  // by number; those not in front_
 };
 
 }  // namespace gs::qnv

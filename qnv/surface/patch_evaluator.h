@@ -15,31 +15,33 @@
 
 namespace gs::qnv {
 
-/// Keeps a displaced surface worked out while its numbers come: only patches that got some, and those near them, whose
-/// predictions depend on them, are worked out again. One thread, which makes others work for it.
+/// Evaluates a displaced surface incrementally while its numbers are received. Re-evaluates only patches with new
+/// numbers and nearby patches, since their predictions depend on these. Call from one thread; it uses others
+/// internally.
 class PatchEvaluator {
  public:
-  /// Numbers of a cluster have come, or some of them. `patches`: how many there are.
+  /// Marks patches of a cluster after some of its numbers were received. `patches` is the number of all patches.
   void changed(const displaced::ClusterHeader& cluster, std::uint32_t patches);
-  /// Numbers of colours have come.
+  /// Marks colours after some of their numbers were received.
   void colors_changed() { colors_changed_ = true; }
-  /// The surface at a level, which is no coarser than the last time. `surface` and `box` are the same every time. What
-  /// is the same as the last time is shared with that. About 45 bytes a vertex are kept for the next time.
+  /// Returns the surface at a level, which must not be coarser than in the last call. `surface` and `box` must be the
+  /// same in every call. Shares unchanged parts with the last result. Keeps about 45 bytes per vertex for the next
+  /// call.
   [[nodiscard]] std::shared_ptr<const PatchSurface> state(const displaced::Surface& surface, int level, const Box& box);
-  /// Patches that were worked out for the last state, once for each level.
+  /// Returns the number of patches evaluated for the last state, counted once per level.
   [[nodiscard]] std::size_t worked_out() const { return worked_out_; }
 
  private:
   struct Level {
-    RawVector<glm::vec3> places, shifts;  // by layer 0, and what the finer ones add
-    RawVector<glm::vec3> normals;         // of the places, by slot
+    RawVector<glm::vec3> places, shifts;  // positions by layer 0; shifts added by finer layers
+    RawVector<glm::vec3> normals;         // of `places`, by slot
   };
-  /// Whose numbers are to be looked at, patch by patch.
+  /// Marks of patches, edges or vertices that must be evaluated.
   using Marks = std::vector<char>;
-  /// What of a level is not what it was.
+  /// Changed parts of a level.
   struct Changes {
     Marks inner, edges, corners;  // by patch, edge and vertex of the base
-    bool all = false;             // the level is new: nothing of it is marked
+    bool all = false;             // the level is new; the marks are unused
   };
   struct Scratch {
     Columns places, shifts, normals, made, made_shifts;
@@ -50,12 +52,12 @@ class PatchEvaluator {
   void prepare(const displaced::Surface& surface);
   void work_out_base(const displaced::Surface& surface, Changes& changes);
   void work_out(const displaced::Surface& surface, int level, std::uint32_t patch, Changes& changes, Scratch& scratch);
-  /// The patches that hold something that changed.
+  /// Returns the patches that contain a change.
   [[nodiscard]] Marks touched(const displaced::Surface& surface, const Changes& changes) const;
-  /// Those and all that have a vertex of the base in common with one of them.
+  /// Returns the marked patches and all patches that share a base vertex with one of them.
   [[nodiscard]] Marks around(const displaced::Surface& surface, const Marks& marks) const;
-  /// The normals, or packed ones, of places of a level, with their shifts if there are any, at the slots of marked
-  /// patches: all of those in `inner`, of the others only those on edges.
+  /// Computes normals at the slots of marked patches, as vectors or packed, from the positions of a level plus
+  /// `shifts`, if any. Covers all slots of the patches in `inner`, and only edge slots of the others.
   void find_normals(const displaced::Surface& surface, int level, std::span<const glm::vec3> places,
                     std::span<const glm::vec3> shifts, const Marks& inner, const Marks& edges,
                     RawVector<glm::vec3>* normals, RawVector<std::uint32_t>* packed);
@@ -66,9 +68,9 @@ class PatchEvaluator {
   struct SlotCorner {
     std::uint32_t patch, corner;
   };
-  std::vector<std::vector<SlotCorner>> corners_of_slot_;  // by vertex of the patches that were cut along creases
-  RawVector<glm::vec3> rims_;               // sums at the vertices of each patch's rim, of the level in work
-  RawVector<std::uint32_t> shown_normals_;  // of the last state, by slot: pack_direction
+  std::vector<std::vector<SlotCorner>> corners_of_slot_;  // by vertex of the patches cut along creases
+  RawVector<glm::vec3> rims_;               // partial sums at the rim vertices of each patch, for the current level
+  RawVector<std::uint32_t> shown_normals_;  // of the last state, by slot; see pack_direction()
   std::vector<Rgb8> colors_;
   bool colors_changed_ = true;
   std::size_t worked_out_ = 0;

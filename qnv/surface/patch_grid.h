@@ -11,13 +11,12 @@
 
 namespace gs::qnv {
 
-/// Vectors in three rows of numbers, one a coordinate, with room behind them that loops may read and write without
-/// meaning anything by it.
+/// Vectors stored as three rows, one per coordinate. Loops may read and write the padding after each row.
 class Columns {
  public:
   static constexpr std::size_t kRoom = 16;
 
-  /// What was there is lost.
+  /// Resizes the rows; their content is lost.
   void resize(std::size_t count) {
     stride_ = count + kRoom;
     if (numbers_.size() < 3 * stride_) numbers_.resize(3 * stride_);
@@ -40,7 +39,8 @@ class Columns {
   std::size_t stride_ = 0;
 };
 
-/// Calls put(i, v) for every vertex of a patch at a level: `v` its number, `i` its place in the order of Patches::grid.
+/// Calls put(i, v) for every vertex of a patch at a level: `v` is the vertex number, `i` its index in the order of
+/// Patches::grid().
 template <class Put>
 void for_each_of_grid(const displaced::Patches& patches, std::uint32_t patch, int level, const Put& put) {
   using displaced::row_start;
@@ -63,7 +63,7 @@ void for_each_of_grid(const displaced::Patches& patches, std::uint32_t patch, in
   }
 }
 
-/// `of`: a vector a vertex, to which `more` is added where it has any.
+/// Collects the vectors of a patch's vertices from `of`, and adds `more` if it is not empty.
 inline void gather(const displaced::Patches& patches, std::uint32_t patch, int level, std::span<const glm::vec3> of,
                    std::span<const glm::vec3> more, Columns& to) {
   to.resize(((std::size_t{1} << level) + 1) * ((std::size_t{1} << level) + 2) / 2);

@@ -12,24 +12,25 @@
 
 namespace gs::qnv {
 
-/// The vertices and triangles of one patch as a cut has it. Kept from patch to patch, as memory is. One thread.
+/// Vertices and triangles of one patch at the detail of a cut. Reuse one object for many patches, to keep its memory.
+/// Not thread-safe.
 class PatchMesh {
  public:
   using Triangle = std::array<PatchTable::Number, 3>;
 
   void build(const PatchSurface& surface, const PatchCut& cut);
 
-  /// Behind the last one there is room for eight more, so that they can be read eight at a time.
+  /// Returns the vertices. Eight more can be read after the last one, so that loops may read eight at a time.
   [[nodiscard]] std::span<const PatchVertex> vertices() const { return std::span(vertices_).first(count_); }
-  /// One each; empty where the surface has none.
+  /// Returns one colour per vertex; empty if the surface has no colours.
   [[nodiscard]] const std::vector<Rgb8>& colors() const { return colors_; }
-  /// Triangles, counter-clockwise seen from outside: those inside, and those along the edges.
+  /// Returns the inner triangles, counter-clockwise seen from outside; border() returns those along the edges.
   [[nodiscard]] std::span<const Triangle> inner() const { return inner_; }
   [[nodiscard]] std::span<const Triangle> border() const { return border_; }
 
  private:
-  /// A part of an edge that is a side of a triangle: so many halvings are left, and it begins at `from` of the edge's
-  /// finest places.
+  /// Part of an edge that is a side of a triangle: `left` is the number of remaining halvings, `from` its start on the
+  /// edge's finest positions.
   struct Side {
     int left = 0;
     std::uint8_t edge = PatchTable::Side::kNone;
@@ -40,9 +41,9 @@ class PatchMesh {
   void split(const Triangle& corners, const std::array<Side, 3>& sides);
 
   std::size_t count_ = 0;
-  std::vector<PatchVertex> vertices_;  // and room
+  std::vector<PatchVertex> vertices_;  // with padding
   std::vector<Rgb8> colors_;
-  std::array<std::vector<PatchTable::Number>, 3> edges_;  // numbers of the vertices of an edge, at its own level
+  std::array<std::vector<PatchTable::Number>, 3> edges_;  // vertex numbers of each edge, at the edge's own level
   std::vector<PatchTable::Number> before_;
   std::vector<PatchTable::Middle> middles_;
   std::vector<Triangle> split_;

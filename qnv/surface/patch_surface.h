@@ -15,9 +15,9 @@
 
 namespace gs::qnv {
 
-/// A direction in 32 bits: x and y 11 each, z 10, from the lowest, two's complement.
+/// Packs a direction into 32 bits, two's complement: x and y 11 bits each, z 10, from the lowest.
 [[nodiscard]] std::uint32_t pack_direction(const glm::vec3& unit);
-/// About of unit length.
+/// Returns a vector of approximately unit length.
 [[nodiscard]] inline glm::vec3 unpack_direction(std::uint32_t packed) {
   const auto part = [&](int left, int right) {
     return static_cast<float>(static_cast<std::int32_t>(packed << left) >> right);
@@ -31,65 +31,65 @@ struct PatchVertex {
   friend bool operator==(const PatchVertex&, const PatchVertex&) = default;
 };
 
-/// One stage of a displaced surface, as finely as it has come: for every patch its vertices, the coarse ones first. Who
-/// lies on an edge is kept by the patches on both sides, with the same place to the last bit. Does not change; what the
-/// next state of a stream has in common with this one they share. Any thread.
+/// One stage of a displaced surface, at the detail received so far. Stores the vertices of each patch, coarse ones
+/// first. Vertices on an edge are stored for the patches on both sides, with identical bits. Immutable; successive
+/// states share unchanged parts. Safe from any thread.
 class PatchSurface {
  public:
-  /// What is known of a patch as a whole.
+  /// Bounds of a whole patch.
   struct Bounds {
     Box box;  // of its vertices
     glm::vec3 center{0}, axis{0, 0, 1};
     float radius = 0;
-    float cosine = -1;  // of the angle that none of its triangles' normals is further from the axis than
+    float cosine = -1;  // cosine of the largest angle between the axis and a triangle's normal
   };
   struct Edge {
-    std::uint32_t owner = 0, other = displaced::kNone;  // patches beside it; kNone: it is a rim
+    std::uint32_t owner = 0, other = displaced::kNone;  // adjacent patches; `other` is kNone on a rim
     glm::vec3 center{0};
-    float length = 0, radius = 0;  // along the surface; of a ball about the center that holds it
+    float length = 0, radius = 0;  // along the surface; of the bounding ball around the centre
   };
 
-  /// A surface that was worked out at a level.
+  /// Surface after evaluation at a level.
   struct Worked {
-    std::span<const glm::vec3> places, shifts;   // of vertices, as displaced::Frame has it; their sum counts
-    std::span<const std::uint32_t> normals;      // of slots: pack_direction
-    std::span<const Rgb8> colors;                // of vertices; empty: they have none
-    const std::vector<char>* changed = nullptr;  // patches that are not as they were in `former`; null: all
-    const PatchSurface* former = nullptr;        // null: there is none
+    std::span<const glm::vec3> places, shifts;   // of vertices, in Frame units; the position is their sum
+    std::span<const std::uint32_t> normals;      // of slots; see pack_direction()
+    std::span<const Rgb8> colors;                // of vertices; empty if there are none
+    const std::vector<char>* changed = nullptr;  // patches that differ from `former`; nullptr means all
+    const PatchSurface* former = nullptr;        // may be nullptr
   };
-  /// What is the same in the former state is taken from there.
+  /// Makes a surface; shares unchanged parts with the former state.
   [[nodiscard]] static std::shared_ptr<const PatchSurface> make(const displaced::Surface& surface, int level,
                                                                 const Box& box, const Worked& worked);
-  /// The same of all that has come, worked out here.
+  /// Makes a surface of all received numbers, and evaluates it here.
   [[nodiscard]] static std::shared_ptr<const PatchSurface> make(const displaced::Surface& surface, int level,
                                                                 const Box& box);
 
-  /// The deepest one that patches have.
+  /// Returns the deepest level of the patches.
   [[nodiscard]] int level() const { return level_; }
   [[nodiscard]] std::size_t size() const { return bounds_.size(); }
   [[nodiscard]] bool colored() const { return colored_; }
-  /// The new vertices of a level of a patch, in the order of patch_table.
+  /// Returns the new vertices of a patch at a level, in the order of patch_table().
   [[nodiscard]] const PatchVertex* vertices(std::size_t patch, int level) const {
     return blocks_[static_cast<std::size_t>(level)][patch / kBlock]->vertices.data() +
            patch % kBlock * new_patch_vertices(level);
   }
-  /// Their colours; only where it is `colored`.
+  /// Returns their colours. Call only if colored().
   [[nodiscard]] const Rgb8* colors(std::size_t patch, int level) const {
     return blocks_[static_cast<std::size_t>(level)][patch / kBlock]->colors.data() +
            patch % kBlock * new_patch_vertices(level);
   }
   [[nodiscard]] const Bounds& bounds(std::size_t patch) const { return bounds_[patch]; }
   [[nodiscard]] const std::vector<Edge>& edges() const { return edges_; }
-  /// The edge from corner k to corner k + 1.
+  /// Returns the edge from corner k to corner k + 1.
   [[nodiscard]] std::uint32_t edge(std::size_t patch, std::size_t k) const { return patch_edges_[patch][k]; }
-  /// How many vertices there are, those on edges counted once.
+  /// Returns the number of vertices, counting those on edges once.
   [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
-  /// That it takes.
+  /// Returns the memory in use.
   [[nodiscard]] std::size_t bytes() const;
-  /// Of its vertices' memory, what `other` has, too.
+  /// Returns how much vertex memory is shared with `other`.
   [[nodiscard]] std::size_t shared_bytes(const PatchSurface& other) const;
 
-  static constexpr std::size_t kBlock = 8;  // patches whose vertices lie together
+  static constexpr std::size_t kBlock = 8;  // patches per memory block
 
  private:
   struct Block {

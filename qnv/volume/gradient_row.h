@@ -7,11 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Gradients along a row of voxels; for the encoders of volumes, and for their tests.
+/// Gradients along a row of voxels; for volume encoders and their tests.
 namespace gs::qnv {
 
-/// A row of values along x with its neighbours across: at a border the row itself stands for the one that
-/// is not there.
+/// Row of values along x with its neighbour rows. At a border, the row itself replaces the missing neighbour.
 struct GradientRow {
   const float* here = nullptr;
   std::array<const float*, 2> before{}, after{};  // across y, across z
@@ -19,19 +18,19 @@ struct GradientRow {
   std::uint32_t count = 0;
 };
 
-/// The gradient of the value at voxel x of a row: central differences, one-sided where a neighbour is
-/// missing or beyond the border, 0 where both are. `to_world` maps differences along the axes to world
-/// space: the inverse transpose of the matrix of axes. Zero where the voxel itself is missing.
+/// Returns the gradient at voxel x of a row: central differences; one-sided if a neighbour is missing or beyond the
+/// border; 0 if both are. `to_world` maps differences along the axes to world space: it is the inverse transpose of the
+/// axes' matrix. Returns zero if the voxel itself is missing.
 [[nodiscard]] glm::dvec3 gradient_at(const GradientRow& row, std::uint32_t x, const glm::dmat3& to_world);
 
-/// The lengths of these gradients for a whole row, cut to the largest float, rounded to float. `gaps`: some
+/// Computes the gradient lengths of a whole row, clamped to the largest float and rounded to float. `gaps` means that
 /// values may be missing (slower). Both paths give the same bits.
 void magnitudes_portable(const GradientRow& row, const glm::dmat3& to_world, bool gaps, float* out);
-/// Call only where has_avx2().
+/// AVX2 version. Call only if has_avx2().
 void magnitudes_avx2(const GradientRow& row, const glm::dmat3& to_world, bool gaps, float* out);
 [[nodiscard]] bool has_avx2();
 
-/// By the fastest path.
+/// Selects the fastest version.
 void magnitudes(const GradientRow& row, const glm::dmat3& to_world, bool gaps, float* out);
 
 }  // namespace gs::qnv

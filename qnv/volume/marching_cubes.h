@@ -5,12 +5,11 @@
 #include <span>
 #include <vector>
 
-/// The cases of marching cubes, derived from the faces of a cell instead of written down.
-///
+/// Case table of marching cubes, derived from the faces of a cell.
 /// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2 & 1). A set of corners is a byte with bit c.
 namespace gs::qnv::marching_cubes {
 
-/// An edge of the cell, from its lower to its upper corner; they differ in one bit.
+/// Edge of the cell, from its lower to its upper corner; these differ in one bit.
 struct Edge {
   std::uint8_t lower, upper;
 };
@@ -27,22 +26,22 @@ inline constexpr std::array<Edge, 12> kEdges = {{{0, 1},
                                                  {2, 6},
                                                  {3, 7}}};  // along z
 
-/// The corners of each face, counter-clockwise seen from outside the cell.
+/// Corners of each face, counter-clockwise seen from outside the cell.
 inline constexpr std::array<std::array<std::uint8_t, 4>, 6> kFaces = {
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
 
-/// Three edges whose points make a triangle, counter-clockwise seen from the corners that are outside.
+/// Triangle between points on three edges, counter-clockwise seen from the outside corners.
 using EdgeTriangle = std::array<std::uint8_t, 3>;
 
 class Cases {
  public:
-  /// The one table; made at first use, which any thread may be.
+  /// Returns the only table, built at first use. Safe from any thread.
   static const Cases& get();
 
-  /// The faces (bit f: kFaces[f]) of a cell with these corners inside that have two diagonal ones inside.
+  /// Returns the faces (bit f: kFaces[f]) with two diagonal corners inside.
   [[nodiscard]] std::uint8_t ambiguous_faces(std::uint8_t inside) const { return ambiguous_[inside]; }
 
-  /// The triangles of a cell. `joined`: the ambiguous faces on which the inside corners hang together;
+  /// Returns the triangles of a cell. `joined` marks the ambiguous faces on which the inside corners are connected;
   /// other bits must be 0.
   [[nodiscard]] std::span<const EdgeTriangle> triangles(std::uint8_t inside, std::uint8_t joined) const;
 
@@ -52,7 +51,7 @@ class Cases {
     std::uint32_t first = 0, count = 0;
   };
   std::array<std::uint8_t, 256> ambiguous_{};
-  std::vector<Range> ranges_;  // 64 a set of corners
+  std::vector<Range> ranges_;  // 64 per set of corners
   std::vector<EdgeTriangle> triangles_;
 };
 

@@ -9,24 +9,24 @@
 
 namespace gs::qnv {
 
-/// The values of some neighbouring slices of a volume that is too large to be had as a whole. Reading is
-/// for one thread at a time; the values may be looked at by all.
+/// Window over neighbouring slices of a volume that is too large for memory. One thread at a time may read slices; any
+/// thread may read the values.
 class VolumeWindow {
  public:
-  /// `source` must outlive the window and have a sound layout.
+  /// `source` must outlive the window and have a valid layout.
   VolumeWindow(const VolumeSource& source, unsigned threads) : source_(source), threads_(threads) {}
 
-  /// How many slices to work on at a time, so that they fit the processor's caches.
+  /// Returns the number of slices to process at a time, so that they fit the processor's caches.
   [[nodiscard]] std::uint32_t batch() const;
 
-  /// Makes the slices first..last available (cut to those that there are); slices that were are not read
-  /// again. False when the source does not give one.
+  /// Loads slices first..last (clamped to the volume). Does not reload available slices. Returns false if the source
+  /// fails.
   [[nodiscard]] bool move_to(std::int64_t first, std::int64_t last);
 
-  /// The values of an available slice, x fastest.
+  /// Returns the values of a loaded slice, x fastest.
   [[nodiscard]] const float* slice(std::uint32_t z) const { return slots_[z % slots_.size()].values.data(); }
 
-  /// A row of an available slice whose two neighbours are available too.
+  /// Returns a row of a loaded slice. Both adjacent slices must be loaded too.
   [[nodiscard]] GradientRow row(std::uint32_t y, std::uint32_t z) const;
 
  private:

@@ -5,7 +5,7 @@
 
 namespace gs::qnv {
 
-/// What the bytes of a voxel are.
+/// Storage type of a voxel.
 enum class VoxelType : std::uint8_t { u8, i8, u16, i16, u32, i32, f32, f64 };
 [[nodiscard]] std::size_t size_of(VoxelType type);
 

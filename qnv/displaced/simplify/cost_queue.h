@@ -8,23 +8,22 @@
 
 namespace gs::qnv::displaced {
 
-/// An edge that may collapse.
+/// Edge that may collapse.
 struct Candidate {
-  std::uint32_t u, v, stamp;  // the sum of both stamps when it was made
+  std::uint32_t u, v, stamp;  // stamp: sum of both vertices' stamps at creation
 };
 
-/// Candidates, the cheapest first, as far as a 32nd of an octave tells costs apart; of those that cost the same, those
-/// that came first. Both ways take the same time however many there are, which a heap of millions does not: it waits
-/// for memory at every step.
+/// Bucket queue of candidates, cheapest first. Costs within a 32nd of an octave are equal, and those are first in,
+/// first out. Push and pop take constant time, unlike a heap of millions, which waits for memory at every step.
 class CostQueue {
  public:
-  /// `cost`: not negative, and finite.
+  /// `cost` must be finite and not negative.
   void push(double cost, const Candidate& candidate) {
     const std::size_t slot = std::bit_cast<std::uint32_t>(static_cast<float>(cost)) >> kShift;
     slots_[slot].waiting.push_back(candidate);
     first_ = std::min(first_, slot);
   }
-  /// False where there is none.
+  /// Returns false if the queue is empty.
   bool pop(Candidate& candidate) {
     for (; first_ < slots_.size(); ++first_) {
       Slot& slot = slots_[first_];
@@ -39,7 +38,7 @@ class CostQueue {
   }
 
  private:
-  // Numbers in the order of their bits: five of the fraction are left.
+  // Float bits order like the numbers; the shift leaves five bits of the fraction.
   static constexpr std::uint32_t kShift = 18, kSlots = 0x7f80'0000u >> kShift;
   struct Slot {
     std::vector<Candidate> waiting;

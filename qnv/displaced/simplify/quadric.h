@@ -6,7 +6,7 @@
 
 namespace gs::qnv::displaced {
 
-/// The sum of squared distances to planes, weighted: x^T A x + 2 b x + c.
+/// Weighted sum of squared distances to planes: x^T A x + 2 b x + c.
 struct Quadric {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, x = 0, y = 0, z = 0, c = 0;
 
@@ -29,9 +29,9 @@ struct Quadric {
     return p.x * (xx * p.x + 2 * (xy * p.y + xz * p.z + x)) + p.y * (yy * p.y + 2 * (yz * p.z + y)) +
            p.z * (zz * p.z + 2 * z) + c;
   }
-  /// Where it is least, near `middle`; that itself where no place is much better than others.
+  /// Returns the minimum near `middle`, or `middle` itself if the minimum is not distinct.
   [[nodiscard]] glm::dvec3 least(const glm::dvec3& middle) const {
-    // A little weight on the middle makes the matrix invertible.
+    // A small weight on the middle makes the matrix invertible.
     const double little = 1e-3 * (xx + yy + zz) + 1e-30;
     const double a = xx + little, d = yy + little, f = zz + little;
     const glm::dvec3 right(little * middle.x - x, little * middle.y - y, little * middle.z - z);

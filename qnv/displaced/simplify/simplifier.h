@@ -16,41 +16,41 @@
 
 namespace gs::qnv::displaced {
 
-/// A triangle may not turn further than this (a cosine) by one collapse, nor become narrower (1: equilateral).
+/// Limits of a collapse: the largest turn of a triangle (as a cosine), and its least quality (1: equilateral).
 struct Care {
   double least_turn, least_quality;
 };
-/// Where no edge may go any more, more is allowed.
+/// Levels of limits; the next level applies when no more edges may collapse.
 inline constexpr std::array<Care, 2> kCare{{{0.2, 0.08}, {0.05, 0.03}}};
 inline constexpr Care kCareless{-2, 0};
 inline constexpr std::size_t kFromTheStart = 16;
 
-/// An edge that is no more: `gone` went to where `stays` is. `left` and `right` were beside both, left the third corner
-/// of the triangle in which `gone` came before `stays`; kNone: the mesh ended there.
+/// Half-edge collapse: vertex `gone` moved to `stays`. `left` and `right` were adjacent to both; `left` is the third
+/// corner of the triangle in which `gone` preceded `stays`; kNone on a rim.
 struct HalfCollapse {
   std::uint32_t gone, stays, left, right;
-  double distance;  // of the planes round both from where they are now, root of the mean square, units of the box
+  double distance;  // root mean square distance between the planes around both and their position, units of the box
 };
 
-/// One mesh on its way to fewer triangles (simplify.h). One thread.
+/// Mesh during simplification (simplify.h). Not thread-safe.
 class Simplifier {
  public:
-  /// What collapses may do: `any` place a vertex anew, `halves` leave one of both where it is, for the sake of planes
-  /// and their edges, however narrow triangles become.
+  /// Kind of collapse: `any` may compute a new position; `halves` keeps one of both vertices in place, which preserves
+  /// planes and their edges but may make narrow triangles.
   enum class Way { any, halves };
-  /// `kept`: vertices that stay where they are; none: none does.
+  /// `kept` marks vertices that must not move; empty means none.
   explicit Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept = {}, Way way = Way::any);
-  /// `begun`: what there is was thinned until so many times as many triangles were left.
+  /// Simplifies to `wanted` triangles. `begun`: an earlier thin() left `begun` times as many triangles.
   void run(std::size_t wanted, std::size_t begun = kFromTheStart);
-  /// On the way to a mesh of `wanted` triangles, until so many are `left`.
+  /// Simplifies until `left` triangles remain, as a step towards a mesh of `wanted` triangles.
   void thin(std::size_t wanted, std::size_t left);
-  /// At most so many collapses of `halves` that do not depend on each other, the cheapest first: no two vertices that
-  /// go are neighbours, none goes to one that another one goes to.
+  /// Makes at most `most` independent half-edge collapses, cheapest first: no two removed vertices are adjacent, and
+  /// none moves to one that another moves to.
   [[nodiscard]] std::vector<HalfCollapse> collapse_apart(std::size_t most);
-  /// From now on triangles may turn any way.
+  /// Removes the limit on how triangles may turn.
   void turn_freely() { care_ = kCareless; }
   [[nodiscard]] std::size_t triangles() const { return count_; }
-  /// `places`: of the vertices that there were, or kNone.
+  /// Fills `places` with the new number of each original vertex, or kNone.
   [[nodiscard]] SurfaceMesh result(const SurfaceMesh& mesh, std::vector<std::uint32_t>& places) const;
 
  private:
@@ -85,22 +85,22 @@ class Simplifier {
   std::vector<glm::dvec3> positions_;
   std::vector<Corners> triangles_;
   std::vector<Quadric> quadrics_;
-  std::vector<double> areas_;                      // round a vertex
-  std::vector<std::uint32_t> head_, tail_, next_;  // the corners of a vertex, as a list
+  std::vector<double> areas_;                      // around a vertex
+  std::vector<std::uint32_t> head_, tail_, next_;  // linked list of each vertex's corners
   std::vector<std::uint32_t> stamp_, mark_, seen_triangles_;
   std::uint32_t searches_ = 0;
   std::vector<bool> rim_, kept_;
   Way way_;
   Care care_ = kCare[0];
-  double noise_ = 0;  // twice the area of triangles that are far smaller than those wanted
+  double noise_ = 0;  // twice the area below which triangles are far smaller than the wanted ones
   std::uint32_t marks_ = 0;
   std::size_t count_ = 0;
   CostQueue queue_;
   std::vector<std::uint32_t> at_u_, at_v_, round_, seen_u_, seen_v_;
 };
 
-/// On the way to a mesh of `wanted` triangles: one of some times as many, made in `parts` (a power of two, at most 64)
-/// side by side. What is shared by two of them stays as it is. It is the same on any number of threads.
+/// Returns a mesh of several times `wanted` triangles, simplified in `parts` (a power of two, at most 64) in parallel.
+/// Geometry shared by two parts stays unchanged. The result does not depend on the number of threads.
 [[nodiscard]] SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t parts, unsigned threads);
 
 }  // namespace gs::qnv::displaced

@@ -7,16 +7,16 @@
 
 namespace gs::qnv::displaced {
 
-/// Simplifies one mesh to several sizes, the next one while the one before it is worked on: collapses run on one
-/// thread, and others have nothing to do until there is a base.
+/// Simplifies one mesh to several sizes, and computes the next size while the caller uses the previous one. Collapses
+/// are single-threaded, so other cores would idle until a base is ready.
 class BasesAhead {
  public:
-  /// The mesh must stay. `threads`: as of parallel_for.
+  /// `mesh` must outlive this object. `threads` is as in parallel_for().
   BasesAhead(const SurfaceMesh& mesh, unsigned threads);
 
-  /// So many triangles will probably be asked for next.
+  /// Announces the probable size of the next request.
   void expect(std::size_t triangles);
-  /// What simplify gives.
+  /// Returns the result of simplify().
   [[nodiscard]] SurfaceMesh base(std::size_t triangles);
 
  private:

@@ -9,12 +9,13 @@
 
 namespace gs::qnv::displaced {
 
-/// Where the error is looked at: cells of a grid of the box, one in so many.
+/// Sample of grid cells in which the error is measured: one of `one_in` cells.
 class ErrorCells {
  public:
   ErrorCells(float side, std::size_t one_in) : per_side_(1 / std::max(side, 1e-6f)), one_in_(one_in) {}
   [[nodiscard]] bool has(const glm::vec3& p) const { return is_one(cell_of(p)); }
-  /// Whether a place is nearer to such a cell than so much, or somewhat farther; a side at most.
+  /// Reports whether a sampled cell lies within `reach` of a point. `reach` is at most a cell's side; false positives
+  /// are possible slightly beyond.
   [[nodiscard]] bool near(const glm::vec3& p, float reach) const {
     if (one_in_ == 1) return true;
     const glm::ivec3 lower = cell_of(p - reach), upper = cell_of(p + reach);

@@ -10,12 +10,12 @@
 
 namespace gs::qnv::displaced {
 
-/// A cluster on its way into a stream.
+/// Cluster to be written to a stream.
 struct StageCluster {
   ClusterHeader header;
-  std::vector<std::byte> payload;  // with the header
-  double gain = 0;                 // of slope: the squares of what vertices are moved by, units^2
-  std::uint32_t vertices = 0;      // new ones
+  std::vector<std::byte> payload;  // including the header
+  double gain = 0;                 // sum of squared vertex displacements, units^2
+  std::uint32_t vertices = 0;      // new vertices
   Box box;
 };
 
@@ -23,32 +23,32 @@ struct EncodedStage {
   StageHeader header;
   std::vector<std::byte> bytes;  // of the stage's header
   std::vector<StageCluster> clusters;
-  /// How far places of the target are from what the whole stage becomes, or what of it there is, root of the mean
-  /// square, units.
+  /// Root mean square distance between points of the target and the surface of the whole stage, or its available part.
+  /// Units of the Frame.
   float error = 0;
 };
 
 struct StageOptions {
-  std::size_t triangles = 600;  // of the base, about
-  std::size_t most_bytes = 0;   // of its header; 0: any
+  std::size_t triangles = 600;  // of the base, approximate
+  std::size_t most_bytes = 0;   // of the header; 0 means unlimited
   int number = 0;
   int step_exponent = 10, layers = 2;
   bool colored = false;
-  bool beside = false;  // StageHeader::beside; then the base is the whole mesh
-  // Another stage follows where the error is larger; 0: none ever does. A stage of which that is clear beforehand is
-  // made without its finest levels, unless its error is larger than can be trusted then.
+  bool beside = false;  // StageHeader::beside; the base is then the whole mesh
+  // A larger error than `most_error` requires another stage; 0: never. A stage that clearly needs a next one is encoded
+  // without its finest levels, unless its error then exceeds `trusted_error`.
   float most_error = 0, trusted_error = 0;
-  BasesAhead* bases = nullptr;  // of `coarse`; null: bases are made when they are asked for
+  BasesAhead* bases = nullptr;  // bases of `coarse`; if nullptr, bases are made on request
   unsigned threads = 0;
 };
 
-/// The base of the stage behind one has so many times as many triangles.
+/// Ratio of the triangle counts of a stage's base and the previous one's.
 inline constexpr std::size_t kMoreTriangles = 4;
 
-/// The payload of a cluster: its header, and the numbers that a surface has there.
+/// Returns the payload of a cluster: its header, and the surface's numbers.
 [[nodiscard]] std::vector<std::byte> encode_cluster(Surface& surface, const ClusterHeader& header);
 
-/// Makes a stage. `coarse`: a mesh close to the target, of which bases are made.
+/// Encodes a stage. Bases are simplified from `coarse`, a mesh close to the target.
 [[nodiscard]] EncodedStage encode_stage_of(const Target& target, const SurfaceMesh& coarse, const StageOptions& options,
                                            Progress* progress);
 

@@ -9,24 +9,24 @@
 
 namespace gs::qnv::displaced {
 
-/// The surface that a stream stands for, as encoders look at it, in a Frame, like all that follows.
+/// Surface that an encoder approximates, with its search structures. All coordinates are in a Frame.
 class Target {
  public:
-  /// The mesh must stay. `beside`: of its triangles. Made on `threads` threads (0: one a core).
+  /// `mesh` must outlive this object; `beside` are its neighbours. Uses `threads` threads (0: one per core).
   Target(const SurfaceMesh& mesh, const Neighbours& beside, unsigned threads);
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;
 
   [[nodiscard]] const SurfaceMesh& mesh() const { return mesh_; }
-  /// Mean length of an edge.
+  /// Returns the mean length of an edge.
   [[nodiscard]] float edge() const { return edge_; }
-  /// How far along `normal` the smooth surface lies from a place; 0 where it is not found within `reach`. `triangle`:
-  /// on which it was found, for the next question from a place beside this one; kNone at first.
+  /// Returns the signed distance along `normal` from a point to the smooth surface, or 0 if there is none within
+  /// `reach`. `triangle` caches the triangle hit, for nearby queries; start with kNone.
   [[nodiscard]] float distance(const glm::vec3& from, const glm::vec3& normal, float reach,
                                std::uint32_t& triangle) const;
-  /// The nearest place of a rim or of an edge whose sides are shaded apart; none within `reach`: kNone.
+  /// Returns the nearest point on a rim or crease; the triangle is kNone if there is none within `reach`.
   [[nodiscard]] SurfacePoint line(const glm::vec3& from, float reach) const;
-  /// The colour of the nearest place.
+  /// Returns the colour of the nearest point.
   [[nodiscard]] glm::vec3 color(const glm::vec3& from, const glm::vec3& normal, float reach) const;
 
  private:
