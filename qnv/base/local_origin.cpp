@@ -4,10 +4,10 @@
 
 namespace gs::qnv {
 
-// Farther than this many half extents the differences of float32 are float32 themselves, and 5 bits of 24 would be lost
-// to the distance.
+// Threshold in half extents. Beyond it, float32 coordinates have exact float32 differences, and a position far from 0
+// loses at least 5 of 24 bits.
 constexpr double kFarOfExtents = 32;
-constexpr double kFarOfOne = 1024;  // units of a single place, which has no extent
+constexpr double kFarOfOne = 1024;  // threshold for a single point, which has no extent; units
 
 glm::dvec3 local_origin(const WideBox& box) {
   glm::dvec3 origin(0);

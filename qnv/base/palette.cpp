@@ -8,12 +8,12 @@
 namespace gs::qnv {
 namespace {
 
-constexpr unsigned kBinBits = 6;  // a component
+constexpr unsigned kBinBits = 6;  // per component
 constexpr std::size_t kBins = std::size_t{1} << (3 * kBinBits);
-constexpr int kRounds = 5;  // of k-means: more change little
+constexpr int kRounds = 5;  // of k-means; more rounds change little
 constexpr std::size_t kColorsPerTask = 1 << 14;
 
-// Colours that differ only in their lowest bits, together.
+// Colours that differ only in their lowest bits.
 struct Bin {
   std::uint64_t count = 0;
   std::array<std::uint64_t, 3> sum{};  // of r, g, b
@@ -29,7 +29,8 @@ struct Bin {
 
 std::uint32_t packed(const Rgb8& c) { return std::uint32_t{c.r} << 16 | std::uint32_t{c.g} << 8 | c.b; }
 
-// The colours and how many there are of each; more than kPaletteColors when there are more.
+// Returns the distinct colours with their counts. If there are more than kPaletteColors, returns more than that number
+// of entries.
 std::vector<Bin> distinct(std::span<const Rgb8> colors) {
   std::vector<Bin> found;
   std::vector<std::uint16_t> at(4096, 0);  // open addressing; 1 + index
@@ -60,21 +61,21 @@ std::vector<Bin> bins_of(std::span<const Rgb8> colors) {
   return all;
 }
 
-// The three numbers whose squares make color_distance.
+// Returns three coordinates; color_distance() is the sum of their squared differences.
 std::array<std::int32_t, 3> coordinates(const Rgb8& c) {
   return {c.r + 2 * c.g + c.b, 2 * (c.r - c.b), 2 * c.g - c.r - c.b};
 }
 
-// Bins that will share a colour.
+// Range of bins that will share a palette colour.
 struct ColorCluster {
   std::size_t first, last;
-  unsigned axis = 0;        // along which they differ most
-  std::int32_t middle = 0;  // their mean there
-  double error = 0;         // sum of squared differences from the mean, all axes
+  unsigned axis = 0;        // axis of the largest variance
+  std::int32_t middle = 0;  // mean on that axis
+  double error = 0;         // sum of squared differences from the mean, over all axes
 };
 
 ColorCluster measure(const std::vector<Bin>& bins, std::size_t first, std::size_t last) {
-  // In integers, so that the sums do not depend on the order: up to 2^32 colours of 2^20 fit.
+  // Integer sums do not depend on the order; 2^32 colours of 2^20 fit.
   std::array<std::int64_t, 3> sum{}, squares{};
   std::int64_t count = 0;
   for (std::size_t i = first; i < last; ++i) {
@@ -95,14 +96,14 @@ ColorCluster measure(const std::vector<Bin>& bins, std::size_t first, std::size_
     if (error <= most) continue;
     most = error;
     cluster.axis = axis;
-    // Rounded down, so that something is above it unless all are the same.
+    // Round down, so that some bin lies above it unless all are equal.
     cluster.middle = static_cast<std::int32_t>(sum[axis] / count - (sum[axis] % count < 0 ? 1 : 0));
   }
   if (last - first < 2) cluster.error = 0;
   return cluster;
 }
 
-// Cuts the cluster of the largest error at its mean, until there are enough.
+// Splits the cluster with the largest error at its mean, until there are enough clusters.
 std::vector<Rgb8> cut_by_variance(std::vector<Bin> bins) {
   std::vector<ColorCluster> clusters{measure(bins, 0, bins.size())};
   while (clusters.size() < kPaletteColors) {
@@ -115,7 +116,7 @@ std::vector<Rgb8> cut_by_variance(std::vector<Bin> bins) {
         begin, end, [&](const Bin& bin) { return coordinates(bin.mean())[worst->axis] <= worst->middle; });
     const std::size_t first = worst->first, last = worst->last;
     const auto cut = static_cast<std::size_t>(middle - bins.begin());
-    if (cut == first || cut == last) {  // all look the same
+    if (cut == first || cut == last) {  // all are equal
       worst->error = 0;
       continue;
     }
@@ -131,7 +132,7 @@ std::vector<Rgb8> cut_by_variance(std::vector<Bin> bins) {
   return result;
 }
 
-// Finds the nearest of a palette, the same as comparing with each: in the order of luma, so that few must be.
+// Finds the nearest palette entry. Sorted by luma, to limit the search; the result equals an exhaustive one.
 class Nearest {
  public:
   explicit Nearest(std::span<const Rgb8> palette) {
@@ -172,7 +173,7 @@ class Nearest {
   std::vector<Entry> entries_;
 };
 
-// Bins of the same nearest colour, and again.
+// Runs k-means: assigns bins to the nearest colour, and recomputes the colours.
 std::vector<Bin> cluster(const std::vector<Bin>& bins, std::vector<Rgb8> palette, unsigned threads) {
   std::vector<std::uint8_t> nearest(bins.size());
   std::vector<Bin> sums;
@@ -216,7 +217,7 @@ std::vector<std::uint8_t> palette_indices(std::span<const Rgb8> colors, std::spa
   const Nearest find(palette);
   parallel_for((colors.size() + kColorsPerTask - 1) / kColorsPerTask,
                [&](std::size_t block) {
-                 // Neighbours often have the same colour.
+                 // Cache recent colours, which often repeat.
                  struct Known {
                    std::uint32_t color = 0xffffffff;
                    std::uint8_t index = 0;

@@ -35,7 +35,7 @@ bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& wor
     try {
       for (unsigned i = 1; i < threads; ++i) helpers.emplace_back(run);
     } catch (const std::system_error&) {
-      // The system has no more threads: those that there are do it.
+      // Continue with the threads already started; the system allows no more.
     }
     run();
   }

@@ -11,7 +11,7 @@
 
 namespace gs::qnv {
 
-// The voxels of one block: an open-addressing table from the Morton code inside the block to moments.
+// Voxels of one block: an open-addressing hash table from the Morton code inside the block to moments.
 struct VoxelBlock {
   std::vector<std::uint32_t> slots;  // 0: free, else 1 + index
   std::vector<std::uint32_t> keys;
@@ -44,25 +44,26 @@ struct VoxelBlock {
 
 namespace {
 
-// A block is 2^kBlockBits voxels along an edge: small enough that its table stays in the cache, large enough
-// that few triangles lie in two.
+// log2 of a block's edge in voxels: small enough that the table stays in the cache, large enough that few triangles
+// cross blocks.
 constexpr int kBlockBits = 5;
-constexpr std::size_t kBatch = std::size_t{1} << 19;         // triangles that wait for the threads at most
-constexpr std::size_t kMostMeetings = std::size_t{1} << 22;  // of triangles with blocks, likewise
+constexpr std::size_t kBatch = std::size_t{1} << 19;         // maximum number of triangles waiting for the threads
+constexpr std::size_t kMostMeetings = std::size_t{1} << 22;  // maximum number of pairs of a triangle and a block in one
+                                                             // batch
 constexpr std::uint32_t kBlockEdge = 1u << kBlockBits;
 
-// A corner of a piece of a triangle: position in voxels from the block's corner, and its barycentric coordinates.
+// Corner of a clipped triangle: position in voxels from the block's corner, and barycentric coordinates.
 struct ClippedCorner {
   glm::vec3 p;
   float b1, b2;
 };
 
 struct ClippedPolygon {
-  static constexpr int kMost = 12;  // a triangle cut by six planes has nine
+  static constexpr int kMost = 12;  // a triangle clipped by six planes has at most nine
   std::array<ClippedCorner, kMost> corners;
   int size = 0;
   ClippedPolygon() = default;
-  // Most have three or four corners: the rest is not copied.
+  // Copy only the used corners, mostly three or four.
   ClippedPolygon(const ClippedPolygon& other) { *this = other; }
   ClippedPolygon& operator=(const ClippedPolygon& other) {
     size = other.size;
@@ -74,13 +75,13 @@ struct ClippedPolygon {
   }
 };
 
-// std::floor is a function call on the oldest processors that we run on.
+// Avoids std::floor, a function call on the oldest supported processors.
 int floor_of(float v) {
   const int i = static_cast<int>(v);
   return i - (v < static_cast<float>(i) ? 1 : 0);
 }
 
-// Cuts at the plane p[axis] = at: what is below goes to `below`, the rest to `above`.
+// Splits at the plane p[axis] = at into `below` and `above`.
 void cut(const ClippedPolygon& in, int axis, float at, ClippedPolygon& below, ClippedPolygon& above) {
   below.size = above.size = 0;
   for (int i = 0; i < in.size; ++i) {
@@ -101,7 +102,7 @@ void cut(const ClippedPolygon& in, int axis, float at, ClippedPolygon& below, Cl
 
 glm::vec3 color_of(const Rgb8& c) { return {c.r, c.g, c.b}; }
 
-// One triangle while it is cut up inside one block.
+// Clips one triangle inside one block.
 struct VoxelCutter {
   VoxelBlock& block;
   const Triangle& triangle;
@@ -133,7 +134,7 @@ struct VoxelCutter {
     m.spread[5] += face.z * face.z * area;
   }
 
-  // A piece inside one voxel: a fan of triangles.
+  // Adds a piece inside one voxel, as a fan of triangles.
   void piece(const ClippedPolygon& polygon, const std::array<int, 3>& voxel) {
     if (polygon.size < 3) return;
     float area = 0, b1 = 0, b2 = 0;
@@ -191,7 +192,7 @@ struct VoxelCutter {
 
 using BlockRange = std::array<int, 2>;
 
-// The blocks along an axis that a polygon reaches, with a little to spare for rounding; positions in voxels.
+// Returns the range of blocks that a polygon spans along an axis, with a margin for rounding. Positions are in voxels.
 BlockRange blocks_along(const ClippedPolygon& polygon, int axis, int last) {
   constexpr float kSpare = 0.05f, kToBlock = 1.0f / static_cast<float>(kBlockEdge);
   float least = polygon.corners[0].p[axis], most = least;
@@ -203,7 +204,8 @@ BlockRange blocks_along(const ClippedPolygon& polygon, int axis, int last) {
           std::clamp(static_cast<int>((most + kSpare) * kToBlock), 0, last)};
 }
 
-// Visits the blocks that a triangle meets: not all of its box, most of which a large one that lies askew leaves empty.
+// Visits the blocks that a triangle intersects, by clipping. Its bounding box would contain many empty blocks if it is
+// large and oblique.
 template <class Visit>
 void visit_blocks(const ClippedPolygon& polygon, int axis, int last, std::array<int, 3>& block, const Visit& visit) {
   if (polygon.size == 0) return;
@@ -216,7 +218,7 @@ void visit_blocks(const ClippedPolygon& polygon, int axis, int last, std::array<
       continue;
     }
     cut(rest, axis, static_cast<float>((i + 1) * static_cast<int>(kBlockEdge)), below, above);
-    // What rounding put beside the cut counts for both.
+    // If rounding left one side empty, use the polygon for both.
     visit_blocks(below.size > 0 ? below : rest, axis + 1, last, block, visit);
     if (above.size > 0) rest = above;
   }
@@ -249,11 +251,11 @@ struct SurfaceVoxelizer::State {
   Cube cube;
   int level;
   unsigned threads;
-  int block_level;  // of the octree whose leaves are the blocks
+  int block_level;  // octree level at which a cell is a block
   float scale;      // voxels per unit
   std::vector<std::uint64_t> block_keys;
   std::vector<std::unique_ptr<VoxelBlock>> blocks;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> block_table;  // large grids: open addressing
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> block_table;  // for large grids; open addressing
   std::vector<Triangle> waiting;
 
   std::uint32_t find_block(std::uint64_t key) {
@@ -321,9 +323,10 @@ struct SurfaceVoxelizer::State {
     waiting.clear();
   }
 
-  // As many of the waiting triangles as meet so many blocks, but one at least; gives the next one.
+  // Processes waiting triangles from `begin_at` on, up to kMostMeetings pairs but at least one triangle. Returns the
+  // next one.
   std::size_t flush_from(std::size_t begin_at) {
-    // Which triangles meet which block, in their order.
+    // Pairs of block and triangle, in the order of triangles.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> meetings;
     meetings.reserve(std::min(kMostMeetings, waiting.size() + waiting.size() / 4));
     const int last = (1 << block_level) - 1;
@@ -344,7 +347,7 @@ struct SurfaceVoxelizer::State {
       ClippedPolygon polygon;
       for (const glm::vec3& p : waiting[t].positions) polygon.push({in_voxels(p), 0, 0});
       std::array<int, 3> block{};
-      bool single = true;  // most are
+      bool single = true;  // usual case
       for (int axis = 0; axis < 3; ++axis) {
         const BlockRange range = blocks_along(polygon, axis, last);
         block[static_cast<std::size_t>(axis)] = range[0];
@@ -430,7 +433,7 @@ std::vector<Voxel> coarsen(std::span<const Voxel> voxels) {
   for (const Voxel& voxel : voxels) {
     const std::uint64_t key = voxel.key >> 3;
     if (out.empty() || out.back().key != key) out.push_back({key, {}});
-    // Lengths are halved, areas quartered; the centre of the child is a quarter of an edge from the parent's.
+    // Child lengths are halved and areas quartered; the child's centre is a quarter of an edge from the parent's.
     SurfaceMoments m = voxel.moments;
     const glm::vec3 from_parent((voxel.key & 1) != 0 ? 0.25f : -0.25f, (voxel.key & 2) != 0 ? 0.25f : -0.25f,
                                 (voxel.key & 4) != 0 ? 0.25f : -0.25f);

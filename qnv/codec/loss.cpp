@@ -8,11 +8,12 @@
 namespace gs::qnv {
 namespace {
 
-// What comes first is needed by everything behind it: a transport sends it twice, or with parity.
+// Number of first bytes that are never lost: everything else depends on them, so a transport repeats them or adds
+// parity.
 constexpr std::uint64_t kProtectedBytes = 16'000;
-constexpr std::size_t kCountAt = 2;  // of a payload of records: how many follow
+constexpr std::size_t kCountAt = 2;  // offset of the record count in a records payload
 
-// SplitMix64 (Steele et al. 2014): a number between 0 and 1 for every packet.
+// Returns a number in [0, 1) for each packet (SplitMix64, Steele et al. 2014).
 double random_of(std::uint64_t seed, std::uint64_t packet) {
   std::uint64_t z = seed * 0x9e3779b97f4a7c15ULL + packet * 0xbf58476d1ce4e5b9ULL + 0x94d049bb133111ebULL;
   z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9ULL;
@@ -53,7 +54,7 @@ std::vector<std::byte> drop_packets(std::span<const std::byte> stream, double sh
       kept[kCountAt + 1] = static_cast<std::byte>(count >> 8 & 255);
       if (count > 0) append(type, kept);
     } else if (type == ChunkType::directory) {
-      return;  // its offsets are no longer true
+      return;  // the directory's offsets would be wrong
     }
     ++packet;
   };

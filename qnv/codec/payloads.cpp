@@ -81,8 +81,7 @@ DecodedStream decode_polygons(std::span<const std::byte> stream, std::size_t mos
   return decoded;
 }
 
-// All chunks of a payload are of one type.
-/// The last one again for those that are not told.
+/// Lists chunk types, repeating the last one to fill the array.
 constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
   ChunkTypes all{};
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = told.begin()[std::min(i, told.size() - 1)];
@@ -107,7 +106,7 @@ constexpr std::array<PayloadRow, 5> kRows = {{
      decode_vectors},
 }};
 
-// The table is in the order of the numbers, some of which are no payload's.
+// The table is ordered by payload number. Numbers may have gaps.
 static_assert([] {
   for (std::size_t i = 1; i < kRows.size(); ++i)
     if (!(kRows[i - 1].payload < kRows[i].payload)) return false;

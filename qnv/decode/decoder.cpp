@@ -17,7 +17,7 @@ std::uint32_t discs_of_cluster(const Cluster& cluster, std::size_t first, std::s
   return discs_of(cluster.voxels, first, count);
 }
 
-// Number i of so many bits, its lowest bit first.
+// Returns i with the order of its lowest `bits` bits reversed.
 std::uint64_t reversed(std::uint64_t i, int bits) {
   std::uint64_t out = 0;
   for (int bit = 0; bit < bits; ++bit) out |= (i >> bit & 1) << (bits - 1 - bit);
@@ -31,8 +31,8 @@ void permute(std::span<const std::uint32_t> order, std::vector<T>& values) {
   values = std::move(moved);
 }
 
-// Vectors that lie side by side come one after the other; with the bits of their numbers reversed every prefix covers
-// all of them evenly.
+// Permutes vectors, which are stored in spatial order, by bit-reversed indices. Then every prefix covers all of them
+// evenly.
 void spread(Cloud& cloud) {
   const std::size_t size = cloud.size();
   const auto bits = static_cast<int>(std::bit_width(size));

@@ -16,9 +16,10 @@ ShadedVertices shaded_vertices(const exact::ExactMesh& mesh, std::span<const glm
   out.triangles.resize(3 * mesh.triangles.size());
   const displaced::Frame frame(box);
   const float step = frame.size / static_cast<float>((1 << mesh.bits) - 1);
-  // Of each vertex the number that was given out last, and of each number the one before: most vertices have one.
+  // Linked list of the output vertices of each mesh vertex: `last` has the newest, `before` the previous one. Most have
+  // one.
   std::vector<std::uint32_t> last(mesh.vertices.size(), kNone), before;
-  std::vector<glm::ivec2> coordinates;  // of vertices that are shown
+  std::vector<glm::ivec2> coordinates;  // of output vertices
   const bool textured = !mesh.coordinates.empty();
   constexpr int kMostLooks = 16;
   for (std::uint32_t corner = 0; corner < out.triangles.size(); ++corner) {

@@ -11,13 +11,13 @@
 namespace gs::qnv {
 namespace {
 
-// Clusters that wait for a base that may never come, with what each takes beside its bytes.
+// Limit of the clusters waiting for a base, which may never be received; and the overhead of each.
 constexpr std::size_t kMostWaitingStageBytes = std::size_t{16} << 20, kWaitingCost = 128;
 
-// A surface is shown at a level that has at most so many vertices for each byte that came, and these besides.
+// Limits on the shown level: vertices per received byte, plus a constant.
 constexpr std::size_t kMostVerticesAByte = 1024, kVerticesBesides = 65536;
 
-// One level beyond what has arrived is smooth, and costs nothing.
+// Returns the level to show: one beyond the received ones, which is smooth at no cost.
 int shown_level(const displaced::Surface& surface) {
   int level = std::min(surface.header().depth, surface.finest() + 1);
   const std::size_t most = kVerticesBesides + kMostVerticesAByte * surface.cluster_bytes();
@@ -33,7 +33,7 @@ std::size_t most_slots(const displaced::Surface& surface) {
   return surface.slots().vertices_at(surface.header().depth);
 }
 
-/// Which slots some patch has that is not left out.
+/// Returns the slots used by patches that are not left out.
 std::vector<bool> used_slots(const displaced::Surface& surface, int level, const std::vector<bool>& without) {
   std::vector<bool> used(surface.slots().vertices_at(level), false);
   std::vector<std::uint32_t> grid;
@@ -79,7 +79,7 @@ void SurfaceStages::add_stage(int number, displaced::StageHeader stage) {
   for (const auto& payload : ready) add(payload);
 }
 
-// What is shown has no more vectors than there may be; of stages that wait there may be as many again.
+// Shown stages may have at most most_vectors_ vertices, and waiting stages as many again.
 bool SurfaceStages::fits(const displaced::Surface& surface) const {
   std::size_t beside = 0, largest = 0, all = most_slots(surface);
   (surface.header().beside ? beside : largest) = all;
@@ -113,7 +113,7 @@ void SurfaceStages::add(std::span<const std::byte> payload) {
   }
   if ((gone_ >> cluster->stage & 1) != 0) return;
   if (cluster->kind == displaced::ClusterHeader::Kind::base) {
-    // It may come more than once, so that one gets through.
+    // A base may be sent repeatedly, so that one copy arrives.
     if (stages_.contains(cluster->stage)) return;
     auto stage = displaced::decode_stage(payload.subspan(cluster->bytes));
     if (stage)
@@ -134,7 +134,7 @@ void SurfaceStages::add(std::span<const std::byte> payload) {
   }
   if (cluster->level > found->second.header().depth && count_.full) return;
   if (!found->second.add(*cluster, payload)) ++count_.refused;
-  // Of a cluster that ends early, too, some numbers may have come.
+  // A truncated cluster may also have contributed numbers.
   if (const auto evaluator = evaluators_.find(cluster->stage); evaluator != evaluators_.end()) {
     if (cluster->kind == displaced::ClusterHeader::Kind::color)
       evaluator->second.colors_changed();
@@ -205,8 +205,8 @@ void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool
   const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
   const auto start = static_cast<std::uint32_t>(cloud.positions.size());
-  // What none of the patches needs is not there.
-  std::vector<std::uint32_t> numbers;  // of slots
+  // Omit slots that no remaining patch uses.
+  std::vector<std::uint32_t> numbers;  // by slot
   std::uint32_t count = start;
   std::vector<bool> used;
   if (!without.empty()) used = used_slots(surface, level, without);
@@ -227,7 +227,7 @@ void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool
   }
   const std::size_t first = cloud.triangles.size();
   const std::vector<std::uint32_t> triangles = surface.triangles(level);
-  const std::size_t corners = std::size_t{3} << 2 * level;  // of a patch
+  const std::size_t corners = std::size_t{3} << 2 * level;  // per patch
   cloud.triangles.reserve(first + triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i)
     if (without.empty() || !without[i / corners]) cloud.triangles.push_back(numbers[triangles[i]]);

@@ -7,7 +7,7 @@
 namespace gs::qnv {
 namespace {
 
-// A directory that is wrong shows in one of so many chunks.
+// Number of chunks sampled to detect a wrong directory.
 constexpr std::size_t kSamples = 8;
 constexpr std::size_t kBytesPerRead = std::size_t{1} << 18;
 
@@ -74,7 +74,7 @@ LodStream::Opened LodStream::begin(std::span<const std::byte> front, std::size_t
   return opened;
 }
 
-// In a directory that is not of this stream, numbers and parents are others than in the chunks.
+// Reports whether the directory belongs to this stream: cluster numbers and parents must match the chunks.
 bool LodStream::directory_fits() const {
   std::vector<std::byte> buffer;
   const auto fits = [&](std::uint32_t index) {
@@ -82,18 +82,18 @@ bool LodStream::directory_fits() const {
     if (node.broken) return true;
     const auto chunk = read_chunk(*source_, node.offset, node.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (!sound) return true;  // damage costs this one
+    if (!sound) return true;  // damage affects only this chunk
     const auto header = read_cluster_header(sound->payload);
     const auto* cluster = std::get_if<ClusterHeader>(&header);
     return sound->type == ChunkType::packed && cluster && tree_.misfit(index, *cluster).empty();
   };
   for (std::size_t i = 0; i < tree_.size(); i += std::max<std::size_t>(1, tree_.size() / kSamples))
     if (!fits(static_cast<std::uint32_t>(i))) return false;
-  // Without the first cluster there is nothing: no claim may cost it.
+  // The first cluster is indispensable; do not lose it to a wrong directory.
   return cache_.decode_one(*source_, tree_.root(), nullptr).cluster != nullptr;
 }
 
-// All of the stream, once: every checksum, and whatever chunks there are.
+// Reads the whole stream once, with all checksums, and collects all chunks.
 void LodStream::scan() {
   const StreamReader::OnChunk arrive = [this](ChunkType type, std::span<const std::byte> payload,
                                               std::uint64_t offset) {
@@ -157,7 +157,7 @@ bool LodStream::add(std::uint64_t offset, std::span<const std::byte> chunk) {
   return take(std::get<SoundChunk>(sound).type, std::get<SoundChunk>(sound).payload, offset);
 }
 
-// A chunk of a stream that grows.
+// Processes a chunk of a growing stream.
 bool LodStream::take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
   if (type != ChunkType::packed) return type == ChunkType::directory;
   const auto header = read_cluster_header(payload);
@@ -225,13 +225,13 @@ std::size_t LodStream::visit_whole(std::size_t most_discs, const OnVoxels& visit
   return discs;
 }
 
-// A cluster, what is below it first. No deeper than the octree.
+// Visits a cluster after its descendants. The recursion is no deeper than the octree.
 void LodStream::visit_below(std::uint32_t index, const Cluster& cluster, std::size_t most_discs, std::size_t& discs,
                             const OnVoxels& visit) {
   std::vector<std::uint32_t> children;
   for (std::uint32_t child = tree_[index].first_child; child != kNoNode; child = tree_[child].next_sibling)
     if (tree_[child].present && !tree_[child].broken) children.push_back(child);
-  std::reverse(children.begin(), children.end());  // as they came
+  std::reverse(children.begin(), children.end());  // in order of arrival
   const PackedVoxels& voxels = cluster.voxels;
   std::vector<bool> divided(voxels.size());
   for (const std::uint32_t child : children) {

@@ -13,9 +13,9 @@
 namespace gs::qnv {
 namespace {
 
-// Fewer are not worth the start of a thread.
+// Minimum number of clusters to start threads for.
 constexpr std::size_t kFewestForThreads = 4;
-// Of one cloud: as many as are worth a buffer and a draw call of their own.
+// Maximum splats of a shared cloud; larger sets deserve their own buffer and draw call.
 constexpr std::size_t kMostShared = std::size_t{1} << 16;
 
 std::size_t bytes_of(const PackedVoxels& voxels) {
@@ -48,10 +48,11 @@ NormalCone cone_of(const PackedVoxels& voxels) {
   return cone;
 }
 
-// Whether what was claimed holds what is there, but for as much as any disc may reach out of its voxel.
+// Reports whether a claimed box contains the cells, with one edge of tolerance for splats that extend beyond their
+// voxel.
 bool holds(const Box& claimed, const Box& cells, float edge, const Box& stream) {
   for (int i = 0; i < 3; ++i) {
-    // The directory cannot tell of what lies outside of the stream's box.
+    // The directory cannot describe positions outside the stream's box.
     const float low = std::max(cells.lower[i], stream.lower[i]), high = std::min(cells.upper[i], stream.upper[i]);
     if (low < claimed.lower[i] - edge || high > claimed.upper[i] + edge) return false;
   }
@@ -132,7 +133,7 @@ Box LodCache::box_of_run(const PackedVoxels& voxels, int level, std::size_t firs
   return box;
 }
 
-// What is wrong with it; empty when it is a part of the tree now.
+// Adds a decoded cluster to the tree. Returns the problem, or an empty string.
 std::string LodCache::take(std::uint32_t index, DecodedCluster decoded, std::uint64_t now) {
   if (!decoded.cluster) return std::move(decoded.problem);
   LodNode& node = tree_[index];
@@ -198,7 +199,7 @@ void LodCache::decode(const ChunkSource& source, std::vector<std::uint32_t> node
   };
   for (std::size_t first = 0, last = 0; first < nodes.size(); first = last) {
     while (last < nodes.size() && tree_[nodes[last]].level == tree_[nodes[first]].level) ++last;
-    // What lost its parent on the way stays away.
+    // Skip clusters that lost their parent meanwhile.
     std::vector<std::uint32_t> wave;
     for (std::size_t i = first; i < last; ++i)
       if (tree_[nodes[i]].parent == kNoNode || has_voxels(tree_[nodes[i]].parent)) wave.push_back(nodes[i]);
@@ -317,7 +318,7 @@ void LodCache::forget_group(std::size_t index) {
   bytes_ -= group->bytes;
   disc_count_ -= group->cloud->size();
   for (const std::uint32_t node : group->members) {
-    // Some may have new ones elsewhere.
+    // A member may have newer splats in another group.
     if (!entries_[node] || entries_[node]->discs != group.get()) continue;
     entries_[node]->discs = nullptr;
     entries_[node]->disc_of = {};
@@ -338,7 +339,7 @@ void LodCache::shrink(std::uint64_t now) {
   for (std::size_t i = 0; i < entries_.size(); ++i)
     if (entries_[i] && entries_[i]->voxels && entries_[i]->pinned != now) old.push_back({entries_[i]->used, false, i});
   std::sort(old.begin(), old.end(), [](const Old& a, const Old& b) { return a.used < b.used; });
-  // A little more than is needed, so that it need not be done for every cut.
+  // Free more than necessary, to avoid shrinking on every cut.
   const std::size_t enough = most_bytes_ - most_bytes_ / 8;
   for (const Old& item : old) {
     if (bytes_ <= enough) break;

@@ -15,23 +15,23 @@ namespace gs::qnv {
 namespace {
 
 constexpr std::size_t kMostWanted = 4096;
-// A cluster that was chosen is given up when its error is so much smaller than that of those that are chosen anew.
+// Hysteresis: factor on the error of new candidates; a chosen cluster is kept while its error exceeds that.
 constexpr float kGivenUp = 0.7f;
-// What was chosen for the very same view comes first.
+// Priority of clusters chosen for the identical view.
 constexpr float kStays = 1e30f;
-// One is decoded after the other as long as what is known of them changes the choice; each goes a level deeper.
+// Maximum number of decoding rounds. Each goes one level deeper, as long as new knowledge changes the choice.
 constexpr int kMostRounds = 24;
-// Radians: by how much more than its parents' normals the normals of a cluster may be turned, when it is not looked
-// into for facing away; and what rounding may do.
+// Radians: assumed maximum turn of a cluster's normals relative to its parent's, for culling undecoded clusters; and a
+// margin for rounding.
 constexpr float kFinerTurn = 0.3f, kTurnMargin = 0.01f;
 
-/// How far discs may reach out of the voxels that a box holds.
+/// Enlarges a box by the distance that splats may extend beyond their voxels.
 Box grown(const Box& box, float edge) { return {box.lower - edge, box.upper + edge}; }
 
 bool outside(const Box& box, const LodView& view) {
   for (const glm::vec4& plane : view.planes) {
     if (plane == glm::vec4(0)) continue;
-    // The corner that lies furthest inwards.
+    // Corner farthest inside the plane.
     const glm::vec3 p(plane.x >= 0 ? box.upper.x : box.lower.x, plane.y >= 0 ? box.upper.y : box.lower.y,
                       plane.z >= 0 ? box.upper.z : box.lower.z);
     if (plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < 0) return true;
@@ -45,8 +45,8 @@ float distance_to(const Box& box, const glm::vec3& p) {
   return std::sqrt(glm::dot(d, d));
 }
 
-// Whether every disc in the box with its normal in the cone, turned by `margin` at most, is seen from behind:
-// dot(normal, place - eye) > 0.
+// Reports whether every splat in the box is seen from behind: dot(normal, position - eye) > 0 for all normals in the
+// cone, turned by at most `margin`.
 bool faces_away(const NormalCone& cone, const Box& box, const glm::vec3& eye, float margin) {
   if (!(cone.cosine > 0)) return false;
   const glm::vec3 to = box.lower * 0.5f + box.upper * 0.5f - eye, half = box.size() * 0.5f;
@@ -71,7 +71,7 @@ bool same_view(LodView a, LodView b) {
   return a == b;
 }
 
-// What decoding it takes, about. A directory that claims too few does not get more for it.
+// Returns the approximate cost of decoding. The bytes are a lower bound, so that a directory cannot claim too little.
 std::size_t cost(const LodNode& node) { return std::max<std::size_t>(node.voxels, node.bytes / 8); }
 
 }  // namespace
@@ -115,7 +115,7 @@ std::vector<Piece> LodStream::cut(const LodView& view) {
   return out;
 }
 
-// The slot of a viewport; of one that is new, that of the one that did not look for longest.
+// Returns the slot of a viewport; a new viewport replaces the least recently used one.
 std::size_t LodStream::viewport_of(std::uint32_t id) {
   std::size_t oldest = 0;
   for (std::size_t i = 0; i < kViewports; ++i) {
@@ -157,7 +157,7 @@ std::vector<LodView> LodStream::views() const {
   return all;
 }
 
-// By how many discs a cut grows when this node joins it.
+// Returns the change of a cut's splat count when this node joins.
 std::int64_t LodStream::discs_gained(std::uint32_t index) const {
   const LodNode& node = tree_[index];
   std::int64_t gained = node.visible ? (node.known ? node.discs : node.voxels) : 0;
@@ -166,8 +166,8 @@ std::int64_t LodStream::discs_gained(std::uint32_t index) const {
   return gained;
 }
 
-// What the view asks for, decoded or not, here or not: the order is that of the sizes on the screen, so that a parent
-// stands before its children.
+// Selects the clusters that the view needs, decoded or not, received or not. Sorted by size on the screen, so that a
+// parent precedes its children.
 void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t bit) {
   const bool same = last.last_cut != 0 && last.revision == revision_ && same_view(last.view, view);
   const bool backs_left_out = view.leave_backs && !header_.description.two_sided;
@@ -206,8 +206,8 @@ void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t 
   }
 }
 
-// What of the order is to be decoded next, most important first, as far as the view allows; and what is there or will
-// be then is ready.
+// Returns the clusters to decode next, most important first, within the view's limits. Marks decoded and scheduled
+// clusters as ready.
 std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
   std::vector<std::uint32_t> nodes, chain;
   std::vector<bool> marked;
@@ -218,7 +218,7 @@ std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
     if (!node.present || (node.parent != kNoNode && !tree_[node.parent].ready)) continue;
     node.ready = cache_.has(index);
     if (node.ready || !more) continue;
-    // With those above it whose voxels were forgotten.
+    // Include ancestors with evicted voxels.
     chain.assign(1, index);
     std::size_t sum = cost(node);
     for (std::uint32_t above = node.parent; above != kNoNode && !cache_.has_voxels(above) && !is_marked(above);
@@ -240,7 +240,7 @@ std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
   return nodes;
 }
 
-// Of what the view asks for, what is there: never more than the budget.
+// Chooses the available clusters of the selection, within the budget.
 void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bit) {
   for (const std::uint32_t node : viewport.chosen) tree_[node].chosen_by &= static_cast<std::uint16_t>(~bit);
   viewport.chosen.clear();
@@ -257,7 +257,7 @@ void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bi
     discs += discs_gained(index);
   }
   const auto budget = static_cast<std::int64_t>(view.budget == 0 ? most_discs_ : std::min(view.budget, most_discs_));
-  // What was guessed may have been too little. Those that came last have no children here.
+  // Estimates may have been too low. The last clusters have no children here.
   while (discs > budget && viewport.chosen.size() > 1) {
     const std::uint32_t last = viewport.chosen.back();
     discs -= discs_gained(last);
@@ -266,7 +266,7 @@ void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bi
   }
 }
 
-// The voxels that no chosen child takes the place of.
+// Returns the runs of voxels that no chosen child replaces.
 std::vector<LodStream::Run> LodStream::runs(Viewport& viewport, std::uint16_t bit) const {
   std::vector<Run> out;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> taken;
@@ -296,7 +296,7 @@ std::vector<Piece> LodStream::pieces(const LodView& view, std::span<const Run> d
   std::vector<std::pair<LodCache::Discs, std::uint32_t>> places;
   places.reserve(drawn.size());
   for (const Run& run : drawn) places.emplace_back(cache_.discs(run.node, run.first, run.last), run.node);
-  // So that those beside each other come one after the other.
+  // Sort, so that adjacent runs follow each other.
   std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.first.order, a.first.first) < std::tuple(b.first.order, b.first.first);
   });

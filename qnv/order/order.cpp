@@ -12,15 +12,15 @@
 namespace gs::qnv {
 namespace {
 
-constexpr unsigned kClasses = 6;     // of magnitudes, a factor of eight apart
-constexpr unsigned kClassSteps = 4;  // the steps of `order::Taken` in which the distance halves
+constexpr unsigned kClasses = 6;     // of magnitudes, each a factor of eight apart
+constexpr unsigned kClassSteps = 4;  // steps of `order::Taken` per halving of the distance
 
 unsigned exponent(float weight) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(weight);
   return bits >> 31 ? 0 : bits >> 23;
 }
 
-// The points of each class, the one of the largest hundredth of the magnitudes first.
+// Returns the points of each class. The first class starts at the largest magnitude that 1 % of the points reach.
 std::array<std::vector<std::uint32_t>, kClasses> classes_of(std::span<const float> weights) {
   std::array<std::size_t, 256> histogram{};
   for (const float weight : weights) ++histogram[exponent(weight)];
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> order_surface(std::span<const glm::vec3> positions, s
   return result;
 }
 
-// Every class on its own; then all together, a class at half of the distance with the one above it.
+// Orders each class separately; then merges them, each class at half the distance of the class above.
 std::vector<std::uint32_t> order_volume(std::span<const glm::vec3> positions, std::span<const float> weights,
                                         const order::Cube& cube, const OrderOptions& options) {
   std::vector<order::KeyedIndex> entries;
@@ -58,14 +58,14 @@ std::vector<std::uint32_t> order_volume(std::span<const glm::vec3> positions, st
     if (taken.size() != tree.source.size()) return {};
     for (std::size_t first = 0, last = 0; first < taken.size(); first = last) {
       while (last < taken.size() && taken[last].step == taken[first].step) ++last;
-      // Within a step the classes are shuffled together: each is spread over it.
+      // Within a step, interleave the classes evenly.
       for (std::size_t i = first; i < last; ++i) {
         const std::uint64_t within = ((i - first) << 16) / (last - first);
         entries.push_back({std::uint64_t{taken[i].step + kClassSteps * c} << 16 | within, tree.source[taken[i].point]});
       }
     }
   }
-  order::sort_by_key(entries, 16 + 7, options.threads);  // a step is at most 4 * 17 + 1 + 4 * 5
+  order::sort_by_key(entries, 16 + 7, options.threads);  // maximum step: 4 * 17 + 1 + 4 * 5
   std::vector<std::uint32_t> result(entries.size());
   for (std::size_t i = 0; i < entries.size(); ++i) result[i] = entries[i].index;
   return result;
@@ -76,7 +76,7 @@ std::vector<std::uint32_t> order_volume(std::span<const glm::vec3> positions, st
 std::vector<std::uint32_t> progressive_order(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                                              std::span<const float> weights, const OrderOptions& options) {
   order::Cube cube = order::cube_around(positions);
-  if (!(cube.side > 0)) cube.side = 1;  // all at one place
+  if (!(cube.side > 0)) cube.side = 1;  // all points coincide
   std::vector<std::uint32_t> result = options.kind == Kind::surface ? order_surface(positions, normals, cube, options)
                                                                     : order_volume(positions, weights, cube, options);
   if (options.progress && options.progress->cancelled) return {};

@@ -11,9 +11,9 @@
 namespace gs::qnv::order {
 namespace {
 
-constexpr std::size_t kPointsPerTask = std::size_t{1} << 16;  // of points, for one thread at a time
+constexpr std::size_t kPointsPerTask = std::size_t{1} << 16;  // for one thread at a time
 
-// work(first, last) over all of `count`.
+// Calls work(first, last) for blocks that cover `count`.
 template <class Work>
 void in_blocks(std::size_t count, unsigned threads, const Work& work) {
   const std::size_t blocks = (count + kPointsPerTask - 1) / kPointsPerTask;
@@ -25,7 +25,7 @@ void in_blocks(std::size_t count, unsigned threads, const Work& work) {
 constexpr unsigned kDigit = 11;  // bits
 using DigitHistogram = std::array<std::uint32_t, std::size_t{1} << kDigit>;
 
-// One pass of the sort: by one digit.
+// Sorts by one digit.
 void sort_by_digit(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to, unsigned shift, unsigned mask,
                    std::vector<DigitHistogram>& histograms, unsigned threads) {
   in_blocks(from.size(), threads, [&](std::size_t first, std::size_t last) {
@@ -45,7 +45,7 @@ void sort_by_digit(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>&
 std::uint32_t grid_coordinate(double offset, double side) {
   constexpr double cells = 1u << kDeepest;
   const double at = offset / side * cells;
-  return at > 0 ? static_cast<std::uint32_t>(std::min(at, cells - 1)) : 0;  // what is not a number goes to 0
+  return at > 0 ? static_cast<std::uint32_t>(std::min(at, cells - 1)) : 0;  // NaN becomes 0
 }
 
 std::vector<KeyedIndex> sorted_keys(const Cube& cube, std::span<const glm::vec3> positions,
@@ -66,9 +66,9 @@ std::vector<KeyedIndex> sorted_keys(const Cube& cube, std::span<const glm::vec3>
 
 float finite_or(float value, double otherwise) { return std::isfinite(value) ? value : static_cast<float>(otherwise); }
 
-// The cells of the first level that has nearly as many as there are points (or the deepest), and of those above it.
+// Returns the levels from the root to the first with nearly as many cells as points, or to the deepest.
 std::vector<Level> make_levels(const std::vector<std::uint64_t>& keys) {
-  // In how many cells more than at the level above the points lie: where neighbours on the curve part.
+  // Number of cells that each level adds: the level at which neighbours on the curve separate.
   std::array<std::size_t, kDeepest + 1> parted{};
   const auto parting_level = [&](std::size_t i) -> unsigned {
     if (i == 0) return 0;
@@ -104,7 +104,7 @@ std::vector<Level> make_levels(const std::vector<std::uint64_t>& keys) {
 
 GoldenStride::GoldenStride(std::size_t count, std::uint64_t seed) : count_(count), stride_(1), at_(0) {
   if (count < 2) return;
-  // The nearest to the golden ratio that has no factor in common with the count, so that all are visited.
+  // Increase the stride to a number coprime to the count, so that all entries are visited.
   stride_ = static_cast<std::size_t>(static_cast<double>(count) * 0.6180339887498949);
   while (std::gcd(++stride_, count) != 1) {
   }
@@ -155,7 +155,7 @@ Tree make_tree(const Cube& cube, std::span<const glm::vec3> positions, std::span
   tree.source.resize(count);
   tree.points.resize(count);
   const std::vector<KeyedIndex> sorted = sorted_keys(cube, positions, indices, threads);
-  // Distances are of the size of the cube, so that their squares can neither overflow nor vanish.
+  // Scale to the cube's size, so that squared distances neither overflow nor underflow.
   const double scale = 1 / cube.side;
   in_blocks(count, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
@@ -190,13 +190,13 @@ Neighbours neighbours_below(const Tree& tree, unsigned level, const Neighbours& 
     const std::size_t end = std::min(parents.size(), (part + 1) * block);
     result.cells.reserve((end - part * block) * 40);
     for (std::size_t parent = part * block; parent < end; ++parent) {
-      // The cells in and around the parent, 4 * 4 * 4; each of its children touches 3 * 3 * 3 of them.
+      // 4 * 4 * 4 cells in and around the parent; each child touches 3 * 3 * 3 of them.
       std::array<std::uint32_t, 64> around;
       around.fill(none);
       const auto at = morton_decode(tree.keys[parents.begin[parent]] >> shift >> 3);
       for (const std::uint32_t uncle : above.of(parent)) {
         const auto uncle_at = morton_decode(tree.keys[parents.begin[uncle]] >> shift >> 3);
-        // Places of its children, -2..3 from the parent's first child, plus one: only 0..3 are kept.
+        // Positions of its children relative to the parent's first child, -2..3, plus one; only 0..3 are kept.
         const std::uint32_t x = 2 * (uncle_at[0] - at[0]) + 1, y = 2 * (uncle_at[1] - at[1]) + 1,
                             z = 2 * (uncle_at[2] - at[2]) + 1;
         for (std::uint32_t cell = parents.first_child[uncle]; cell < parents.first_child[uncle + 1]; ++cell) {

@@ -9,29 +9,29 @@ namespace gs::qnv::order {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// What a gap is set to once its point is taken: below all distances.
+// Gaps of points already taken: below all distances.
 constexpr float kJustTaken = -1, kTaken = -2;
-constexpr unsigned kSteps = 4;                            // in which the distance halves
-constexpr std::size_t kExactWork = std::size_t{1} << 25;  // distances worth looking at for the best of beginnings
-constexpr std::size_t kExactWhole = 4096;                 // a cloud of so few is ordered like that to its end
-constexpr std::size_t kRestPart = 4;  // once this part is taken, the rest comes by the distances that it has by then
+constexpr unsigned kSteps = 4;                            // per halving of the distance
+constexpr std::size_t kExactWork = std::size_t{1} << 25;  // maximum number of distances for the exact method
+constexpr std::size_t kExactWhole = 4096;                 // maximum number of points to order exactly to the end
+constexpr std::size_t kRestPart = 4;  // fraction (1/n) after which the rest is sorted by its current distances
 constexpr std::uint32_t kRestSteps = 12;
-constexpr std::size_t kParallel = 2000;  // cells that are worth more than one thread
+constexpr std::size_t kParallel = 2000;  // minimum number of cells for several threads
 constexpr std::size_t kCellsPerTask = 128;
-constexpr unsigned kBlockLevels = 3;  // a block of cells has 8^3: few enough for a cache, if in a surface
+constexpr unsigned kBlockLevels = 3;  // a block has 8^3 cells; for a surface, few enough for the cache
 
-// The square of 2^(-step/4).
+// Returns the square of 2^(-step/4).
 float squared_distance(std::uint32_t step) {
   const float whole = std::ldexp(1.0f, -static_cast<int>(step / 2));
   return step % 2 == 0 ? whole : whole * 0.70710678f;
 }
 
-// What the points taken in one octave are chosen from: of those that stand for a cell of a finer level, or of all, the
-// ones that are far enough from what is taken.
+// Candidates of one octave: points far enough from the taken ones, either all or one per cell of a finer level.
 struct Candidates {
   Points points;
   std::vector<std::uint32_t> of_tree;  // index in the tree
-  std::vector<float> gaps;             // squared distance to the nearest taken, times density; or kJustTaken, kTaken
+  std::vector<float> gaps;             // squared distance to the nearest taken point, times density; or kJustTaken,
+                                       // kTaken
   [[nodiscard]] std::size_t size() const { return of_tree.size(); }
   void resize(std::size_t count) {
     points.resize(count);
@@ -40,7 +40,7 @@ struct Candidates {
   }
 };
 
-// What is taken, cell by cell.
+// Taken points by cell.
 struct Centres {
   std::vector<Centre> centres;
   std::vector<std::uint32_t> first;  // of each cell; one more for the end
@@ -49,7 +49,7 @@ struct Centres {
 Centre centre_of(const Points& p, std::size_t i) { return {p.x[i], p.y[i], p.z[i], p.nx[i], p.ny[i], p.nz[i]}; }
 
 std::size_t largest(const std::vector<float>& gaps) {
-  // As integers, floats >= 0 have the same order, and those below come first.
+  // Compare as integers: floats >= 0 keep their order, and negative ones come first.
   std::int32_t most = std::numeric_limits<std::int32_t>::min();
   for (const float gap : gaps) most = std::max(most, std::bit_cast<std::int32_t>(gap));
   return static_cast<std::size_t>(std::find(gaps.begin(), gaps.end(), std::bit_cast<float>(most)) - gaps.begin());
@@ -62,7 +62,7 @@ class Spreader {
         options_(options),
         points_(tree.points),
         relax_(has_relax_avx2() ? relax_avx2 : relax_portable),
-        // Candidates are cells of 1/8 of the distance at which an octave begins; of a volume 1/4, which are as many.
+        // Candidate cells have 1/8 of the octave's initial distance; for a volume 1/4, which gives about as many cells.
         depth_(options.surface ? 3 : 2),
         is_taken_(tree.points.size() / 64 + 1) {
     if (options.surface) find_densities();
@@ -92,8 +92,8 @@ class Spreader {
   [[nodiscard]] std::size_t candidate_count(unsigned level) const {
     return takes_all(level) ? tree_.source.size() : tree_.levels[level + depth_].size();
   }
-  // How many distances are looked at when the furthest candidates are taken one by one to the end of a level's octave:
-  // of those taken there are about as many as there are cells of the next level.
+  // Returns the number of distances if the farthest candidates are taken one by one to the end of a level's octave.
+  // About as many are taken as the next level has cells.
   [[nodiscard]] std::size_t exact_work(unsigned level) const {
     const std::size_t next = std::min<std::size_t>(level + 1, tree_.levels.size() - 1);
     return candidate_count(level) * tree_.levels[next].size();
@@ -103,8 +103,8 @@ class Spreader {
   }
   [[nodiscard]] bool is_taken(std::size_t point) const { return is_taken_[point / 64] >> point % 64 & 1; }
 
-  // More where normals vary within cells of about 1/4096 of the object. 1 - |mean normal| is (angle / 2)^2 / 2 of
-  // a bent piece, about; a quarter of a right angle gives all that there is to be had.
+  // Increases the density if normals vary within cells of about 1/4096 of the object. 1 - |mean normal| of a bent piece
+  // is approximately (angle / 2)^2 / 2; a quarter of a right angle gives the maximum.
   void find_densities() {
     const std::size_t wanted = std::min<std::size_t>(4096, tree_.source.size() / 8);
     unsigned level = 0;
@@ -143,7 +143,7 @@ class Spreader {
     return result;
   }
 
-  // Of one cell: all points, or one of each cell some levels below, found by lot; without those that are taken.
+  // Lists the candidates of one cell: all points, or a random one per cell some levels below; without taken points.
   void list_candidates(unsigned level, std::size_t cell, Candidates& list) const {
     list.of_tree.clear();
     if (takes_all(level)) {
@@ -162,13 +162,13 @@ class Spreader {
     for (std::size_t i = 0; i < list.size(); ++i) list.points.copy(i, points_, list.of_tree[i]);
   }
 
-  // The first cell of `below` in a cell of `level`.
+  // Returns the first cell at level `below` inside a cell of `level`.
   [[nodiscard]] std::size_t descendant(unsigned level, std::size_t cell, unsigned below) const {
     for (; level < below; ++level) cell = tree_.levels[level].first_child[cell];
     return cell;
   }
 
-  // The candidates whose gaps are at least `least`.
+  // Finds the candidates with gaps of at least `least`.
   void find_candidates(unsigned level, float least) {
     const Centres centres = find_centres(level);
     const std::size_t cells = tree_.levels[level].size();
@@ -207,7 +207,7 @@ class Spreader {
     parallel_for(parts.size(), join, threads(level));
   }
 
-  // One by one, each the furthest of all candidates from those before it.
+  // Takes candidates one by one, each the farthest from those before it.
   void take_furthest(unsigned level) {
     const std::uint32_t last_step = kSteps * (level + 1);
     const bool whole = takes_all(level) && candidates_.size() <= kExactWhole;
@@ -225,7 +225,7 @@ class Spreader {
     }
   }
 
-  // Half of the distances: those below 2^-level.
+  // Runs one octave of distances: those below 2^-level.
   void run_octave(unsigned level) {
     find_candidates(level, squared_distance(kSteps * (level + 1)));
     const unsigned block_level = level > kBlockLevels ? level - kBlockLevels : 0;
@@ -234,8 +234,8 @@ class Spreader {
       colors[block_level == 0 ? 0 : tree_.octant(block_level, block)].push_back(static_cast<std::uint32_t>(block));
     for (unsigned i = 1; i <= kSteps && !cancelled(); ++i) {
       const std::uint32_t step = kSteps * level + i;
-      // Blocks in eight groups, as on a chess board: what is taken in one block changes gaps only where no other
-      // of the group does. So threads may share a group, and the result is the same.
+      // Process blocks in eight groups, like a chess board in 3D. Taking points in a block changes no gaps in other
+      // blocks of its group. So threads may share a group, with the same result.
       for (const auto& color : colors) {
         parallel_for(
             color.size(), [&](std::size_t b) { sweep(level, block_level, color[b], squared_distance(step)); },
@@ -246,7 +246,7 @@ class Spreader {
     }
   }
 
-  // Takes all candidates of a block that are far enough from all before them.
+  // Takes all candidates of a block that are far enough from earlier points.
   void sweep(unsigned level, unsigned block_level, std::size_t block, float least) {
     const std::size_t end = descendant(block_level, block + 1, level);
     for (std::size_t cell = descendant(block_level, block, level); cell < end; ++cell) {
@@ -270,13 +270,13 @@ class Spreader {
     take_spread(found, step);
   }
 
-  // All of a list in Morton order, so that every part of it that comes first is spread over it.
+  // Takes a list in Morton order so that every prefix is spread over it.
   void take_spread(const std::vector<std::uint32_t>& found, std::uint32_t step) {
     GoldenStride stride(found.size(), options_.seed + step);
     for (std::size_t i = 0; i < found.size(); ++i) take(found[stride.next()], step);
   }
 
-  // What is left, the furthest from what is taken first.
+  // Takes the remaining points, the farthest from the taken ones first.
   void take_rest(unsigned level) {
     if (taken_.size() == tree_.source.size()) return;
     const std::uint32_t first_step = taken_.empty() ? 0 : taken_.back().step + 1;
@@ -300,12 +300,12 @@ class Spreader {
   const SpreadOptions options_;
   Points& points_;
   const Relax relax_;
-  const unsigned depth_;  // how many levels below an octave's its candidates are
+  const unsigned depth_;  // levels between an octave and its candidates
   std::vector<std::uint64_t> is_taken_;
   std::vector<Taken> taken_;
   Neighbours neighbours_;  // of the octave's level
   Candidates candidates_;
-  std::vector<std::uint32_t> first_;  // candidate of each cell of the octave's level; one more for the end
+  std::vector<std::uint32_t> first_;  // first candidate of each cell of the octave's level; one more for the end
 };
 
 }  // namespace

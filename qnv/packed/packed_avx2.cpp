@@ -13,8 +13,7 @@ namespace {
 #define GS_AVX2 __attribute__((target("avx2,popcnt")))
 #define GS_AVX2_INLINE __attribute__((target("avx2,popcnt"), always_inline)) inline
 
-/// For every mask of lanes: which of the next words each lane gets (`spread`), and the chosen lanes in order
-/// (`squeeze`).
+/// Tables by lane mask: the index of the next word for each lane (`spread`), and the chosen lanes in order (`squeeze`).
 struct LaneTables {
   alignas(64) std::array<std::array<std::uint8_t, 8>, 256> spread{}, squeeze{};
 };
@@ -37,7 +36,7 @@ GS_AVX2_INLINE __m128i load8(const void* from) { return _mm_loadl_epi64(static_c
 
 }  // namespace
 
-/// The eight states of a decoder in one register.
+/// Eight decoder states in one register.
 struct RansVector {
   RansDecoder* decoder;
   __m256i states;
@@ -57,7 +56,7 @@ struct RansVector {
   [[nodiscard]] GS_AVX2_INLINE __m256i slots() const {
     return _mm256_and_si256(states, _mm256_set1_epi32(static_cast<int>(kRansTotal - 1)));
   }
-  /// `distance` is the slot less the start of its symbol.
+  /// `distance` is the slot minus the start of its symbol.
   GS_AVX2_INLINE void advance(__m256i frequency, __m256i distance) {
     const __m256i x = _mm256_add_epi32(_mm256_mullo_epi32(frequency, _mm256_srli_epi32(states, kRansBits)), distance);
     const __m256i low = _mm256_cmpeq_epi32(_mm256_srli_epi32(x, 16), _mm256_setzero_si256());
@@ -72,8 +71,8 @@ struct RansVector {
 
 namespace {
 
-/// table[index] of eight lanes. Eight plain loads: the gather instruction of many processors is slower since its
-/// microcode was mended (CVE-2022-40982).
+/// Loads table[index] in eight lanes. Uses plain loads: the gather instruction is slow on many processors since the
+/// microcode fix for CVE-2022-40982.
 GS_AVX2_INLINE __m256i look_up(const std::uint32_t* table, __m256i index) {
   const __m128i low = _mm256_castsi256_si128(index), high = _mm256_extracti128_si256(index, 1);
   const auto at = [table](int i) __attribute__((always_inline)) {
@@ -84,7 +83,7 @@ GS_AVX2_INLINE __m256i look_up(const std::uint32_t* table, __m256i index) {
                            at(_mm_extract_epi32(high, 2)), at(_mm_extract_epi32(high, 3)));
 }
 
-/// along() of all eight children.
+/// Computes along() for all eight children.
 GS_AVX2_INLINE __m256i along8(const std::array<int, 3>& normal) {
   const __m256i x = _mm256_set1_epi32(normal[0]), y = _mm256_set1_epi32(normal[1]), z = _mm256_set1_epi32(normal[2]);
   const __m256i sx = _mm256_sign_epi32(x, _mm256_setr_epi32(-1, 1, -1, 1, -1, 1, -1, 1));
@@ -113,14 +112,14 @@ GS_AVX2 void occupancy(RansDecoder& decoder, const std::uint32_t* probabilities,
   rans.store();
 }
 
-/// Twice a coordinate plus the child's bit of it, for the chosen children, first ones first.
+/// Stores the cells of the chosen children, packed: twice a coordinate plus the child's bit.
 GS_AVX2_INLINE void store_cells(std::uint16_t* to, std::uint16_t from, __m128i bits, __m128i squeeze) {
   const __m128i cells =
       _mm_add_epi16(_mm_set1_epi16(static_cast<short>(from * 2)), _mm_cvtepu8_epi16(_mm_shuffle_epi8(bits, squeeze)));
   _mm_storeu_si128(reinterpret_cast<__m128i*>(to), cells);
 }
 
-/// What does not depend on neighbours: cells, parent, context.
+/// Inherits the values that do not depend on neighbours: cells, parent, context.
 GS_AVX2_INLINE void inherit_cells(const PackedVoxels& from, std::size_t p, std::size_t next, __m128i squeeze,
                                   const PackedKernels::Inherited& to) {
   const __m128i bits_x = _mm_setr_epi8(0, 1, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0);
@@ -141,7 +140,7 @@ GS_AVX2_INLINE void store_offsets(std::int8_t* to, __m256i offset, __m128i squee
   _mm_storel_epi64(reinterpret_cast<__m128i*>(to), _mm_shuffle_epi8(_mm_packs_epi16(narrow, narrow), squeeze));
 }
 
-/// predicted_offset() of all eight, not clamped, from along() of them.
+/// Computes predicted_offset() for all eight children from their along(), without clamping.
 GS_AVX2_INLINE __m256i offsets8(__m256i distance, int offset) {
   const __m256i half = _mm256_set1_epi32(kOctahedral / 2);
   return _mm256_sub_epi32(_mm256_set1_epi32(2 * offset),
@@ -162,16 +161,16 @@ GS_AVX2 void inherit(const PackedVoxels& from, std::size_t first, std::size_t co
   }
 }
 
-/// Negated where `minus` has all bits set.
+/// Negates lanes with all bits of `minus` set.
 GS_AVX2_INLINE __m256i with_sign(__m256i value, __m256i minus) {
   return _mm256_sub_epi32(_mm256_xor_si256(value, minus), minus);
 }
-/// Three times each face's less that of the opposite one.
+/// Returns three times each face's value minus the opposite face's.
 GS_AVX2_INLINE __m256i less_opposite(__m256i d) {
   return _mm256_sub_epi32(_mm256_add_epi32(_mm256_slli_epi32(d, 1), d), _mm256_shuffle_epi32(d, 0xb1));
 }
 
-/// The six faces of one voxel in lanes: face_changes().
+/// Result of face_changes() for one voxel; the six faces are lanes.
 struct Changes8 {
   __m256i u, v, offset;
 };
@@ -205,7 +204,7 @@ GS_AVX2_INLINE Changes8 changes8(__m256i u, __m256i v, __m256i offset, const std
                                           _mm256_cmpgt_epi32(_mm256_set1_epi32(kLargestTurn + 1), least));
   du = _mm256_and_si256(du, counts);
   dv = _mm256_and_si256(dv, counts);
-  // The component of the neighbour's normal across the face.
+  // Component of the neighbour's normal across the face.
   const __m256i au = _mm256_abs_epi32(nu), av = _mm256_abs_epi32(nv);
   const __m256i w = _mm256_sub_epi32(_mm256_sub_epi32(unit, au), av), folded = _mm256_srai_epi32(w, 31);
   const __m256i nx = _mm256_blendv_epi8(nu, with_sign(_mm256_sub_epi32(unit, av), minus_u), folded);
@@ -217,7 +216,7 @@ GS_AVX2_INLINE Changes8 changes8(__m256i u, __m256i v, __m256i offset, const std
   return {less_opposite(du), less_opposite(dv), _mm256_and_si256(change, counts)};
 }
 
-/// For all eight children: the changes of the three faces that each touches.
+/// Sums for all eight children the changes of the three faces that each touches.
 GS_AVX2_INLINE __m256i of_children(__m256i faces) {
   const __m256i x = _mm256_permutevar8x32_epi32(faces, _mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1));
   const __m256i y = _mm256_permutevar8x32_epi32(faces, _mm256_setr_epi32(2, 2, 3, 3, 2, 2, 3, 3));
@@ -230,7 +229,7 @@ GS_AVX2_INLINE __m256i clamp8(__m256i value, int most) {
   return _mm256_max_epi32(_mm256_min_epi32(value, limit), _mm256_sub_epi32(_mm256_setzero_si256(), limit));
 }
 
-/// Where a is outside of the square.
+/// Folds lanes with `a` outside the square.
 GS_AVX2_INLINE void fold8(__m256i& a, __m256i& b) {
   const __m256i outside = _mm256_cmpgt_epi32(_mm256_abs_epi32(a), _mm256_set1_epi32(kOctahedral));
   const __m256i twice = _mm256_set1_epi32(2 * kOctahedral);
@@ -238,7 +237,7 @@ GS_AVX2_INLINE void fold8(__m256i& a, __m256i& b) {
   b = _mm256_blendv_epi8(b, _mm256_sub_epi32(_mm256_setzero_si256(), b), outside);
 }
 
-/// wrap_octahedral() of eight.
+/// Computes wrap_octahedral() in eight lanes.
 GS_AVX2_INLINE void wrap8(__m256i& u, __m256i& v) {
   fold8(u, v);
   fold8(v, u);
@@ -246,7 +245,7 @@ GS_AVX2_INLINE void wrap8(__m256i& u, __m256i& v) {
   v = clamp8(v, kOctahedral);
 }
 
-/// along() of child c with the normal in lane c.
+/// Computes along() of child c with the normal in lane c.
 GS_AVX2_INLINE __m256i along_own8(__m256i u, __m256i v) {
   const __m256i unit = _mm256_set1_epi32(kOctahedral), au = _mm256_abs_epi32(u), av = _mm256_abs_epi32(v);
   const __m256i w = _mm256_sub_epi32(_mm256_sub_epi32(unit, au), av), folded = _mm256_srai_epi32(w, 31);
@@ -259,7 +258,7 @@ GS_AVX2_INLINE __m256i along_own8(__m256i u, __m256i v) {
   return _mm256_add_epi32(sx, _mm256_add_epi32(sy, sz));
 }
 
-/// The chosen ones of eight, first ones first, as 16 bits each.
+/// Stores the chosen lanes, packed, as 16 bits each.
 GS_AVX2_INLINE void store_squeezed16(std::int16_t* to, __m256i values, __m256i squeeze) {
   const __m256i chosen = _mm256_permutevar8x32_epi32(values, squeeze);
   _mm_storeu_si128(reinterpret_cast<__m128i*>(to),
@@ -322,7 +321,7 @@ GS_AVX2 void turn(std::int16_t* u, std::int16_t* v, std::uint8_t* state, const s
 }
 
 GS_AVX2 void move(std::int8_t* offset, const std::int16_t* residual, int step, std::size_t n) {
-  // A residual of more than the whole range leads to its end.
+  // Residuals beyond the whole range lead to its end.
   const __m128i most = _mm_set1_epi16(kOffsetUnits / 2), far = _mm_set1_epi16(kOffsetUnits);
   const __m128i zero = _mm_setzero_si128(), steps = _mm_set1_epi16(static_cast<short>(step));
   std::size_t i = 0;

@@ -16,7 +16,7 @@ bool take_bit(RansDecoder& rans, std::size_t lane, std::uint32_t probability) {
   return bit;
 }
 
-/// One level of one cluster.
+/// Decoder of one level of one cluster.
 class LevelDecoder {
  public:
   LevelDecoder(RansDecoder& rans, const ClusterParameters& parameters, const PackedKernels& kernels,
@@ -29,7 +29,7 @@ class LevelDecoder {
     for (std::size_t i = 0; i < kOccupancyBins; ++i) probabilities[i] = occupancy_models()[p_.occupancy][i];
     kernels_.occupancy(rans_, probabilities.data(), from_, first_, count_, masks.data());
     for (const std::uint8_t mask : masks) {
-      if (mask == 0) return false;  // what is divided has children: nothing vanishes
+      if (mask == 0) return false;  // a divided voxel must have children, so that nothing vanishes
       size_ += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask)));
     }
     if (size_ > most) return false;
@@ -82,7 +82,7 @@ class LevelDecoder {
       }
   }
 
-  // A child on the other side of a thin sheet.
+  // Predicts a child on the other side of a thin sheet.
   void flip(std::size_t i, unsigned c, PackedVoxels& out) const {
     int u = from_.u[parent_[i]], v = from_.v[parent_[i]];
     flip_octahedral(u, v);
@@ -154,7 +154,7 @@ std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> pay
                          std::to_string(header.first + header.count - 1) + " of " + std::to_string(source->size())};
     if (parameters.colored && source->luma.empty()) return PackedError{"a coloured cluster under one without colours"};
   }
-  // A copy, so that the decoder may look behind the end.
+  // Copy, so that the decoder may read past the end.
   std::vector<std::byte> bits(payload.begin() + kClusterHeaderSize, payload.end());
   const std::size_t size = bits.size();
   bits.resize(size + RansDecoder::kPadding);
@@ -206,7 +206,7 @@ void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, 
     const glm::vec3 cell(static_cast<float>(voxels.x[i]) + 0.5f, static_cast<float>(voxels.y[i]) + 0.5f,
                          static_cast<float>(voxels.z[i]) + 0.5f);
     const glm::vec3 position = cube.lower + (cell + normal * (offset / length)) * edge;
-    // Above 0 and finite whatever the cube.
+    // Keep it positive and finite for any cube.
     const float area = std::clamp(plane_section(l1, offset) * edge * edge, std::numeric_limits<float>::min(),
                                   std::numeric_limits<float>::max());
     Rgb8 color = cloud.color;

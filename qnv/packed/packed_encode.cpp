@@ -12,19 +12,19 @@
 namespace gs::qnv {
 namespace {
 
-// The first cluster: with the header of the stream it should come in the first kilobyte, and fill it.
+// Target size of the first cluster; with the stream's header, it fills the first kilobyte.
 constexpr std::size_t kBaseBytes = 870;
-// It has no more voxels than this: no view can draw less of an object, however far away it is.
+// Maximum number of voxels of the first cluster, which every view must draw, however distant the object.
 constexpr std::size_t kMostBaseVoxels = 600;
-// By how much its steps may be coarser (binary orders), where that brings it one level more: whoever has nothing but it
-// sees more of twice as many voxels along an edge, and the level behind it mends the rest.
+// Coarser steps (as log2) of the first cluster, used if they allow one more level. Twice as many voxels along an edge
+// improve the first picture more; the next level corrects the rest.
 struct BaseSteps {
   int normal, offset;
 };
 constexpr std::array<BaseSteps, 4> kBaseSteps{{{0, 0}, {1, 0}, {1, 1}, {2, 1}}};
-// A voxel that the surface only touches is left out: this part of the area of a face.
+// Minimum area of a voxel, relative to a face; drops voxels that the surface barely touches.
 constexpr float kLeastArea = 0.03f;
-// Deeper down a smaller step pays: there are more voxels for a pixel, and their differences are small.
+// First levels with smaller steps, which pay there: voxels are small relative to pixels, and residuals are small.
 constexpr int kFineOffsetLevel = 6, kFineNormalLevel = 8;
 constexpr int kMostNormalShift = 10, kMostOffsetShift = 6;
 
@@ -34,12 +34,12 @@ void leave_out_touched(std::vector<Voxel>& finest) {
     all += voxel.moments.area;
     if (voxel.moments.area >= kLeastArea) kept += voxel.moments.area;
   }
-  // Of wires and dust there may be nothing but such voxels.
+  // Keep tiny voxels when they hold over 5 % of the area (wires, dust).
   const float least = kept > 0.95 * all ? kLeastArea : std::numeric_limits<float>::min();
   std::erase_if(finest, [least](const Voxel& voxel) { return !(voxel.moments.area >= least); });
 }
 
-/// The true voxels of every level, and where the children of each begin in the next.
+/// Exact voxels of every level, and the index of each voxel's first child in the next level.
 struct Pyramid {
   std::vector<std::vector<Voxel>> levels;
   std::vector<std::vector<std::uint32_t>> first_child;
@@ -72,14 +72,13 @@ Pyramid make_pyramid(std::vector<Voxel> finest, int level) {
 struct Node {
   EncodedCluster encoded;
   PackedVoxels voxels;               // as decoded
-  std::vector<std::uint32_t> truth;  // the same voxels in their level of the pyramid
+  std::vector<std::uint32_t> truth;  // indices of the same voxels in their level of the pyramid
   int level = 0;                     // of the voxels
   double gain = 0;
   std::vector<std::unique_ptr<Node>> children;
 };
 
-// What is predicted from neighbours. Where a surface is smooth both, in coarse levels of it only normals, among leaves
-// and dust neither.
+// Choices of neighbour prediction: both on smooth surfaces, only normals on coarse levels, neither on leaves and dust.
 struct Prediction {
   bool normals, offsets;
 };
@@ -92,7 +91,7 @@ class PackedEncoder {
 
   [[nodiscard]] int deepest() const { return static_cast<int>(pyramid_.levels.size()) - 1; }
 
-  // The first cluster: as many levels as fit.
+  // Returns the first cluster, with as many levels as fit.
   [[nodiscard]] std::unique_ptr<Node> base() const {
     std::unique_ptr<Node> best;
     for (const BaseSteps& steps : kBaseSteps) {
@@ -105,7 +104,7 @@ class PackedEncoder {
         };
         if (!cheapest || better(node->encoded, cheapest->encoded)) cheapest = std::move(node);
       }
-      // A stream of a few hundred bytes has no room for what coarser steps bring in later levels.
+      // Coarser steps do not pay in a stream of a few hundred bytes, which lacks later levels.
       const bool coarser = steps.normal + steps.offset > 0;
       if (coarser && options_.max_bytes != 0 && options_.max_bytes < 2 * kBaseBytes) break;
       if (!best || cheapest->level > best->level) best = std::move(cheapest);
@@ -113,7 +112,7 @@ class PackedEncoder {
     return best;
   }
 
-  // Divides all voxels of a node once, in clusters that fit.
+  // Divides all voxels of a node once, into clusters that fit.
   void divide(Node& node) const {
     LevelSymbols all;
     ClusterParameters chosen;
@@ -163,7 +162,7 @@ class PackedEncoder {
 
   [[nodiscard]] bool fine(int level, int from) const { return !options_.compact && level + 1 >= from; }
 
-  // For what divides `level`.
+  // Returns the parameters for dividing `level`.
   [[nodiscard]] ClusterParameters parameters(int level, const Prediction& prediction) const {
     ClusterParameters p;
     p.normals_around = prediction.normals;
@@ -196,7 +195,7 @@ class PackedEncoder {
     return out;
   }
 
-  // One cluster that divides a run of the voxels of a node.
+  // Returns one cluster that divides a run of a node's voxels.
   [[nodiscard]] std::unique_ptr<Node> divide_run(const Node& node, const LevelSymbols& all, const ClusterParameters& p,
                                                  std::size_t first, std::size_t count) const {
     const std::vector<LevelSymbols> symbols{chosen_symbols(all, first, count)};

@@ -15,11 +15,11 @@
 namespace gs::qnv {
 namespace {
 
-// Below this length of the mean of unit normals a voxel holds two sides of something thin.
+// Length of the mean unit normal below which a voxel is a thin, two-sided sheet.
 constexpr float kDoubleLength = 0.35f;
-// What a displacement of the whole object's size would weigh beside a normal that is wrong by one radian.
+// Weight of a displacement by the object's size, relative to a normal error of one radian.
 constexpr double kDisplacementWeight = 20;
-// What area that a disc covers beside the surface weighs, beside area whose normal is wrong by one radian.
+// Weight of area that a splat covers beside the surface, relative to area with a normal error of one radian.
 constexpr double kOverspillWeight = 0.3;
 
 struct DiscPlane {
@@ -57,7 +57,7 @@ DiscPlane plane_of(const SurfaceMoments& m) {
   return plane;
 }
 
-// Octahedral coordinates, not rounded.
+// Returns octahedral coordinates, not rounded.
 std::array<float, 2> octahedral(glm::vec3 n) {
   n = n * (static_cast<float>(kOctahedral) / one_norm(n));
   if (n.z >= 0) return {n.x, n.y};
@@ -70,7 +70,7 @@ glm::vec3 unit_normal(int u, int v) {
   return glm::normalize(glm::vec3(static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])));
 }
 
-// The smallest difference that leads to a normal, around the edges of the square too.
+// Finds the smallest residual that leads to a normal, also around the edges of the square.
 void normal_difference(const glm::vec3& normal, int from_u, int from_v, int shift, int& du, int& dv) {
   const auto [u, v] = octahedral(normal);
   const auto r2 = static_cast<float>(2 * kOctahedral), step = static_cast<float>(1 << shift);
@@ -113,7 +113,7 @@ class Quantizer {
       sections += std::max(
           0.0f, plane_section(out_.voxels.u[last], out_.voxels.v[last], out_.voxels.offset[last]) - voxel.moments.area);
     }
-    // Area that the parent's disc covers and the surface does not.
+    // Area that the parent's splat covers and the surface does not.
     const double overspill =
         std::max(0.0, 4.0 * plane_section(from_.u[index], from_.v[index], from_.offset[index]) - area);
     entry.gain = gain_ + kOverspillWeight * edge_ * edge_ * std::max(0.0, overspill - sections);
@@ -131,7 +131,7 @@ class Quantizer {
     int u = from_.u[index], v = from_.v[index], offset = from_.offset[index];
     if (plane.doubled || parent_double) {
       const bool opposite = glm::dot(unit_normal(u, v), plane.normal) < 0;
-      if (plane.doubled && opposite) {  // a sheet has no outside: take the side that costs less
+      if (plane.doubled && opposite) {  // a sheet has no outside; choose the cheaper side
         plane.normal = -plane.normal;
         plane.offset = -plane.offset;
       }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMostWaitingSegmentBytes = std::size_t{16} << 20, kWaitingSegmentCost = 96;
 
-/// What reads is told nothing.
+/// Guide for decoding; never used.
 struct NoSplitGuide {};
 
 std::optional<FrontHeader> decode_front(std::span<const std::byte> section) {
@@ -36,7 +36,7 @@ std::optional<FrontHeader> decode_front(std::span<const std::byte> section) {
 
 bool promises_more(std::span<const std::byte> section, std::size_t most_vertices) {
   const auto header = decode_front(section);
-  // With three vertices a triangle where each is shaded by itself.
+  // If each triangle is shaded separately, it has three vertices.
   return header && (header->vertices > most_vertices || header->triangles > most_vertices / 3);
 }
 

@@ -17,20 +17,20 @@ using displaced::HalfCollapse;
 using displaced::Simplifier;
 using displaced::SurfaceMesh;
 
-// A pass divides so many of its vertices at most: with more what is worth little would come before what is worth much,
-// with fewer it takes more to say which.
+// Maximum fraction of vertices that a pass splits. Larger fractions mix important and unimportant splits; smaller ones
+// need more bits to mark the splits.
 constexpr double kPartOfPass = 0.12;
 constexpr int kFirstBits = 9;
 constexpr std::size_t kFirstSegmentBytes = 150, kSegmentBytes = 700, kMostSegments = 65536;
-// The first mesh is looked for from so many triangles a byte on.
+// Initial triangles per byte in the search for the first mesh.
 constexpr double kMostTrianglesOfFront = 0.9;
-// A bit more of all places is worth it once splits move the surface by no more than so many steps.
+// A pass of position bits pays once splits move the surface by at most this many steps.
 constexpr double kStepsOfSplits = 2;
 
-/// What is done at which vertex, in the order in which it is read.
+/// Guide for encoding: the action at each vertex, in decoding order.
 class SplitGuide {
  public:
-  /// `numbers`: of vertices of the source in the first mesh; kNone: they come later.
+  /// `numbers` maps source vertices to the first mesh; kNone: added later.
   SplitGuide(const std::vector<glm::ivec3>& places, int finest, std::vector<std::uint32_t> numbers)
       : places_(places),
         finest_(finest),
@@ -40,7 +40,7 @@ class SplitGuide {
     for (std::uint32_t v = 0; v < numbers_.size(); ++v)
       if (numbers_[v] != kNone) sources_[numbers_[v]] = v;
   }
-  /// The next pass: collapses that are undone; none: it brings one more bit.
+  /// Sets the next pass: the collapses to undo, or none for a pass of position bits.
   void pass(std::span<const HalfCollapse> collapses, int bits) {
     refines_ = collapses.empty();
     bits_ = bits;
@@ -77,14 +77,14 @@ class SplitGuide {
   const std::vector<glm::ivec3>& places_;
   int finest_, bits_ = 0;
   bool refines_ = false;
-  std::vector<std::uint32_t> numbers_, sources_;  // of vertices of the source, and back
-  std::vector<const HalfCollapse*> of_;           // by the vertex of the source that is divided
+  std::vector<std::uint32_t> numbers_, sources_;  // decoded number by source vertex, and source vertex by number
+  std::vector<const HalfCollapse*> of_;           // by the source vertex to split
 };
 
-/// The first mesh, as the front of a stream has it.
+/// First mesh, as encoded in the front of a stream.
 struct FirstMesh {
   std::vector<std::byte> bytes;
-  std::vector<std::uint32_t> numbers;  // of all vertices of the source
+  std::vector<std::uint32_t> numbers;  // by source vertex
 };
 
 FirstMesh first_of(const Simplifier& simplifier, const SurfaceMesh& source, const exact::ExactMesh& mesh, int bits) {
@@ -107,7 +107,7 @@ FirstMesh first_of(const Simplifier& simplifier, const SurfaceMesh& source, cons
   return first;
 }
 
-/// Segments, each of which goes on where the one before ended.
+/// Writes segments; each continues after the previous one.
 class SegmentWriter {
  public:
   explicit SegmentWriter(SplitGrowth& growth, ProgressiveBytes& out) : growth_(growth), out_(out) {}
@@ -142,7 +142,7 @@ class SegmentWriter {
   std::uint32_t visits_ = 0;
 };
 
-/// A mesh as it becomes coarser, and the coarsest.
+/// Passes of collapses, and the coarsest mesh.
 struct CollapsedMesh {
   std::vector<std::vector<HalfCollapse>> passes;
   FirstMesh first;
@@ -174,7 +174,7 @@ std::optional<CollapsedMesh> collapsed(const exact::ExactMesh& mesh, std::size_t
     const auto wanted = static_cast<std::size_t>(most) + 1;
     std::vector<HalfCollapse> pass = simplifier.collapse_apart(wanted);
     if (pass.empty()) {
-      // Thin parts of which nothing can go without another side turning.
+      // Thin parts may be stuck until triangles may flip.
       simplifier.turn_freely();
       pass = simplifier.collapse_apart(wanted);
     }
@@ -184,7 +184,7 @@ std::optional<CollapsedMesh> collapsed(const exact::ExactMesh& mesh, std::size_t
   }
 }
 
-/// The segments; none where it cannot be.
+/// Writes the segments. Returns false if that is impossible.
 bool write_segments(const exact::ExactMesh& mesh, const CollapsedMesh& coarse, bool middles, ProgressiveBytes& out) {
   auto first = exact::decode_tail(coarse.first.bytes, mesh.vertices.size());
   if (!first) return false;

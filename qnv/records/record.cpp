@@ -11,8 +11,8 @@
 namespace gs::qnv {
 namespace {
 
-// Sine of (2k + 1) pi / 64: those of all codes' angles, by its series, which needs no library and so is the same
-// everywhere.
+// Returns the sine of (2k + 1) pi / 64, an angle of some code. Uses the series instead of a library, so that all
+// machines agree.
 constexpr double sine_of_odd(unsigned k) {
   k %= 64;
   const double sign = k < 32 ? 1 : -1;
@@ -43,11 +43,11 @@ struct Direction {
   double cosine, sine;
 };
 
-// The borders between the codes of half a turn: k pi / 32.
+// Borders between the codes of a half turn: k pi / 32.
 constexpr std::array<Direction, 32> kBorders = [] {
   std::array<Direction, 32> borders{};
   borders[0] = {1, 0};
-  for (unsigned k = 1; k < 32; ++k) {  // half way between the centres on both sides
+  for (unsigned k = 1; k < 32; ++k) {  // bisector of the adjacent centres
     const double c = cosine_of_odd(k - 1) + cosine_of_odd(k), s = sine_of_odd(k - 1) + sine_of_odd(k);
     borders[k] = {c, s};
   }
@@ -60,7 +60,7 @@ constexpr std::array<Direction, kRecordPhis> kPhiCentres = [] {
   return centres;
 }();
 
-// Which 32nd of half a turn (sine >= 0) a direction lies in.
+// Returns the 32nd of a half turn (sine >= 0) that contains a direction.
 unsigned part_of_half_turn(double cosine, double sine) {
   unsigned k = 0;
   for (unsigned step = 16; step > 0; step /= 2) {
@@ -70,7 +70,7 @@ unsigned part_of_half_turn(double cosine, double sine) {
   return k;
 }
 
-constexpr std::uint32_t kDroppedBits = 0x7ff;  // of a float's 24 significant bits, 13 stay
+constexpr std::uint32_t kDroppedBits = 0x7ff;  // keeps 13 of a float's 24 significant bits
 
 float round_up_to_13_bits(double value) {
   auto rounded = static_cast<float>(value);
@@ -79,14 +79,14 @@ float round_up_to_13_bits(double value) {
   return std::bit_cast<float>((bits + kDroppedBits) & ~kDroppedBits);
 }
 
-// A quotient of positions, as a code; what is not a number is 0.
+// Returns the code of a coordinate; NaN gives 0.
 std::uint16_t position_code(double offset, double per_unit) {
   const double code = offset * per_unit;
   if (!(code >= 0)) return 0;
   return static_cast<std::uint16_t>(std::min(code, kRecordPositions - 1.0));
 }
 
-// What packing needs of a frame.
+// Constants of a frame for packing.
 struct Packer {
   explicit Packer(const RecordFrame& frame) : weights_per_step(1 / double{frame.weight_step}) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -117,7 +117,7 @@ void store(std::uint64_t bits, std::byte* p) {
   for (int i = 0; i < 8; ++i) p[i] = static_cast<std::byte>(bits >> (8 * i));
 }
 
-// Results of which so much is written are not going to be found in a cache again.
+// Number of records from which results bypass the caches, since they would not be found there again.
 constexpr std::size_t kStreamedRecords = 1 << 19;
 
 }  // namespace
@@ -139,7 +139,7 @@ RecordFrame frame_for(const Box& box, float largest_weight) {
     const double extent = double{box.upper[axis]} - double{box.lower[axis]};
     frame.cell[axis] = extent > 0 ? round_up_to_13_bits(extent / kRecordPositions) : 0;
   }
-  // No smaller than what a float can hold in full, so that dividing by it stays finite.
+  // Keep the step a normal float, so that dividing by it stays finite.
   frame.weight_step = std::max(largest_weight / kRecordLargestWeight, std::numeric_limits<float>::min());
   return frame;
 }
@@ -161,8 +161,8 @@ unsigned normal_code(const glm::vec3& direction) {
   const double x = direction.x, y = direction.y, z = direction.z;
   if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) return 0;
   if (x == 0 && y == 0) return z < 0 ? kRecordThetas - 1 : 0;
-  // For any polar angle the nearest azimuth is that of the part it lies in, so it comes first. Given the azimuth's
-  // centre, the direction is nearest to the polar angle that it has when projected on the centre's half plane.
+  // For any polar angle, the nearest azimuth is that of the containing sector, so it comes first. Then project the
+  // direction onto the half plane of the sector's centre; the nearest polar angle is that of the projection.
   const bool back = y < 0 || (y == 0 && x < 0);
   const unsigned phi = (back ? 32 : 0) + (back ? part_of_half_turn(-x, -y) : part_of_half_turn(x, y));
   const Direction& centre = kPhiCentres[phi];
@@ -219,7 +219,7 @@ void unpack_records(std::span<const std::byte> records, const RecordFrame& frame
   const std::size_t count = records.size() / kRecordBytes;
   const record_paths::Outputs out{positions, normals, weights, colors};
   const Store store = count >= kStreamedRecords ? Store::streamed : Store::cached;
-  // Whole lines at once are what streaming gains by; in the caches, shorter vectors are faster.
+  // Streaming profits from 64-byte stores; through the caches, shorter vectors are faster.
   if (avx512 && store == Store::streamed) {
     record_paths::unpack_avx512(records.data(), count, frame, out, store);
   } else if (avx2) {

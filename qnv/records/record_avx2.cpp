@@ -6,8 +6,8 @@
 
 #include <immintrin.h>
 
-// The instructions are switched on function by function, so that the program runs on every x86-64. Without FMA,
-// lest the compiler fuse what other paths do in two steps.
+// Enable the instructions per function, so that the program runs on every x86-64. Exclude FMA, so that the compiler
+// does not fuse operations that are separate in other paths.
 #define QNV_AVX2 __attribute__((target("avx2")))
 #define QNV_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kLanes = 8;
 
-// One axis of the frame, eight times.
+// One axis of the frame, broadcast to eight lanes.
 struct Axis {
   __m256 lower, half_cell;
 };
@@ -31,7 +31,7 @@ QNV_AVX2_INLINE WideFrame widen(const RecordFrame& f) {
           _mm256_set1_ps(f.weight_step)};
 }
 
-// Stores one vector after another through the caches.
+// Stores consecutive vectors through the caches.
 struct CachedSink {
   float* p;
   QNV_AVX2_INLINE void put(__m256 v) {
@@ -40,10 +40,10 @@ struct CachedSink {
   }
 };
 
-// Stores past the caches. That takes aligned vectors, and four arrays cannot all be made to start at one: so each
-// vector is turned by as much as its array is off, and joined with what stayed of the one before. Both halves of a
-// line of memory are stored together. What precedes the array's first vector must be there; the last one's rest, of
-// up to a line, is left to the caller.
+// Stores consecutive vectors past the caches. Streaming stores need alignment, and not all four arrays can be aligned.
+// Each vector is therefore rotated by its array's misalignment and merged with the rest of the previous one. Both
+// halves of a cache line are stored together. The memory before the array's first vector must exist. The caller must
+// store the rest of the last line.
 struct StreamedSink {
   QNV_AVX2_INLINE explicit StreamedSink(float* target) {
     const auto off = static_cast<int>(reinterpret_cast<std::uintptr_t>(target) / sizeof(float) % (2 * kLanes));
@@ -94,7 +94,7 @@ QNV_AVX2_INLINE void put_interleaved(Sink& sink, __m256 x, __m256 y, __m256 z) {
   sink.put(_mm256_permute2f128_ps(b, c, 0x31));
 }
 
-// The normals of two codes; the fourth number of each is its z again.
+// Returns the normals of two codes; the fourth lane of each repeats z.
 QNV_AVX2_INLINE __m256 normals_of(std::uint64_t low, std::uint64_t high) {
   return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&kNormals[low & 0xffff].x)),
                               _mm_load_ps(&kNormals[high & 0xffff].x), 1);
@@ -139,7 +139,7 @@ QNV_AVX2_INLINE void unpack_eight(const std::byte* records, const WideFrame& fra
   _mm_storel_epi64(reinterpret_cast<__m128i*>(colors), _mm_packus_epi16(color16, color16));
 }
 
-// count: a multiple of eight.
+// Unpacks `count` records, a multiple of eight.
 template <class Sink>
 QNV_AVX2_INLINE void unpack_eights(const std::byte* records, std::size_t count, const RecordFrame& frame,
                                    const Outputs& out) {
@@ -158,7 +158,7 @@ QNV_AVX2 void unpack_avx2(const std::byte* records, std::size_t count, const Rec
                           Store store) {
   std::size_t done = 0;
   if (store == Store::streamed && count >= 8 * kLanes) {
-    // The first and the last are stored through the caches: streams start and end in the middle of a line.
+    // Store the first and last records through the caches, because streams start and end inside a cache line.
     constexpr std::size_t line = 2 * kLanes;
     unpack_eights<CachedSink>(records, line, frame, out);
     done = count / line * line;

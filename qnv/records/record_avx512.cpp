@@ -6,7 +6,7 @@
 
 #include <immintrin.h>
 
-// GCC 12 takes the undefined registers of its own intrinsics for mistakes (its bug 105593).
+// GCC 12 wrongly warns about undefined registers in its own intrinsics (GCC bug 105593).
 #if !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wuninitialized"
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kLanes = 16;
 
-// One axis of the frame, sixteen times.
+// One axis of the frame, broadcast to sixteen lanes.
 struct Axis {
   __m512 lower, half_cell;
 };
@@ -35,7 +35,7 @@ QNV_AVX512_INLINE WideFrame widen(const RecordFrame& f) {
           _mm512_set1_ps(f.weight_step)};
 }
 
-// Stores one vector after another through the caches.
+// Stores consecutive vectors through the caches.
 struct CachedSink {
   float* p;
   QNV_AVX512_INLINE void put(__m512 v) {
@@ -44,13 +44,13 @@ struct CachedSink {
   }
 };
 
-// Stores past the caches, as in record_avx2.cpp.
+// Stores consecutive vectors past the caches, as in record_avx2.cpp.
 struct StreamedSink {
   QNV_AVX512_INLINE explicit StreamedSink(float* target) {
     const auto off = static_cast<unsigned>(reinterpret_cast<std::uintptr_t>(target) / sizeof(float) % kLanes);
     const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     p = target - off;
-    turn = _mm512_sub_epi32(lanes, _mm512_set1_epi32(static_cast<int>(off)));  // only the low four bits count
+    turn = _mm512_sub_epi32(lanes, _mm512_set1_epi32(static_cast<int>(off)));  // only the low four bits are used
     before = static_cast<__mmask16>((1u << off) - 1);
     rest = _mm512_load_ps(p);
   }
@@ -66,14 +66,15 @@ struct StreamedSink {
   __m512 rest;
 };
 
-// The product is exact (RecordFrame), so it does not matter whether the compiler fuses it with the sum.
+// The product is exact (RecordFrame), so fusing it with the sum changes nothing.
 QNV_AVX512_INLINE __m512 coordinates(__m512i codes, const Axis& axis) {
   const __m512i odd =
       _mm512_or_si512(_mm512_slli_epi32(_mm512_and_si512(codes, _mm512_set1_epi32(1023)), 1), _mm512_set1_epi32(1));
   return _mm512_add_ps(axis.lower, _mm512_mul_ps(_mm512_cvtepi32_ps(odd), axis.half_cell));
 }
 
-// Where the 48 numbers x0 y0 z0 x1 ... come from: which of x0..x15 y0..y15, and then, where there is a z, which z.
+// Sources of the 48 interleaved numbers x0 y0 z0 x1 ...: an index into x0..x15 y0..y15, then a mask and an index for
+// the z values.
 struct Interleaving {
   alignas(64) std::int32_t from_xy[3][16];
   alignas(64) std::int32_t from_z[16 * 3];
@@ -99,7 +100,7 @@ QNV_AVX512_INLINE void put_interleaved(Sink& sink, __m512 x, __m512 y, __m512 z)
   }
 }
 
-// The normals of four codes in 16 bits each; the fourth number of each is none.
+// Returns the normals of four 16-bit codes; the fourth lane of each is unused.
 QNV_AVX512_INLINE __m512 normals_of(std::uint64_t codes) {
   const __m512 first = _mm512_castps128_ps512(_mm_load_ps(&kNormals[codes & 0xffff].x));
   const __m512 second = _mm512_mask_broadcast_f32x4(first, 0x00f0, _mm_load_ps(&kNormals[codes >> 16 & 0xffff].x));
@@ -115,7 +116,7 @@ QNV_AVX512_INLINE void put_normals(Sink& sink, __m512i codes) {
   const __m512 b = normals_of(static_cast<std::uint64_t>(_mm_extract_epi64(low, 1)));
   const __m512 c = normals_of(static_cast<std::uint64_t>(_mm_cvtsi128_si64(high)));
   const __m512 d = normals_of(static_cast<std::uint64_t>(_mm_extract_epi64(high, 1)));
-  // Twelve of a and four of b; eight of b and of c; four of c and twelve of d.
+  // Twelve lanes of a and four of b; eight of b and eight of c; four of c and twelve of d.
   sink.put(_mm512_permutex2var_ps(a, _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 16, 17, 18, 20), b));
   sink.put(_mm512_permutex2var_ps(b, _mm512_setr_epi32(5, 6, 8, 9, 10, 12, 13, 14, 16, 17, 18, 20, 21, 22, 24, 25), c));
   sink.put(
@@ -140,7 +141,7 @@ QNV_AVX512_INLINE void unpack_sixteen(const std::byte* records, const WideFrame&
   _mm_storeu_si128(reinterpret_cast<__m128i*>(colors), _mm512_cvtepi32_epi8(_mm512_srli_epi32(high, 24)));
 }
 
-// count: a multiple of sixteen.
+// Unpacks `count` records, a multiple of sixteen.
 template <class Sink>
 QNV_AVX512_INLINE void unpack_sixteens(const std::byte* records, std::size_t count, const RecordFrame& frame,
                                        const Outputs& out) {
@@ -161,7 +162,7 @@ QNV_AVX512 void unpack_avx512(const std::byte* records, std::size_t count, const
                               Store store) {
   std::size_t done = 0;
   if (store == Store::streamed && count >= 4 * kLanes) {
-    // The first and the last are stored through the caches: streams start and end in the middle of a vector.
+    // Store the first and last records through the caches, because streams start and end inside a vector.
     unpack_sixteens<CachedSink>(records, kLanes, frame, out);
     done = count / kLanes * kLanes;
     unpack_sixteens<StreamedSink>(records + kRecordBytes * kLanes, done - kLanes, frame, behind(out, kLanes));

@@ -36,7 +36,7 @@ std::variant<RecordsHeader, RecordsError> decode_records_header(std::span<const 
   return header;
 }
 
-// The records that arrived, and their bytes.
+// Collects the indices and bytes of the received records.
 void collect(std::span<const std::byte> records, std::span<const ByteRange> missing, RecordsPatch& patch,
              std::vector<std::byte>& whole) {
   const std::size_t count = records.size() / kRecordBytes;

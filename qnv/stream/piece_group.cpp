@@ -11,12 +11,12 @@
 namespace gs::qnv {
 namespace {
 
-// Reed and Solomon's parity with a matrix of Cauchy (J. Bloemer et al., "An XOR-based erasure-resilient coding scheme",
-// 1995): every square part of it can be inverted, so any pieces will do.
+// Reed-Solomon parity with a Cauchy matrix (J. Bloemer et al., "An XOR-based erasure-resilient coding scheme", 1995).
+// Every square submatrix is invertible, so any pieces suffice.
 
 constexpr std::size_t kPieceHeaderBytes = 7, kMostNumbers = 256;
 
-/// The field of 256 elements, x^8 + x^4 + x^3 + x^2 + 1.
+/// Finite field of 256 elements, with the polynomial x^8 + x^4 + x^3 + x^2 + 1.
 struct Field {
   std::array<std::uint8_t, 512> power{};
   std::array<std::uint8_t, 256> logarithm{};
@@ -36,12 +36,12 @@ struct Field {
 };
 constexpr Field kField;
 
-/// What piece `data` counts in parity piece `parity`.
+/// Returns the coefficient of piece `data` in parity piece `parity`.
 std::uint8_t weight_of(std::size_t parity, std::size_t data) {
   return kField.inverse(static_cast<std::uint8_t>(parity ^ data));
 }
 
-/// sum += weight * bytes.
+/// Computes sum += weight * bytes.
 void add_weighted(std::span<std::byte> sum, std::uint8_t weight, std::span<const std::byte> bytes) {
   std::array<std::byte, 256> products;
   for (std::size_t i = 0; i < products.size(); ++i)
@@ -138,7 +138,7 @@ std::vector<std::vector<std::byte>> PieceGroup::take() {
 }
 
 void PieceGroup::restore() {
-  // For each one that is missing a row of parity: its weights of those, and what they add up to.
+  // One parity row per missing piece: its coefficients of the missing pieces, and their weighted sum.
   struct Row {
     std::vector<std::uint8_t> weights;
     std::vector<std::byte> sum;
@@ -157,7 +157,7 @@ void PieceGroup::restore() {
     for (auto known = pieces_.begin(); known->first < needed_; ++known)
       add_weighted(row.sum, weight_of(parity->first, known->first), known->second);
   }
-  // Gauss and Jordan. No pivot is 0 for long: the matrix can be inverted.
+  // Gauss-Jordan elimination. A pivot always exists, since the matrix is invertible.
   for (std::size_t c = 0; c < rows.size(); ++c) {
     std::size_t pivot = c;
     while (rows[pivot].weights[c] == 0) ++pivot;

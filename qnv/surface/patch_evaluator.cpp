@@ -33,10 +33,10 @@ bool put(glm::vec3& to, const glm::vec3& value) {
 }  // namespace
 
 void PatchEvaluator::changed(const displaced::ClusterHeader& cluster, std::uint32_t patches) {
-  if (cluster.first >= patches || cluster.count > patches - cluster.first) return;  // it was refused
+  if (cluster.first >= patches || cluster.count > patches - cluster.first) return;  // the surface rejected it
   const auto l = static_cast<std::size_t>(cluster.level);
   if (marks_.size() <= l) marks_.resize(l + 1);
-  // Level 1 brings numbers of the base, too.
+  // Level 1 also brings numbers of the base.
   for (std::size_t at = l == 1 ? 0 : l; at <= l; ++at) {
     marks_[at].resize(patches, 0);
     std::fill_n(marks_[at].begin() + cluster.first, cluster.count, 1);
@@ -83,7 +83,7 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
     numbers[layer] = surface.find(static_cast<int>(layer), level);
     steps[layer] = surface.step(static_cast<int>(layer));
   }
-  // Of a level that is new all is.
+  // A new level needs no marks; everything changed.
   const auto set = [&](std::uint32_t v, const glm::vec3& place, const glm::vec3& shift, char& changed) {
     if (changes.all) {
       now.places[v] = place;
@@ -131,7 +131,7 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
     }
   }
   if (level == 1) return;
-  // Inside, row by row.
+  // Inner vertices, row by row.
   gather(patches, patch, level - 1, before.places, {}, scratch.places);
   gather(patches, patch, level - 1, before.shifts, {}, scratch.shifts);
   gather(slots, patch, level - 1, before.normals, {}, scratch.normals);
@@ -152,7 +152,7 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
   }
   char& inside = changes.inner[patch];
   const PatchLoops& loops = patch_loops().front();
-  // Every second vertex of a row, from one on that has so many before it in the patch.
+  // Computes every second vertex of a row; `from` is the index of the first among the patch's inner vertices.
   const auto make_row = [&](std::size_t a, std::size_t b, std::size_t vertices, std::uint32_t from) {
     middles.a = a;
     middles.b = b;
@@ -164,7 +164,7 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
     for (std::uint32_t i = 0; i < vertices; ++i)
       set(first + from + 2 * i, scratch.made.at(i), scratch.made_shifts.at(i), inside);
   };
-  std::uint32_t done = 0;  // vertices
+  std::uint32_t done = 0;  // number of inner vertices done
   for (std::uint32_t j = 1; j + 1 < n; done += n - 1 - j++) {
     const std::uint32_t y = j / 2;
     const std::size_t row = row_start(y, half), above = row_start(y + 1, half);
@@ -210,7 +210,7 @@ std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface
   marks_.resize(std::max(marks_.size(), depth));
   worked_out_ = 0;
   const Marks all(count, 1);
-  Marks wanted(count, 0), changed(count, 0);  // of the level in work; of the last one
+  Marks wanted(count, 0), changed(count, 0);  // of the current level; of the previous level
   for (std::size_t l = 0; l < depth; ++l) {
     Changes changes{Marks(count, 0), Marks(patches.edges().size(), 0), Marks(patches.base_vertices(), 0), l >= known};
     Marks& marks = marks_[l];
@@ -234,16 +234,16 @@ std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface
     if (l >= known) std::fill(changed.begin(), changed.end(), 1);
     wanted = around(surface, changed);
     if (l + 1 == depth) break;
-    // Who was the last level up to now has none yet.
+    // The former last level has no normals yet.
     const bool fresh = levels_[l].normals.empty();
     if (fresh || std::find(changed.begin(), changed.end(), 1) != changed.end())
       find_normals(surface, static_cast<int>(l), levels_[l].places, {}, fresh ? all : changed, fresh ? all : wanted,
                    &levels_[l].normals, nullptr);
-    // Between the first levels a vertex reaches further than to the next patch.
+    // On the first levels, a vertex affects more than the adjacent patches.
     if (l < 2) wanted = around(surface, wanted);
   }
   if (!last_ || last_->level() != level) changed = wanted = all;
-  // What is seen are the places with what all layers add.
+  // Shown positions include the displacements of all layers.
   const Level& last = levels_[depth - 1];
   find_normals(surface, level, last.places, last.shifts, changed, wanted, nullptr, &shown_normals_);
   if (colors_changed_ || !last_ || last_->level() != level) colors_ = surface.vertex_colors(level);

@@ -7,12 +7,12 @@
 #include <immintrin.h>
 #endif
 
-// Without fused multiplications and additions, so that all of them give the same bits.
+// Disable fused multiply-add, so that all versions give the same bits.
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #else
 #pragma GCC optimize("fp-contract=off")
-// Everything that takes or gives a vector is inlined, so that no calling convention matters.
+// All functions with vector arguments are inlined, so the calling convention does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 

@@ -7,13 +7,13 @@
 namespace gs::qnv {
 namespace {
 
-/// Which part of its way to its own place a new vertex of a level has gone.
+/// Returns how far a new vertex of a level has moved towards its own position, 0 to 1.
 float part_of_way(float detail, int level) { return std::clamp(detail - static_cast<float>(level - 1), 0.0f, 1.0f); }
 
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 
-/// Four vertices at once: places and normals in columns.
+/// Positions and normals of four vertices, in columns.
 struct FourVertices {
   Float4 x, y, z;
   Int4 normal;
@@ -26,19 +26,19 @@ void transpose(std::array<Float4, 4>& v) {
        __builtin_shufflevector(c, d, 0, 1, 4, 5), __builtin_shufflevector(c, d, 2, 3, 6, 7)};
 }
 
-/// A part of a direction as pack_direction has it.
+/// Packs a component of directions like pack_direction().
 Int4 packed_part(const Float4& v, float most, std::uint32_t mask, int shift) {
   const Float4 one = 1.0f - Float4{}, limited = (v < -one) ? -one : (v > one) ? one : v, scaled = limited * most;
-  // Halves away from zero.
+  // Round halves away from zero.
   const Float4 half = scaled < 0.0f ? -0.5f * one : 0.5f * one;
   return (__builtin_convertvector(scaled + half, Int4) & static_cast<std::int32_t>(mask)) << shift;
 }
 
-/// Takes new vertices to where they are between the middles of their parents and their own places.
+/// Moves new vertices to their positions between their parents' midpoint and their own position.
 void slide(std::span<const PatchTable::Middle> middles, float part, PatchVertex* vertices) {
   static_assert(sizeof(PatchVertex) == 16);
   for (std::size_t i = 0; i < middles.size(); i += 4) {
-    // The last one several times, to the same place.
+    // Pad with the last vertex; it is written repeatedly with the same value.
     std::array<const PatchTable::Middle*, 4> m;
     for (std::size_t lane = 0; lane < 4; ++lane) m[lane] = &middles[std::min(i + lane, middles.size() - 1)];
     const auto load = [&](auto number_of) {
@@ -98,7 +98,7 @@ void PatchMesh::build(const PatchSurface& surface, const PatchCut& cut) {
       std::copy_n(surface.colors(patch, l), count, colors_.begin() + static_cast<std::ptrdiff_t>(first));
     first += count;
   }
-  // Vertices of edges in the order of their levels, since those of the next one lie between them.
+  // Process edge vertices by level, since those of the next level lie between them.
   for (int l = 1; l <= level; ++l)
     for (std::size_t k = 0; k < 3; ++k) slide_all(patch_table(l).on_edges[k], part_of_way(cut.edge_details[k], l));
   const PatchTable& table = patch_table(level);
@@ -117,7 +117,7 @@ void PatchMesh::slide_all(std::span<const PatchTable::Middle> middles, float par
     colors_[m.number] = slid(colors_[m.parents[0]], colors_[m.parents[1]], colors_[m.number], part);
 }
 
-/// Gives edges the vertices of levels that the patch itself does not have, and triangles that meet there.
+/// Adds edge vertices of levels beyond the patch's own, and the triangles that meet there.
 void PatchMesh::refine_edges(const PatchSurface& surface, const PatchCut& cut, int deepest) {
   const int level = cut.level;
   for (std::size_t k = 0; k < 3; ++k) edges_[k] = patch_table(level).edges[k];
@@ -157,7 +157,7 @@ void PatchMesh::refine_edges(const PatchSurface& surface, const PatchCut& cut, i
   border_ = split_;
 }
 
-// A triangle whose sides are halved is cut from the middle of the one with the most halvings to the corner opposite.
+// Splits a triangle with subdivided sides: from the middle of the side with the most halvings to the opposite corner.
 void PatchMesh::split(const Triangle& corners, const std::array<Side, 3>& sides) {
   std::size_t k = 0;
   for (std::size_t other = 1; other < 3; ++other)

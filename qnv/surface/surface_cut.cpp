@@ -17,7 +17,7 @@ bool outside(const PatchSurface::Bounds& bounds, const LodView& view) {
   return false;
 }
 
-/// Whether every triangle of a patch is seen from behind.
+/// Reports whether every triangle of a patch is seen from behind.
 bool faces_away(const PatchSurface::Bounds& bounds, const glm::vec3& eye) {
   if (!(bounds.cosine > 0)) return false;
   const glm::vec3 to = bounds.center - eye;
@@ -30,7 +30,7 @@ bool faces_away(const PatchSurface::Bounds& bounds, const glm::vec3& eye) {
   return turned < 1.570796f;
 }
 
-/// How many halvings make the pieces of an edge as short as the view wants them, with what lies between.
+/// Returns the fractional number of halvings that makes an edge's pieces as short as the view requires.
 float detail_of(const PatchSurface::Edge& edge, const LodView& view) {
   const float distance = std::max(glm::length(edge.center - view.eye) - edge.radius, 0.0f);
   const float pieces = edge.length * view.pixels / (distance * view.error_pixels);
@@ -42,7 +42,7 @@ int level_of(float detail) { return static_cast<int>(std::ceil(detail)); }
 
 std::size_t vertices_of(float detail) {
   const std::size_t n = std::size_t{1} << level_of(detail);
-  return n * n / 2 + 1;  // those on edges are shared
+  return n * n / 2 + 1;  // edge vertices are shared
 }
 
 struct PartDetails {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLargestLength = std::numeric_limits<float>::max();
 
-// With the missing neighbour stands the voxel itself, and the step is one voxel instead of two.
+// Replaces a missing neighbour by the voxel itself; the step is then one voxel instead of two.
 inline double difference(float before, float here, float after, double factor) {
   const bool both = before == before && after == after;
   const double low = before == before ? before : here;

@@ -30,10 +30,10 @@ bool share_face(std::uint8_t a, std::uint8_t b) {
   return false;
 }
 
-// The surface crosses a face in segments. Going around the face, each leads from an edge where one comes
-// into the inside to an edge where one leaves it: to the next such edge, which cuts an inside corner off,
-// or, on a joined face, to the one before, which cuts an outside corner off. Every edge is entered on one
-// of its two faces and left on the other, so that the segments of all faces close to loops.
+// Connects the points where the surface crosses a face into segments. Around a face, each segment starts at an edge
+// that enters the inside and ends at an edge that leaves it. That is the next such edge, which cuts off an inside
+// corner, or on a joined face the previous one, which cuts off an outside corner. Every edge is entered on one of its
+// two faces and left on the other, so the segments form closed loops.
 std::array<std::uint8_t, 12> segments(std::uint8_t inside, std::uint8_t joined) {
   std::array<std::uint8_t, 12> next;
   next.fill(kNone);
@@ -57,8 +57,8 @@ std::array<std::uint8_t, 12> segments(std::uint8_t inside, std::uint8_t joined) 
   return next;
 }
 
-// Cuts a loop into triangles with as few diagonals as can be that lie in a face of the cell: the
-// neighbour's might lie there too, and four triangles would meet at one edge.
+// Triangulates a loop with as few diagonals as possible on faces of the cell. A diagonal of the adjacent cell might
+// coincide, and four triangles would then share one edge.
 class Triangulation {
  public:
   Triangulation(const std::vector<std::uint8_t>& loop, std::vector<EdgeTriangle>& to) : loop_(loop), to_(to) {

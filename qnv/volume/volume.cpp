@@ -30,7 +30,7 @@ T swapped(T value) {
   }
 }
 
-// Loops that the compiler turns into vectors, one for every combination: hence no `if` on the layout inside.
+// Loops that the compiler vectorises, one per combination; therefore no `if` on the layout inside.
 template <class T, bool swap, bool scaled, bool gaps>
 void convert(const std::byte* from, float* to, std::size_t count, const VolumeLayout& layout) {
   constexpr double most = std::numeric_limits<float>::max();
@@ -97,7 +97,7 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   if (!std::isfinite(layout.slope) || !std::isfinite(layout.intercept))
     return VolumeError{"the slope or intercept of the volume's values is not finite"};
   if (!finite(layout.origin) || !finite(layout.base)) return VolumeError{"the origin of the volume is not finite"};
-  constexpr double kLeastStep = 1e-15, kMostStep = 1e15, kFarthest = 1e18;  // beyond, areas are no finite floats
+  constexpr double kLeastStep = 1e-15, kMostStep = 1e15, kFarthest = 1e18;  // beyond these, areas overflow float
   if (glm::length(layout.origin + layout.base) > kFarthest)
     return VolumeError{"the origin of the volume is farther than 1e18 from that of the world"};
   for (const glm::vec3& axis : layout.axes) {
@@ -108,7 +108,7 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   }
   const glm::dmat3 axes(layout.axes[0], layout.axes[1], layout.axes[2]);
   const double lengths = glm::length(axes[0]) * glm::length(axes[1]) * glm::length(axes[2]);
-  constexpr double least = 1e-6;  // of a cuboid's volume; flatter ones have no gradients to speak of
+  constexpr double least = 1e-6;  // relative to a cuboid's volume; flatter voxels have no meaningful gradients
   if (!(std::abs(glm::determinant(axes)) > least * lengths))
     return VolumeError{"the axes of the volume do not span space; expected three independent directions"};
   return std::nullopt;

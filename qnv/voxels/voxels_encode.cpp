@@ -13,13 +13,13 @@
 namespace gs::qnv {
 namespace {
 
-// The first cluster: with the header of the stream it should come in the first kilobyte.
+// Maximum size of the first cluster; with the stream's header, it fits the first kilobyte.
 constexpr std::size_t kFirstClusterBytes = 640;
 constexpr std::uint8_t kTrust = 3;
-// So many of the finest levels are made of plain means.
+// Number of finest levels with unweighted means.
 constexpr std::size_t kPlainLevels = 2;
 
-/// The true voxels of every level, and where the children of each begin in the next.
+/// Exact voxels of every level, and the index of each voxel's first child in the next level.
 struct VolumePyramid {
   std::vector<std::vector<TrueVoxel>> levels;
   std::vector<std::vector<std::uint32_t>> first_child;
@@ -31,11 +31,12 @@ struct VolumePyramid {
   }
 };
 
-// What a voxel counts in a mean: all of it where voxels are fine; further up, where inside and outside fall together,
-// what can be seen of it.
+// Returns the weight of a voxel in a mean. In fine levels it is the number of vectors. In coarser levels, where inside
+// and outside merge, only the visible fraction counts.
 float share_of(const TrueVoxel& voxel, bool plain) { return plain ? voxel.vectors : voxel.vectors * voxel.seen; }
 
-// Directions of opposite sides count alike: the mean lies along the one to which most are nearly parallel.
+// Returns the mean gradient. Opposite directions count as equal: the mean lies along the axis that most gradients
+// nearly follow.
 glm::vec3 mean_gradient(std::span<const TrueVoxel> voxels, bool plain) {
   glm::vec3 axis(0);
   for (const TrueVoxel& voxel : voxels) {
@@ -100,7 +101,7 @@ VolumePyramid make_volume_pyramid(std::vector<TrueVoxel> finest, int depth) {
 struct VolumeNode {
   EncodedCluster encoded;
   VolumeVoxels voxels;               // as decoded
-  std::vector<std::uint32_t> truth;  // the same voxels in their level of the pyramid
+  std::vector<std::uint32_t> truth;  // indices of the same voxels in their level of the pyramid
   int level = 0;                     // of the voxels
   double gain = 0;
   std::vector<std::unique_ptr<VolumeNode>> children;
@@ -113,7 +114,7 @@ class VoxelsEncoder {
 
   [[nodiscard]] int deepest() const { return lattice_.depth; }
 
-  // The first cluster: as many levels as fit.
+  // Returns the first cluster, with as many levels as fit.
   [[nodiscard]] std::unique_ptr<VolumeNode> base() const {
     const std::size_t most =
         options_.max_bytes != 0 ? std::min(kFirstClusterBytes, options_.max_bytes) : kFirstClusterBytes;
@@ -139,7 +140,7 @@ class VoxelsEncoder {
     return best;
   }
 
-  // Divides all voxels of a node once, in clusters that fit.
+  // Divides all voxels of a node once, into clusters that fit.
   void divide(VolumeNode& node) const {
     const auto children = below(node.truth, node.level);
     VolumeParameters p = parameters();
@@ -183,7 +184,7 @@ class VoxelsEncoder {
     return out;
   }
 
-  // One cluster that divides a run of the voxels of a node.
+  // Returns one cluster that divides a run of a node's voxels.
   [[nodiscard]] std::unique_ptr<VolumeNode> divide_run(const VolumeNode& node, const VolumeSymbols& all,
                                                        const VolumeParameters& p, std::size_t first,
                                                        std::size_t count) const {
