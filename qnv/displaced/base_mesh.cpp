@@ -15,31 +15,31 @@
 namespace gs::qnv::displaced {
 namespace {
 
-// The mesh grows triangle by triangle over the edges of what is there, round one vertex after the other (after
-// C. Touma, C. Gotsman, Triangle mesh compression, 1998; S. Gumhold, W. Strasser, Real time compression of triangle
-// mesh connectivity, 1998). FORMAT.md, "Base mesh", says what is decided when.
+// The mesh grows triangle by triangle over open edges, around one vertex after another (after C. Touma, C. Gotsman,
+// Triangle mesh compression, 1998; S. Gumhold, W. Strasser, Real time compression of triangle mesh connectivity, 1998).
+// FORMAT.md, "Base mesh", defines the order of decisions.
 
 enum class Beside : std::uint8_t { fresh, left, right, rim, far };
 
-/// A gate: a side of a triangle that is there, from a to b, beside which nothing is yet.
+/// Gate: a triangle's side from a to b, without a triangle on its other side yet.
 struct Gate {
   std::uint32_t a = 0, b = 0, opposite = 0;
 };
 
-/// What lies beyond a gate.
+/// Decision at a gate.
 struct Step {
   Beside beside = Beside::rim;
-  std::uint32_t vertex = 0;  // where it is far: its number
+  std::uint32_t vertex = 0;  // if `far`: the vertex number
 };
 
-// A base has at most so many triangles a byte; an encoder that needs fewer bytes adds zeros.
+// Maximum number of triangles per byte of a base; encoders pad with zeros if needed.
 constexpr std::size_t kMostTrianglesAByte = 64;
-// So many gates may lead from a vertex at once, and to it. Meshes have two or three.
+// Maximum number of gates from a vertex, and to it. Meshes have two or three.
 constexpr std::size_t kMostGates = 64;
 
 std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
 
-/// A whole number of any sign: how many bits it has, learned; its sign and all but its highest bit, plain.
+/// Model of a signed number: an adaptive bit length, then plain sign and low bits.
 struct OffsetModel {
   std::array<BitModel, 20> more;
 };
@@ -47,12 +47,12 @@ struct OffsetModel {
 class BaseModels {
  public:
   std::array<BitModel, 8> fresh, right, left, rim;
-  std::array<OffsetModel, 2> offsets;  // beside a gate; of a component's first triangle
+  std::array<OffsetModel, 2> offsets;  // for vertices at a gate; for a component's first triangle
   BitModel component;
   std::array<BitModel, 4> crease;
 };
 
-/// Reads the decisions.
+/// Decoder of the decisions.
 class BaseReader {
  public:
   BaseReader(std::span<const std::byte> bytes, int bits) : decoder_(bytes), bits_(bits) {}
@@ -88,7 +88,7 @@ class BaseReader {
   int bits_;
 };
 
-/// Knows the mesh, and writes the decisions.
+/// Encoder of the decisions, which knows the mesh.
 class BaseWriter {
  public:
   BaseWriter(const BaseMesh& mesh, const std::function<bool(std::uint32_t, std::uint32_t)>& is_crease)
@@ -107,7 +107,7 @@ class BaseWriter {
     return another;
   }
   Step step(std::size_t a, std::size_t b, bool has_left, bool has_right, std::uint32_t vertices) {
-    // What `beyond` was told of last.
+    // Uses the arguments of the last beyond().
     const bool fresh = third_ != kNone && coded_[third_] == kNone;
     encoder_.put(models_.fresh[b], fresh);
     if (fresh) {
@@ -128,7 +128,7 @@ class BaseWriter {
     encoder_.put_bits(v, std::bit_width(vertices));
     return {Beside::far, v};
   }
-  /// What is asked next is beyond the side from b to a.
+  /// Selects the side from b to a for the next step().
   void beyond(std::uint32_t a, std::uint32_t b, std::uint32_t left, std::uint32_t right) {
     left_ = left;
     right_ = right;
@@ -181,10 +181,10 @@ class BaseWriter {
   std::uint32_t third_ = kNone, left_ = kNone, right_ = kNone;
 };
 
-/// Open gates by the vertices at their ends; of several at one vertex the newest counts.
+/// Open gates by their end vertices; at each vertex, the newest is used first.
 class Gates {
  public:
-  /// False where there are too many.
+  /// Opens a gate. Returns false if there are too many.
   bool open(const Gate& gate) {
     by_start_[gate.a].push_back(gate);
     by_end_[gate.b].push_back(gate);
@@ -213,12 +213,12 @@ class Gates {
   std::vector<std::vector<Gate>> by_start_, by_end_;
 };
 
-/// Grows the mesh by the decisions of a BaseReader or a BaseWriter. False where they are none of a base mesh.
+/// Grows a mesh from the decisions of a BaseReader or a BaseWriter. Returns false if they do not describe a base mesh.
 template <class Decisions>
 bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
   Gates gates;
-  std::unordered_map<std::uint64_t, bool> sides;  // that triangles have
-  std::vector<std::size_t> around;                // triangles at a vertex
+  std::unordered_map<std::uint64_t, bool> sides;  // sides of all triangles
+  std::vector<std::size_t> around;                // number of triangles at each vertex
   const int top = (1 << decisions.bits()) - 1;
   mesh.bits = decisions.bits();
   const auto add_vertex = [&](const glm::ivec3& predicted, std::size_t kind) {
@@ -258,7 +258,7 @@ bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
         const Gate* left = gates.to(gate.a);
         const Gate* right = gates.from(gate.b);
         const std::uint32_t left_vertex = left ? left->a : kNone, right_vertex = right ? right->b : kNone;
-        // Both ways may lead to the same vertex; then it is the right one.
+        // If both ways lead to the same vertex, it counts as the right one.
         const bool has_left = left && left_vertex != right_vertex;
         if constexpr (requires { decisions.beyond(0u, 0u, 0u, 0u); })
           decisions.beyond(gate.a, gate.b, left_vertex, right_vertex);
@@ -280,7 +280,7 @@ bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
         if (vertex >= mesh.vertices.size() || !add_triangle(gate.b, gate.a, vertex)) return false;
       }
   }
-  // Creases: they go on where others end.
+  // Creases usually continue where others end.
   const Patches patches(mesh.triangles, static_cast<std::uint32_t>(mesh.vertices.size()));
   std::vector<std::uint8_t> meet(mesh.vertices.size(), 0);
   mesh.creases.assign(patches.edges().size(), false);

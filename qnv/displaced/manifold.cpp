@@ -35,8 +35,8 @@ bool named_in_order(const SurfaceMesh& mesh) {
   return named == mesh.positions.size();
 }
 
-/// Corners at one vertex stay together where an edge of two triangles that turn the same way joins them; every fan of
-/// such gets a vertex of its own. Vertices are numbered as triangles name them.
+/// Splits vertices into fans: corners stay together only across edges of two triangles with equal orientation. Vertices
+/// are numbered in order of use by triangles.
 void part_fans(SurfaceMesh& mesh, const Neighbours& beside) {
   auto& triangles = mesh.triangles;
   const std::vector<std::uint8_t> whole = one_fan(triangles, mesh.positions.size(), beside);
@@ -69,8 +69,8 @@ void part_fans(SurfaceMesh& mesh, const Neighbours& beside) {
   mesh = std::move(out);
 }
 
-/// Where fans that meet again further on leave more than two sides at an edge, all triangles but the first get vertices
-/// of their own, and have no neighbours any more. False where there is no such edge. `odd`: as of join_at.
+/// Splits edges that still have more than two sides, because separated fans meet again. All triangles but the first get
+/// their own vertices and no neighbours. Returns false if there is no such edge. `odd` is as in join_at().
 bool part_crowded_edges(SurfaceMesh& mesh, std::span<const Side> odd, Neighbours& beside) {
   for (std::size_t i = 0, end = 0; i < odd.size(); i = end) {
     for (end = i + 1; end < odd.size() && same_edge(odd[i], odd[end]);) ++end;
@@ -92,10 +92,10 @@ bool part_crowded_edges(SurfaceMesh& mesh, std::span<const Side> odd, Neighbours
   return !odd.empty();
 }
 
-/// `beside`: of what comes out.
+/// Splits non-manifold vertices and edges, and fills `beside` with the resulting neighbours.
 void part_at(SurfaceMesh& mesh, const std::vector<Side>& sides, Neighbours& beside) {
   beside.assign(mesh.triangles.size(), {kNone, kNone, kNone});
-  // Where vertices part no edges meet that did not before: only the odd ones can be others then.
+  // Splitting vertices makes no new edges coincide, so only the odd edges can change.
   std::vector<Side> odd = join_at(mesh.triangles, sides, beside);
   do {
     part_fans(mesh, beside);
@@ -123,7 +123,7 @@ void MeshBuilder::grow() {
 }
 
 std::uint32_t MeshBuilder::vertex(const glm::vec3& position, Rgb8 color) {
-  const glm::vec3 p = position + 0.0f;  // -0 is 0
+  const glm::vec3 p = position + 0.0f;  // turns -0 into 0
   std::size_t at = hash(p) & (table_.size() - 1);
   for (; table_[at] != 0; at = (at + 1) & (table_.size() - 1))
     if (mesh_.positions[table_[at] - 1] == p && (!apart_ || own_colors_[table_[at] - 1] == color)) break;
@@ -166,15 +166,15 @@ void MeshBuilder::add(std::span<const Triangle> triangles) {
 SurfaceMesh MeshBuilder::finish(Neighbours* beside) {
   auto& triangles = mesh_.triangles;
   std::vector<Side> sides = sorted_sides(triangles);
-  // Of triangles with the same corners one stays.
+  // Keep one of several triangles with the same corners.
   {
-    std::vector<std::uint8_t> twice(triangles.size(), 0);  // bytes, which threads may write beside each other
-    // Such meet at every side of theirs; the one between its two lowest corners tells.
+    std::vector<std::uint8_t> twice(triangles.size(), 0);  // bytes, so that threads may write adjacent entries
+    // Duplicates meet at each of their sides; check only the side between the two lowest vertices.
     for_each_edge(sides, [&](std::size_t i, std::size_t end) {
       if (end - i == 1) return;
       const auto third = [&](std::size_t s) { return triangles[sides[s].at / 3][(sides[s].at + 2) % 3]; };
       if (end - i == 2 && third(i) != third(i + 1)) return;
-      std::vector<std::pair<std::uint32_t, std::uint32_t>> there;  // the third corner, the triangle
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> there;  // third corner, triangle
       for (std::size_t s = i; s < end; ++s)
         if (third(s) > sides[s].high) there.emplace_back(third(s), sides[s].at / 3);
       std::sort(there.begin(), there.end());

@@ -9,9 +9,9 @@
 namespace gs::qnv::displaced {
 namespace {
 
-constexpr std::size_t kVerticesTogether = std::size_t{1} << 15;  // whose sides a thread sorts, or looks round
+constexpr std::size_t kVerticesTogether = std::size_t{1} << 15;  // vertices per task
 constexpr std::size_t kSidesTogether = std::size_t{1} << 16;
-// Meshes of fewer triangles are counted out by one thread; beyond so many threads reading takes longer than writing.
+// Smaller meshes are counted on one thread; with more threads than the maximum, reading costs more than writing.
 constexpr std::size_t kCountedByOne = 50'000, kMostCounting = 8;
 
 std::size_t parts_of(std::size_t count, std::size_t together) { return (count + together - 1) / together; }
@@ -23,7 +23,7 @@ bool side_before(const Side& a, const Side& b) {
 }
 
 std::vector<Side> sorted_sides(std::span<const Corners> triangles) {
-  // Counted out by the lower vertex; of each there are a few. Every thread has vertices of its own.
+  // Counting sort by the lower vertex, which has only a few sides each. Every thread has its own range of vertices.
   std::uint32_t vertices = 0;
   for (const Corners& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
   std::vector<std::uint32_t> ends(std::size_t{vertices} + 1, 0);
@@ -60,7 +60,7 @@ void for_each_edge(std::span<const Side> sides, const std::function<void(std::si
   parallel_for(parts_of(sides.size(), kSidesTogether), [&](std::size_t part) {
     std::size_t i = part * kSidesTogether;
     const std::size_t stop = std::min(i + kSidesTogether, sides.size());
-    while (i > 0 && i < stop && same_edge(sides[i - 1], sides[i])) ++i;  // the part before has it
+    while (i > 0 && i < stop && same_edge(sides[i - 1], sides[i])) ++i;  // the previous part processes this edge
     for (std::size_t end = 0; i < stop; i = end) {
       for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
       each(i, end);
@@ -88,7 +88,7 @@ std::vector<Side> join_at(std::span<const Corners> triangles, std::span<const Si
 }
 
 std::vector<std::uint8_t> one_fan(std::span<const Corners> triangles, std::size_t vertices, const Neighbours& beside) {
-  // A corner of each vertex, and how many it has.
+  // One corner of each vertex, and the number of its corners.
   struct Round {
     std::uint32_t corner = kNone, count = 0;
   };

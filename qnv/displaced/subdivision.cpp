@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t kPatchesTogether = 64;
 
-/// Adds up the normals of triangles at slots, patch by patch, so that a slot gets its terms in the order of all patches
-/// and all triangles of each, whoever adds them.
+/// Sums triangle normals at slots, patch by patch. Every slot gets its terms in the order of all patches and their
+/// triangles, independent of the threads.
 class NormalSums {
  public:
   NormalSums(const Patches& patches, const Patches& slots, int level, std::span<const glm::vec3> positions,
@@ -23,12 +23,12 @@ class NormalSums {
         positions_(positions),
         normals_(normals) {}
 
-  /// Begins with another patch.
+  /// Selects the next patch.
   void patch(std::uint32_t p) {
     patches_.grid(p, level_, grid_);
     slots_.grid(p, level_, slot_grid_);
   }
-  /// Of the patch at all its slots.
+  /// Adds the patch's triangles at all its slots.
   void whole() {
     const auto any = [](const At&) { return true; };
     for (std::size_t j = 0; j < n_; ++j)
@@ -37,7 +37,7 @@ class NormalSums {
         if (i + j + 1 < n_) triangle({i + 1, j}, {i + 1, j + 1}, {i, j + 1}, any);
       }
   }
-  /// Of the patch at all its slots, but for those of edges that another patch owns, and of corners.
+  /// Adds the patch's triangles at its slots, except at corners and edges owned by other patches.
   void own(std::uint32_t p) {
     std::array<bool, 3> owns{};
     for (std::uint32_t k = 0; k < 3; ++k) owns[k] = slots_.owns(p, k);
@@ -51,10 +51,10 @@ class NormalSums {
                    [&](const At& at) { return inside || is_own(at, owns, all); });
       }
   }
-  /// Of the patch at the slots of an edge that another one owns.
+  /// Adds the patch's triangles at the slots of an edge owned by another patch.
   void foreign(std::uint32_t k) {
     for (std::size_t j = 0; j < (k == 0 ? 1 : n_); ++j) {
-      // The triangles that touch the edge, in their order.
+      // Triangles that touch the edge, in order.
       const std::size_t row = n_ - j, from = k == 1 && row > 2 ? row - 2 : 0, to = k == 2 ? 1 : row;
       for (std::size_t i = from; i < to; ++i) {
         triangle({i, j}, {i + 1, j}, {i, j + 1}, [&](const At& at) { return edge_of(at) == k; });
@@ -63,7 +63,7 @@ class NormalSums {
       }
     }
   }
-  /// Of the patch at its corners.
+  /// Adds the patch's triangles at its corners.
   void corners() {
     const auto is_corner = [&](const At& at) { return edge_of(at) == kCorner; };
     triangle({0, 0}, {1, 0}, {0, 1}, is_corner);
@@ -127,7 +127,7 @@ std::vector<glm::vec3> slot_normals(const Patches& patches, const Patches& slots
       sums.whole();
     });
   } else {
-    // An edge's owner comes before the patch on its other side; corners are few.
+    // An edge's owner precedes the patch on its other side; corners are few and come last.
     in_parts([](NormalSums& sums, std::uint32_t p) {
       sums.patch(p);
       sums.own(p);

@@ -129,7 +129,8 @@ const LevelNumbers* Surface::find(int layer, int level) const {
   return found.normal.empty() ? nullptr : &found;
 }
 
-// No patch gets numbers twice: what comes second would depend on the order, and could keep a decoder at work for ever.
+// Each patch gets its numbers only once. Otherwise the result would depend on the order, and repeated clusters could
+// occupy a decoder forever.
 bool Surface::take_run(const ClusterHeader& cluster) {
   const int kind = cluster.kind == ClusterHeader::Kind::color ? kLayers : cluster.layer;
   std::vector<bool>& taken = taken_[static_cast<std::size_t>(kind)][static_cast<std::size_t>(cluster.level)];
@@ -187,8 +188,8 @@ std::vector<glm::vec3> Surface::base_normals(const std::vector<glm::vec3>& place
 
 std::vector<glm::vec3> Surface::positions(int level) const {
   std::vector<glm::vec3> places = base_positions();
-  // What finer layers add is carried along apart: predictions come from layer 0 alone, so that what is below does not
-  // depend on how much of them has arrived.
+  // Accumulate the shifts of finer layers separately. Predictions use layer 0 only, so that they do not depend on the
+  // received part of finer layers.
   bool finer = false;
   for (int layer = 1; layer < kLayers; ++layer)
     for (int l = 0; l <= level; ++l) finer = finer || find(layer, l);

@@ -16,16 +16,17 @@ namespace {
 
 constexpr std::uint32_t kLeaf = 4;
 constexpr int kSplitsInTurn = 3;
-constexpr std::size_t kDeepest = 64;  // a tree quarters what it has, 2^32 at most, and three of four wait
+constexpr std::size_t kDeepest = 64;  // a tree of at most 2^32 triangles divides by four per level, and three of four
+                                      // children wait
 constexpr float kNowhere = 1e30f;
 
-/// A node, or a leaf of `count` triangles, and how far away it begins.
+/// Node or leaf of `count` triangles waiting on the stack, with the distance to its box.
 struct Waiting {
   std::uint32_t first, count;
   float distance;
 };
 
-/// How many triangles the children of a node of so many have; 0: there is no such child.
+/// Returns the numbers of triangles of a node's children; 0 means no child.
 std::array<std::uint32_t, 4> quarters(std::uint32_t count) {
   if (count <= kLeaf) return {count, 0, 0, 0};
   std::array<std::uint32_t, 4> parts{};
@@ -37,8 +38,7 @@ std::array<std::uint32_t, 4> quarters(std::uint32_t count) {
   return parts;
 }
 
-/// Of a triangle with corners a, a + ab, a + ac, the place nearest to p (C. Ericson, Real-Time Collision Detection,
-/// 5.1.5).
+/// Returns the point nearest to p on the triangle a, a + ab, a + ac (C. Ericson, Real-Time Collision Detection, 5.1.5).
 glm::vec3 nearest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& ab, const glm::vec3& ac) {
   const glm::vec3 b = a + ab, c = a + ac, ap = p - a;
   const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
@@ -61,14 +61,14 @@ glm::vec3 nearest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& ab
   return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
-/// Whether a comparison says so anywhere.
+/// Reports whether a mask is set in any lane.
 template <typename Mask>
 bool any(const Mask& mask) {
   const auto halves = std::bit_cast<std::array<std::uint64_t, 2>>(mask);
   return (halves[0] | halves[1]) != 0;
 }
 
-/// The children that are nearer than `most`, the nearest last.
+/// Pushes the children nearer than `most`, the nearest last.
 template <typename Four>
 void push_near(const Four& distances, float most, const std::array<std::uint32_t, 4>& first,
                const std::array<std::uint32_t, 4>& count, std::array<Waiting, kDeepest>& stack, std::size_t& top) {
@@ -97,7 +97,7 @@ TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(me
   const Size size = size_of(count);
   nodes_.resize(size.nodes);
   leaves_.resize(size.leaves);
-  // The first splits depth by depth, then their parts side by side: where each stands follows from how many it has.
+  // First split depth by depth, then the parts in parallel. Indices follow from the numbers of triangles.
   std::vector<Part> parts{{0, count, 0, 0}};
   for (int depth = 0; depth < kSplitsInTurn; ++depth) {
     std::vector<std::vector<Part>> below(parts.size());
@@ -117,7 +117,7 @@ TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(me
         }
       },
       threads);
-  // Nodes stand before those below them.
+  // Parents precede their descendants.
   for (std::size_t n = nodes_.size(); n-- > 0;)
     for (std::size_t slot = 0; slot < 4; ++slot) {
       if (nodes_[n].count[slot] != 0 || nodes_[n].first[slot] == 0) continue;
@@ -134,7 +134,7 @@ TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(me
     }
 }
 
-/// Of a node, with what lies below it.
+/// Returns the size of a node with its descendants.
 TriangleTree::Size TriangleTree::size_of(std::uint32_t count) {
   const auto known = sizes_.find(count);
   if (known != sizes_.end()) return known->second;
@@ -151,7 +151,7 @@ TriangleTree::Size TriangleTree::known_size(std::uint32_t count) const {
   return count <= kLeaf ? Size{0, 1} : sizes_.at(count);
 }
 
-/// Halves triangles at the middle one along the longest side.
+/// Partitions triangles at the median along the longest side.
 void TriangleTree::halve(std::vector<Centre>& centres, std::uint32_t first, std::uint32_t count) const {
   const auto begin = centres.begin() + first;
   Box box;
@@ -196,7 +196,7 @@ void TriangleTree::add_leaf(const std::vector<Centre>& centres, const Part& part
   Leaf& leaf = leaves_[part.leaf];
   Box box;
   for (std::uint32_t i = 0; i < kLeaf; ++i) {
-    // Where there are fewer, the last stands again.
+    // Pad the leaf with its last triangle.
     const std::uint32_t t = centres[part.first + std::min(i, part.count - 1)].triangle;
     const Corners& corners = mesh_.triangles[t];
     const glm::vec3 a = mesh_.positions[corners[0]], b = mesh_.positions[corners[1]], c = mesh_.positions[corners[2]];
@@ -339,7 +339,7 @@ glm::vec3 TriangleTree::weights(const SurfacePoint& point) const {
 
 glm::vec3 TriangleTree::smooth(const SurfacePoint& point) const {
   if (mesh_.normals.empty() || point.triangle == kNone) return point.position;
-  constexpr float kCurve = 0.5f;  // a sphere stays one
+  constexpr float kCurve = 0.5f;  // preserves a sphere
   const Corners& t = mesh_.triangles[point.triangle];
   const glm::vec3 at = weights(point);
   glm::vec3 bend(0);

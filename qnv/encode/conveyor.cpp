@@ -7,8 +7,8 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kMostWaiting = 32;      // batches
-constexpr std::size_t kMostTogether = 4'096;  // triangles of a batch
+constexpr std::size_t kMostWaiting = 32;      // in batches
+constexpr std::size_t kMostTogether = 4'096;  // triangles per batch
 
 }  // namespace
 
@@ -17,7 +17,7 @@ Conveyor::Conveyor(Work work, unsigned threads) : work_(std::move(work)) {
   try {
     thread_ = std::thread([this] { run(); });
   } catch (const std::system_error&) {
-    // The system has no more threads: this one does it.
+    // The system has no further thread; the caller's thread does the work.
   }
 }
 

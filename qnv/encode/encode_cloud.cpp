@@ -13,9 +13,9 @@
 namespace gs::qnv {
 namespace {
 
-// So that the first picture is there with the first datagram.
+// Makes the first picture fit the first datagram.
 constexpr std::size_t kFirstLayer = 160;
-// A record, and its part of the headers of its chunk.
+// Bytes of a record, and its share of the chunk headers.
 constexpr double kBytesPerVector = 8.35;
 
 StreamHeader header_of(const Cloud& cloud, const EncodeOptions& options) {
@@ -45,8 +45,8 @@ OutgoingChunk outgoing(RecordsChunk chunk) {
   return out;
 }
 
-// The chunks that a stream of at most `max_bytes` (0: no limit) has room for. The records of the last one that do not
-// fit are left out, as if they had not arrived.
+// Returns the chunks that fit into a stream of at most `max_bytes` (0: unlimited). Truncates the last one to the
+// records that fit.
 std::vector<OutgoingChunk> fitting(std::vector<RecordsChunk> encoded, const StreamHeader& header,
                                    std::size_t max_bytes) {
   std::vector<OutgoingChunk> chunks;
@@ -93,7 +93,7 @@ std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const 
     if (options.max_bytes < taken)
       return EncodeError{"a stream of one vector takes " + std::to_string(taken) + " bytes; at most " +
                          std::to_string(options.max_bytes) + " were asked for"};
-    // Nearly as many as there is room for, so that the last layer is complete.
+    // Request about as many vectors as fit, so that the last layer is complete.
     const auto room = static_cast<double>(options.max_bytes - taken) / kBytesPerVector;
     records.vectors = std::min(records.vectors, static_cast<std::size_t>(room) + 1);
   }

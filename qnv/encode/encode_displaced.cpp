@@ -27,52 +27,53 @@ namespace {
 using displaced::EncodedStage;
 using displaced::StageCluster;
 
-// A header with its base is a whole object within the first kilobyte, unless its metadata take too much of it.
+// Target size of the header with its base: a whole object in the first kilobyte, unless metadata takes too much of it.
 constexpr std::size_t kFirstBytes = 990, kFewestBaseBytes = 500;
 constexpr std::size_t kFirstTriangles = 640;
-// What a surface is that a first stage follows: its base has so many bytes at most, and what it becomes is so near, as
-// a part of the box. Others are better off as an octree.
+// Limits for a surface that suits a first stage: the base's bytes, and the error relative to the box. Other surfaces
+// are better encoded as an octree.
 constexpr std::size_t kMostFirstBytes = 4000;
 constexpr float kMostFirstError = 0.002f;
-// Components that have less than this part of the area are no part of the stages; they come behind them.
+// Components below this fraction of the area are excluded from the stages and follow them.
 constexpr double kLeastPart = 2e-4;
-// A stage that stays this far from the source, of its edges, is followed by one with four times as many triangles.
+// Error, in source edges, above which another stage with four times as many triangles follows.
 constexpr float kMostError = 0.045f;
 constexpr std::size_t kMostStages = 4;
-// Of a stage that is followed so much is sent, times the next one's base.
+// Bytes sent of a stage with a successor, relative to the next base.
 constexpr double kBeforeNext = 1.5;
-// Parity of what the last stage, and small parts beside it, begin with, as a part of it, and pieces besides: of a stage
-// whose pieces are lost with 30 % one in a hundred is lost.
+// Parity of the front of the last stage and of the small parts, relative to its size, plus additional pieces. At 30 %
+// loss, one stage in a hundred is lost.
 constexpr double kParity = 0.75, kParityBeside = 0.4;
 constexpr std::size_t kParityBesides = 3, kMostFrontBytes = 100'000;
-// Pieces of splits up to so many bytes.
+// Piece size of splits near the start of the stream, and the length of that start.
 constexpr std::size_t kSmallPieceBytes = 480, kSmallPiecesUntil = 3000;
-constexpr std::size_t kClustersAt = 3;  // of StageHeader::clusters in its bytes
-// Bases are made of a mesh of so many triangles, which is close enough to a finer one.
+constexpr std::size_t kClustersAt = 3;  // offset of StageHeader::clusters in its bytes
+// Bases are simplified from a mesh of this size, which is close enough to finer ones.
 constexpr std::size_t kCoarseTriangles = 30'000;
-// A step of the finest layer is at most this part of an edge of the source.
+// Maximum step of the finest layer, relative to a source edge.
 constexpr float kFinestStep = 1.0f / 14;
 
-// Before the mesh itself so much is sent at most, as a part of it. Where the mesh was asked for the whole is to be no
-// larger than it need be; else it is the picture at every size that counts.
+// Maximum bytes before the exact tail, relative to it. If the tail was requested explicitly, the total should stay
+// small; else intermediate pictures matter.
 constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
-// The picture of a textured one comes besides.
+// For a textured surface, the picture adds to the tail.
 constexpr double kBeforeTexturedTail = 1.0 / 3, kLeastBeforeTextured = 2000;
-// What is shown until the tail is there counts by so much of its bytes.
+// Weight, as a fraction of the tail's bytes, of the picture shown until the tail is complete.
 constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
-// A stage that is begun before a tail gets at least this part of what it begins with besides: until then the stage
-// before looks no worse.
+// Minimum bytes of a stage before a tail, relative to its front, in addition to it; below that, it looks no better than
+// the previous stage.
 constexpr double kBesidesFront = 0.5;
-// Of this a later stage's base takes at most so much; a stage that shows little beside its base is not worth it.
+// Maximum fraction of these bytes for later bases; a stage with little beyond its base does not pay.
 constexpr double kBasesBeforeTail = 0.5;
-// What a first stage does not follow ends with the mesh itself, on a lattice of so many bits, where that is small.
+// Limits for surfaces that do not suit a first stage and get an exact tail instead: triangles, tail bytes, lattice
+// bits.
 constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
 constexpr int kFewBits = 12;
 
-/// Clusters in the order in which they are sent: most gain a byte first, but none before those that it makes finer.
+/// Sorts clusters for sending: largest gain per byte first, but after those that they refine.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
   using Kind = displaced::ClusterHeader::Kind;
-  // By dependency: level before level, layer before layer; colours by themselves.
+  // Sort by dependency: by level within a layer, layer by layer; colours separately.
   std::stable_sort(clusters.begin(), clusters.end(), [](const StageCluster& a, const StageCluster& b) {
     const auto rank = [](const StageCluster& c) {
       return std::array{static_cast<int>(c.header.kind), c.header.layer, c.header.level};
@@ -80,7 +81,7 @@ std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_
     return rank(a) < rank(b);
   });
   constexpr double kAny = 1e300;
-  // What the worst of those before a patch's next cluster was worth.
+  // Minimum gain per byte of the earlier clusters of each patch.
   std::array<std::vector<double>, displaced::kLayers + 1> so_far;
   for (auto& worth : so_far) worth.assign(patches, kAny);
   std::vector<std::pair<double, std::size_t>> keys;
@@ -110,7 +111,7 @@ OutgoingChunk chunk_of(StageCluster cluster, const displaced::Frame& frame) {
   return chunk;
 }
 
-/// The front of a later stage: its base, and the clusters that must be there before it is shown.
+/// Front of a later stage: its base, and the clusters required before it is shown.
 class StageFront {
  public:
   StageFront(const EncodedStage& stage, int number, std::size_t clusters, const Box& box) {
@@ -144,13 +145,14 @@ class StageFront {
   DirectoryEntry entry_;
 };
 
-/// Stage by stage: of all but the last only as much as is worth it until the next one is there. `places`: of the
-/// source. `distances`: how far what is shown is from it, as clusters gain, before the chunks and behind each of them.
+/// Chunks of all stages in order. Stages before the last send only as much as pays until the next is shown. `places` is
+/// the number of source vertices. `distances` has the squared errors of the shown surface, in the unit of cluster
+/// gains, before the first chunk and after each.
 struct StageChunks {
   std::vector<OutgoingChunk> chunks;
   std::vector<double> distances;
   std::vector<std::vector<OutgoingChunk>> parity;  // of the front of each stage
-  std::vector<std::size_t> begins, ready;          // the first chunk of each stage, and that behind its front
+  std::vector<std::size_t> begins, ready;          // first chunk of each stage, and the first after its front
 };
 StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
   const displaced::Frame frame(box);
@@ -158,7 +160,7 @@ StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::siz
   std::vector<OutgoingChunk>& chunks = out.chunks;
   std::vector<double>& distances = out.distances;
   out.parity.resize(stages.size());
-  double shown = 0;  // how far the stage before is from the source, as clusters gain
+  double shown = 0;  // error of the previous stage, in the unit of gains
   for (std::size_t i = 0; i < stages.size(); ++i) {
     EncodedStage& stage = stages[i];
     double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
@@ -200,10 +202,9 @@ StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::siz
   return out;
 }
 
-/// Parts that become themselves vertex by vertex, whose first mesh stands in the header: in pieces, so that losses do
-/// not stop them.
+/// Returns the segments of a progressive mesh, in pieces with parity, so that losses do not stop it.
 std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, const Box& box) {
-  // Where every byte counts pieces are small: what is cut off in the middle of one is not there.
+  // Small pieces near the start, where every byte counts: a truncated piece is useless.
   std::size_t few = 0;
   for (std::size_t bytes = 0; few < mesh.segments.size() && bytes < kSmallPiecesUntil; ++few)
     bytes += mesh.segments[few].size();
@@ -227,9 +228,9 @@ std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, 
   return chunks;
 }
 
-/// As many chunks as go into so many bytes, with what the container adds, and no more than are worth more before a tail
-/// of `tail` bytes than behind it: with which the distance that is shown is least, summed over all bytes until it is
-/// there.
+/// Truncates the stages to the chunks that fit into `bytes`, including container overhead, and that are worth more
+/// before a tail of `tail` bytes than after it. Minimises the shown error, summed over all bytes until the tail is
+/// complete.
 void keep_before(StageChunks& stages, double bytes, double tail) {
   std::vector<OutgoingChunk>& chunks = stages.chunks;
   std::size_t kept = 0, stage = 0;
@@ -253,7 +254,7 @@ void keep_before(StageChunks& stages, double bytes, double tail) {
   chunks.resize(kept);
 }
 
-/// What memory has no room for, thinned.
+/// Encodes a surface that exceeds the memory limit, after thinning it.
 std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& source, const EncodeOptions& options,
                                                         Progress* progress) {
   if (options.exact_bits > 0)
@@ -286,7 +287,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   });
   joined.finish();
   if (too_many) {
-    builder = displaced::MeshBuilder(true);  // its memory is needed
+    builder = displaced::MeshBuilder(true);  // frees its memory
     return encode_thinned(source, options, progress);
   }
   if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
@@ -301,7 +302,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     const int bits = std::max(options.exact_bits, 0);
     exact = textured ? exact_mesh_of(*textured, frame, bits) : exact_mesh_of(builder, frame, s.colored, bits);
   }
-  // Of parts with sharp edges and few triangles the mesh itself is smaller than anything that comes near to it.
+  // For parts with sharp edges and few triangles, the exact mesh is smaller than any good approximation.
   std::optional<exact::ExactMesh> small;
   if (options.only_if_suited && options.exact_bits <= 0 && triangles <= kFewTriangles)
     small = textured ? exact_mesh_of(*textured, frame, kFewBits) : exact_mesh_of(builder, frame, s.colored, kFewBits);
@@ -310,7 +311,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
   if (progress) progress->stage = "simplifying";
-  // While one thread is left that simplifies, the others make trees of what is followed.
+  // While one thread finishes simplifying, the others build search trees of the target.
   std::optional<displaced::Target> made;
   const displaced::SplitMesh parts = displaced::split_components(mesh, kLeastPart);
   const displaced::SurfaceMesh& body = parts.large.triangles.empty() ? parts.small : parts.large;
@@ -341,7 +342,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
   int tail_bits = kTailBits;
-  std::size_t tail_size = 0;  // about, with the bits behind it
+  std::size_t tail_size = 0;  // approximate, including low bits
   const auto room = [&] {
     if (!exact) return 1e300;
     const double bytes = static_cast<double>(tail_size);
@@ -362,7 +363,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
       bool fits = false;
       if (small) {
         if (s.colored && !textured) {
-          // Parts of other colours that touch have borders, not blends.
+          // Touching parts of different colours keep sharp colour borders.
           displaced::MeshBuilder parted(true, true);
           const bool again = source([&](std::span<const Triangle> some) {
             parted.add(some);
@@ -406,7 +407,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stage_options.most_bytes = 0;
   } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
            stages.size() < kMostStages);
-  // Crumbs, as they are.
+  // Add small components unchanged.
   if (!exact && !parts.large.triangles.empty() && !parts.small.triangles.empty()) {
     stage_options.number = static_cast<int>(stages.size());
     stage_options.triangles = parts.small.triangles.size();
@@ -421,7 +422,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                          true};
   }
   header.base = stages[0].bytes;
-  int last = static_cast<int>(stages.size()) - (stages.back().header.beside ? 2 : 1);  // that takes the others' place
+  int last = static_cast<int>(stages.size()) - (stages.back().header.beside ? 2 : 1);  // last stage that replaces the
+                                                                                       // earlier ones
   StageChunks sent = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
   std::vector<OutgoingChunk>& chunks = sent.chunks;
   if (exact)
@@ -429,13 +431,13 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                 (chosen ? kWorthOfChosenTail : kWorthOfTail) * static_cast<double>(tail_size));
   if (exact) {
     if (progress) progress->stage = "joining";
-    // As it is shown before the tail comes.
+    // State shown before the tail arrives.
     StreamDecoder shown;
     (void)shown.push(write_stream(header, chunks, 0).bytes);
     const SurfaceStages::Shown main = shown.stages().main();
     last = main.number;
     const TailCover beside(*exact, *main.surface, main.level, options.threads);
-    // Where few bytes are asked for, it grows as it takes the fewest.
+    // For a small stream, use the order of growth with the fewest bytes.
     std::optional<exact::TailRanks> ranks;
     if (options.exact_bits <= 0) ranks = beside.ranks();
     exact::TailOrder order;
@@ -445,7 +447,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     if (!exact->coordinates.empty()) set_picture(tail, *textured);
     append_tail(tail, s.box, chunks);
   }
-  // All of a stage is lost without its front. Of one that another one follows, that is no great loss.
+  // Losing a stage's front loses the whole stage, which matters little if another stage follows.
   if (options.exact_bits <= 0)
     for (std::size_t i = 0; i < sent.parity.size(); ++i)
       if (static_cast<int>(i) == last || (!exact && static_cast<int>(i) > last))

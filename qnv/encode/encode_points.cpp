@@ -21,7 +21,7 @@ bool is_good(const Cloud& cloud, std::size_t i) {
          weight > 0 && std::isfinite(weight);
 }
 
-/// A square of the area and the direction of each vector.
+/// Passes to the sink a square for each vector, with its area and direction.
 bool for_each_square(const Cloud& cloud, const TriangleSink& sink) {
   std::vector<Triangle> batch;
   batch.reserve(2 * kDiscsTogether);

@@ -16,12 +16,12 @@ namespace gs::qnv {
 namespace {
 
 constexpr std::size_t kFewestVectors = 200'000, kMostVectorsByDefault = 1'000'000;
-// A plane of any direction meets about this many voxels per face area, on average over directions.
+// Average number of voxels per face area that a plane intersects, over all directions.
 constexpr double kVoxelsPerArea = 1.5;
-// What a disc costs about, for --max-bytes: few enough bits that the budget is filled to its end.
+// Lower estimate of the cost of a splat, so that --max-bytes is used fully.
 constexpr double kLeastBitsPerVector = 3.5;
 
-// Before the mesh itself comes so much of the octree: a part of its bytes, and this at least.
+// Part of the octree before the exact mesh: the mesh's bytes divided by this, and a minimum.
 constexpr std::size_t kBeforeMesh = 2, kLeastBeforeMesh = 4000;
 
 bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
@@ -38,9 +38,9 @@ int level_for(double vectors, const SurfaceSurvey& s, const Cube& cube) {
   return level;
 }
 
-// Voxels as vectors: where the surface lies in them, on average. A voxel that the surface only cuts at a corner has a
-// small area, but one vector stands for as much of the surface as its neighbours: the area of every block of four
-// voxels along an edge is shared out evenly, so that it is still conserved, and discs of one size leave no gaps.
+// Converts voxels to vectors at the mean position of the surface inside. A voxel cut only at a corner has a small area.
+// The area of every block of four voxels along an edge is shared evenly. Area is conserved, and splats of equal size
+// leave no gaps.
 Cloud cloud_of(std::span<const Voxel> voxels, const Cube& cube, int level, const SurfaceSurvey& s) {
   Cloud cloud;
   const float edge = cube.edge / static_cast<float>(1 << level);
@@ -94,7 +94,7 @@ std::vector<OutgoingChunk> packed_chunks(std::vector<Voxel> voxels, int level, S
   return chunks;
 }
 
-/// The mesh itself behind the octree, where it is small enough; then there is less of what stands before it. False: it
+/// Appends the exact mesh after the octree if it is small enough, and shortens the octree. Returns false if the source
 /// could not be read.
 bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const EncodeOptions& options,
                  StreamHeader& header, std::vector<OutgoingChunk>& chunks) {
@@ -106,7 +106,7 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
   if (textured) {
     mesh = exact_mesh_of(*textured, frame, std::max(options.exact_bits, 0));
   } else {
-    // Parts of other colours that touch have borders, not blends.
+    // Touching parts of different colours keep sharp colour borders.
     displaced::MeshBuilder builder(s.colored, true);
     const bool read = source([&](std::span<const Triangle> triangles) {
       builder.add(triangles);
@@ -156,7 +156,7 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   header.description.box = s.box;
   header.description.total = s.area;
   header.description.metadata = options.metadata;
-  // Nobody asked for a number: then a level that is nearly as fine will do, and is taken whole.
+  // Without a requested number, choose a slightly coarser level and take it whole.
   const bool asked = options.vectors != 0 || options.max_bytes != 0;
   const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);
   if (progress) {

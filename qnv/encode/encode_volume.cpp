@@ -20,13 +20,13 @@ namespace {
 
 constexpr std::uint64_t kMostVectors = std::uint64_t{1} << 31;
 
-// A positive float's bits, read as an integer, are in the order of the floats. The first pass counts
-// lengths by the upper 16 bits behind the sign, the second, where one such bucket is too full, by the lower 15.
+// Bits of a positive float, read as an integer, sort like the float. The first pass counts lengths by the upper 16 bits
+// after the sign; if a bucket is too full, a second pass counts by the lower 15.
 using Key = std::uint32_t;
 constexpr unsigned kLowerBits = 15;
 constexpr std::size_t kUpperBuckets = std::size_t{1} << (31 - kLowerBits), kLowerBuckets = std::size_t{1} << kLowerBits;
 
-/// What one block of rows adds to the whole.
+/// Sums over one block of rows.
 struct Sums {
   double length = 0;
   float least = std::numeric_limits<float>::infinity(), most = -std::numeric_limits<float>::infinity();
@@ -34,7 +34,7 @@ struct Sums {
 
 using Counts = std::vector<std::uint64_t>;
 
-/// Lends a histogram to each thread that asks, and adds them up at the end.
+/// Pool that lends a histogram to each thread, and adds all of them at the end.
 class CountsPool {
  public:
   explicit CountsPool(std::size_t size) : size_(size) {}
@@ -62,10 +62,10 @@ class CountsPool {
   std::vector<std::unique_ptr<Counts>> free_;
 };
 
-/// The place where the kept lengths end.
+/// Limit of the kept lengths.
 struct Cut {
-  Key lowest = 1;                     // shorter ones are left out
-  std::uint64_t ties = kMostVectors;  // how many of exactly that length are kept, in the order of voxels
+  Key lowest = 1;                     // shorter ones are dropped
+  std::uint64_t ties = kMostVectors;  // number of vectors of exactly that length to keep, in the order of voxels
 };
 
 class GradientEncoder {
@@ -99,9 +99,8 @@ class GradientEncoder {
     progress_->total = layout_.dimensions[2];
   }
 
-  /// Calls work(unit, y_begin, y_end, z) for blocks of rows of all voxels, on all threads, a group of
-  /// blocks at a time, and between groups done(units), in order. Blocks are the same for every number of
-  /// threads.
+  /// Calls work(unit, y_begin, y_end, z) for blocks of rows of all voxels, on all threads, one group of blocks at a
+  /// time. Calls done(units) after each group, in order. The blocks do not depend on the number of threads.
   template <class Work, class Done>
   std::optional<VolumeError> sweep(Work&& work, Done&& done) {
     const std::uint32_t ny = layout_.dimensions[1], nz = layout_.dimensions[2];
@@ -129,7 +128,7 @@ class GradientEncoder {
     return std::nullopt;
   }
 
-  /// The lengths of the gradients of a row, and what they add up to.
+  /// Computes the gradient lengths of a row, and adds them to the sums.
   void measure_row(const GradientRow& row, float* lengths, Sums& sums, Counts& counts) const {
     constexpr std::uint32_t kLanes = 8;
     magnitudes(row, to_world_, gaps_, lengths);
@@ -185,7 +184,7 @@ class GradientEncoder {
     return std::nullopt;
   }
 
-  /// How many rows one thread works on at a time.
+  /// Returns the number of rows per task.
   [[nodiscard]] std::uint32_t block_rows() const {
     constexpr std::uint32_t kBlock = 1u << 16;
     return std::max(1u, kBlock / layout_.dimensions[0]);
@@ -195,8 +194,8 @@ class GradientEncoder {
     return VolumeWindow(source_, 1).batch() * blocks;
   }
 
-  /// Finds the shortest kept length, to the bit where a bucket holds so many that they cannot be sorted in
-  /// about the memory of the result.
+  /// Finds the shortest length to keep. Refines it to the last bit if its bucket is too large to be sorted within about
+  /// the result's memory.
   std::optional<VolumeError> find_cut() {
     std::uint64_t above = 0;
     std::size_t bucket = kUpperBuckets - 1;
@@ -224,7 +223,7 @@ class GradientEncoder {
     if (problem) return problem;
     const Counts fine = pool.total();
     std::size_t low = kLowerBuckets - 1;
-    // A source that changes under our hands may hold fewer now; then the search ends at the bottom.
+    // A source that changed since the first pass may hold fewer; the search then ends at the bottom.
     while (low > 0 && above + fine[low] < wanted_) above += fine[low--];
     cut_.lowest = std::max<Key>(1, static_cast<Key>(bucket << kLowerBits | low));
     cut_.ties = wanted_ - std::min(wanted_, above);

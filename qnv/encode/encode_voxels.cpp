@@ -20,12 +20,12 @@
 namespace gs::qnv {
 namespace {
 
-// A vector further from the centre of its voxel than this stands on no lattice.
+// Maximum distance of a vector from its voxel's centre, in voxels; farther vectors are not on the lattice.
 constexpr double kOffCentre = 0.05;
-// What is drawn is taken to be as opaque as viewers begin with.
+// Assumed opacity: the default of viewers.
 constexpr float kShownOpacity = 2;
 
-// Steps at which no difference is seen at first sight, and those of `compact`.
+// Steps without visible differences at first sight, and those of `compact`.
 constexpr VoxelSteps kFine{20, 16, 6, {10, 10, 12}}, kCompact{28, 24, 8, {28, 28, 28}};
 
 float middle_weight(const Cloud& cloud) {
@@ -57,7 +57,7 @@ VoxelLattice lattice_of(const VolumeVectors& volume) {
   return lattice;
 }
 
-// Empty where a vector stands beside the lattice. What cannot be drawn is left out.
+// Returns the vectors on the lattice, without those that cannot be drawn; empty if a vector is off the lattice.
 std::vector<LatticeVector> on_lattice(const VolumeVectors& volume, const VoxelLattice& lattice) {
   const glm::dmat3 axes(lattice.axes[0], lattice.axes[1], lattice.axes[2]), to_index = glm::inverse(axes);
   std::array<glm::vec3, 3> unit_axes;
@@ -92,7 +92,7 @@ std::vector<LatticeVector> on_lattice(const VolumeVectors& volume, const VoxelLa
   return out;
 }
 
-// The optical depth of a vector, by its class, as it is first shown.
+// Returns the optical depth of each class under the stream's transfer function.
 std::vector<float> depths_of(const Description& about) {
   std::vector<float> depths;
   const std::vector<TransferPoint>& points = about.transfer;

@@ -20,11 +20,11 @@ using marching_cubes::EdgeTriangle;
 using marching_cubes::kEdges;
 using marching_cubes::kFaces;
 
-// A cell of eight voxels that the surface crosses.
+// Cell of eight voxels that the surface crosses.
 struct CrossedCell {
   std::uint32_t x = 0, y = 0, z = 0;
-  std::uint8_t inside = 0;        // a bit a corner
-  std::array<double, 8> above{};  // value - isovalue, a corner each
+  std::uint8_t inside = 0;        // one bit per corner
+  std::array<double, 8> above{};  // value - isovalue of each corner
 };
 
 struct SurfaceVertex {
@@ -66,8 +66,8 @@ class Marcher {
   }
 
  private:
-  // The layers of cells above slices z..z+count-1, block by block, a bounded number of blocks at a time: a
-  // cell of noise makes ten triangles.
+  // Processes the cells above slices z..z+count-1 in blocks. Limits the number of blocks at a time, since a noisy cell
+  // makes ten triangles.
   bool march(const VolumeWindow& window, std::uint32_t z, std::uint32_t count) {
     constexpr std::uint32_t kBlock = 1u << 14;
     constexpr std::size_t kGroup = 32;
@@ -98,7 +98,7 @@ class Marcher {
     const std::array<GradientRow, 4> rows = {window.row(y, z), window.row(y + 1, z), window.row(y, z + 1),
                                              window.row(y + 1, z + 1)};
     const double isovalue = options_.isovalue;
-    const auto column = [&](std::uint32_t x) {  // the corners 0, 2, 4, 6 of the cell at x
+    const auto column = [&](std::uint32_t x) {  // corners 0, 2, 4, 6 of the cell at x
       unsigned inside = 0;
       for (unsigned i = 0; i < 4; ++i) inside |= static_cast<unsigned>(rows[i].here[x] >= isovalue) << 2 * i;
       return inside;
@@ -141,7 +141,7 @@ class Marcher {
     }
   }
 
-  // The value of a face's saddle is (ac - bd) / (a + c - b - d) with a, c inside and b, d outside.
+  // The value of a face's saddle is (ac - bd) / (a + c - b - d), with a, c inside and b, d outside.
   static std::uint8_t joined_faces(const CrossedCell& cell, std::uint8_t ambiguous) {
     unsigned joined = 0;
     for (unsigned face = 0; ambiguous >> face != 0; ++face) {
@@ -154,7 +154,7 @@ class Marcher {
     return static_cast<std::uint8_t>(joined);
   }
 
-  // Computed from the lower to the upper corner, so that all cells at an edge get the same bits.
+  // Interpolates from the lower to the upper corner, so that all cells at an edge get the same bits.
   SurfaceVertex corner_at(const CrossedCell& cell, std::uint8_t e, const std::array<GradientRow, 4>& rows) const {
     const auto [lower, upper] = kEdges[e];
     const double low = cell.above[lower], high = cell.above[upper];

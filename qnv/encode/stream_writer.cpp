@@ -17,7 +17,7 @@ EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunk
   std::size_t bytes = encode_header(header).size(), last = 0;
   for (; last < chunks.size(); ++last) {
     const std::size_t more = kChunkHeaderBytes + chunks[last].payload.size() + kDirectoryEntryBytes;
-    // Of a directory every 2,000 entries need a chunk header of their own.
+    // A directory needs another chunk header for every 2,000 entries.
     if (max_bytes != 0 && last > 0 && bytes + more + kChunkHeaderBytes * (1 + last / 2000) > max_bytes) break;
     bytes += more;
   }

@@ -18,28 +18,26 @@
 namespace gs::qnv {
 namespace {
 
-// An edge of the mean length has so many places of a lattice that is chosen; between so many bits.
+// For automatic bits: lattice positions per mean edge, and the limits of the bits.
 constexpr float kPlacesAnEdge = 96;
 constexpr int kFewestChosenBits = 11, kMostChosenBits = 14;
-// With parity: bytes of a tail that are read at once, between these and about so many times, and of what parity stands
-// for together.
+// With parity: minimum and maximum bytes per piece of a tail, approximate number of pieces, and bytes of a parity
+// group.
 constexpr std::size_t kLeastReadTogether = 512, kMostReadTogether = 4096, kReads = 24,
                       kGroupBytes = 120 * kAimedPieceBytes;
-// Else, of a tail's pieces.
+// Without parity: minimum size and approximate number of pieces.
 constexpr std::size_t kLeastTailPiece = 4096, kTailPieces = 12;
-// Parity of n pieces is this part of n, and this times its root besides: with 30 % lost they all come back in 99 of 100
-// cases (the mean of a binomial distribution and 2.3 of its deviations).
+// Parity pieces for n pieces: this fraction of n, plus this times its root. At 30 % loss, 99 of 100 groups survive (the
+// mean of a binomial distribution plus 2.3 deviations).
 constexpr double kGroupParity = 0.43, kGroupParityRoot = 1.9;
-// Faces that are no farther apart are shaded by themselves where the angle is less, degrees.
+// Angle in degrees below which Rule::faces shades faces separately.
 constexpr int kFacesApart = 30;
-// Fewer bits in the tail are worth so much of its bytes.
+// Accepted growth of the total size for fewer bits in the tail.
 constexpr double kWorthOfFewBits = 1.01;
 
-// Normals of a file that are this far from those of the rule, as the root of the mean square of chords (2 degrees), are
-// its own.
+// Root mean square of chords (2 degrees) above which a file's normals are sent as its own.
 constexpr double kNormalsApart = 0.035;
-// Texture coordinates lie this many places of their lattice apart for each pixel, as a power of two; between so many
-// bits.
+// Texture lattice: log2 of positions per pixel, and the minimum bits.
 constexpr int kTexelBits = 1, kFewestTextureBits = 8;
 
 float mean_edge_of(const displaced::SurfaceMesh& mesh) {
@@ -50,7 +48,7 @@ float mean_edge_of(const displaced::SurfaceMesh& mesh) {
   return static_cast<float>(sum / std::max(1.0, 3.0 * static_cast<double>(mesh.triangles.size())));
 }
 
-/// The same with fewer bits.
+/// Returns the mesh with fewer bits.
 exact::ExactMesh coarser(const exact::ExactMesh& mesh, int bits) {
   exact::ExactMesh coarse = mesh;
   coarse.bits = std::min(bits, mesh.bits);
@@ -59,8 +57,8 @@ exact::ExactMesh coarser(const exact::ExactMesh& mesh, int bits) {
   return coarse;
 }
 
-/// The normals of a source, if they are further from what the rule of its shading gives than is worth sending them.
-/// `coarse`: its mesh as it is in the tail; `order`: in which order.
+/// Returns the encoded normals of a source, if they differ from its shading rule's by enough to be worth sending.
+/// `coarse` is the mesh as in the tail, `order` its decoding order.
 std::vector<std::byte> own_normals_of(const exact::ExactMesh& mesh, const exact::ExactMesh& coarse,
                                       std::span<const std::byte> tail, const exact::TailOrder& order) {
   if (mesh.normals.empty()) return {};
@@ -89,12 +87,12 @@ std::vector<std::byte> own_normals_of(const exact::ExactMesh& mesh, const exact:
   return exact::encode_normals(*decoded, shaded, own);
 }
 
-/// Payloads in pieces with parity, in as many groups as it takes, as far as there are.
+/// Payloads in pieces with parity, in as many groups as needed and available.
 struct Pieces {
   std::vector<std::vector<std::byte>> data, parity;
 };
 constexpr int kGroups = 16;
-constexpr std::size_t kMostWithParity = std::size_t{6} << 20;  // that so many groups have room for
+constexpr std::size_t kMostWithParity = std::size_t{6} << 20;  // capacity of that many groups
 Pieces pieces_with_parity(int group, std::span<const std::vector<std::byte>> payloads) {
   std::size_t all = 0;
   for (const auto& payload : payloads) all += payload.size();
@@ -132,7 +130,7 @@ exact::ExactMesh exact_mesh_of(const displaced::MeshBuilder& builder, const disp
 
 exact::ExactMesh exact_mesh_of(const TexturedSurface& surface, const displaced::Frame& frame, int bits) {
   displaced::MeshBuilder builder(false);
-  std::vector<std::array<glm::vec2, 3>> kept;  // of triangles that are some
+  std::vector<std::array<glm::vec2, 3>> kept;  // of triangles with an area
   glm::vec2 lower(std::numeric_limits<float>::max()), upper(std::numeric_limits<float>::lowest());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const std::size_t before = builder.triangles();
@@ -192,7 +190,7 @@ std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits) {
 }
 
 int first_tail_bits(const exact::ExactMesh& mesh) {
-  // Normals of faces by themselves are further off than means of those around a corner.
+  // Flat face normals have larger errors than means around a corner.
   const bool apart = mesh.shading.rule == exact::Shading::Rule::faces && mesh.shading.angle < kFacesApart;
   return apart ? kTailBits : kTailBits - 1;
 }
@@ -237,7 +235,7 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   } else {
     pieces.data = std::move(payloads);
   }
-  // As much of the picture as shows something comes first: without it the mesh is not shown.
+  // First the part of the picture that can be shown, since the mesh is not shown without it.
   Pieces picture;
   const bool picture_parity = tail.parity && tail.picture.size() <= kMostWithParity;
   picture.data = exact::pieces_of(tail.picture, picture_parity ? together : kLeastTailPiece);
@@ -265,7 +263,7 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   append_picture(std::numeric_limits<std::size_t>::max());
   for (std::vector<std::byte>& piece : low.data)
     append(tail.parity ? ChunkType::piece : ChunkType::low_bits, std::move(piece));
-  // Two bytes without which all of the mesh looks otherwise: again where other packets hold them.
+  // Two bytes that change the shading of the whole mesh; repeat them in another packet.
   if (tail.parity) append_shading();
   for (auto* parity : {&picture.parity, &pieces.parity, &normals.parity, &low.parity})
     for (std::vector<std::byte>& piece : *parity) append(ChunkType::piece, std::move(piece));

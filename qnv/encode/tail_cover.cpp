@@ -18,21 +18,22 @@ namespace {
 constexpr int kRankCellBits = 4;
 constexpr std::size_t kRankCells = std::size_t{1} << 3 * kRankCellBits;
 constexpr int kCoverParts = 64;
-// What lies opposite to a place is looked for so far away first, on the same side of what is thin.
+// Search for the surface opposite a point: initial reach and minimum cosine, which excludes the other side of thin
+// parts, then the maximum reach.
 constexpr float kCoverReach = 0.02f, kCoverSide = -0.2f, kAnyReach = 4;
-// What a component is that no stage stands for, of the area.
+// Minimum area of a component in the stages, relative to the total.
 constexpr double kLeastPartBeside = 2e-4;
-// How far off a place counts beside the square of how far off its normal is: what it does to outlines.
+// Weight and unit of position errors, relative to squared normal errors; they affect silhouettes.
 constexpr float kOutlineWorth = 0.4f, kOutlineUnit = 0.003f;
-// How much cells beside count in what a cell is worth.
+// Weight of adjacent cells in a cell's value.
 constexpr double kBesideCell = 0.3;
 
 std::size_t cell_at(const exact::ExactMesh& mesh, std::uint32_t vertex) {
   return exact::cell_of(mesh.vertices[vertex], mesh.bits, kRankCellBits);
 }
 
-/// The triangles of a mesh but for those of components that have less than this part of its area: stages leave them
-/// out, and they come last. All of them where no component has more.
+/// Returns the triangles without components below a fraction of the area; stages omit these, and they come last.
+/// Returns all triangles if no component is larger.
 std::vector<displaced::Corners> large_components(const displaced::SurfaceMesh& mesh, double least_part,
                                                  std::vector<std::uint32_t>& numbers) {
   std::vector<std::uint32_t> root(mesh.positions.size());
@@ -65,7 +66,7 @@ std::vector<displaced::Corners> large_components(const displaced::SurfaceMesh& m
   return mesh.triangles;
 }
 
-/// Every sum with a part of those of the cells beside it.
+/// Adds to every sum a part of the adjacent cells' sums.
 std::vector<double> smoothed(const std::vector<double>& sums) {
   constexpr int n = 1 << kRankCellBits;
   std::vector<double> out(kRankCells, 0);
@@ -105,7 +106,7 @@ TailCover::TailCover(const exact::ExactMesh& mesh, const displaced::Surface& sur
   const std::vector<glm::vec3> facing = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
   std::vector<std::uint32_t> triangle(vertex_of.size(), displaced::kNone);
   std::vector<float> errors(vertex_of.size(), 0);
-  constexpr std::size_t kRun = 1024;  // slots
+  constexpr std::size_t kRun = 1024;  // slots per task
   parallel_for((vertex_of.size() + kRun - 1) / kRun,
                [&](std::size_t run) {
                  for (std::size_t slot = run * kRun; slot < std::min((run + 1) * kRun, vertex_of.size()); ++slot) {
@@ -178,7 +179,8 @@ exact::TailRanks TailCover::ranks() const {
 
 exact::Cover TailCover::cover(int stage, const exact::TailOrder& order) const {
   const std::size_t count = mesh_.triangles.size();
-  std::vector<std::uint32_t> last(mesh_.vertices.size(), 0);  // so many triangles, and all of a vertex are there
+  std::vector<std::uint32_t> last(mesh_.vertices.size(), 0);  // number of triangles after which all triangles of a
+                                                              // vertex are complete
   for (std::uint32_t i = 0; i < order.triangles.size(); ++i)
     for (const std::uint32_t v : mesh_.triangles[order.triangles[i]]) last[v] = i + 1;
   exact::Cover cover;
@@ -186,7 +188,7 @@ exact::Cover TailCover::cover(int stage, const exact::TailOrder& order) const {
   cover.parts = kCoverParts;
   cover.triangles = static_cast<std::uint32_t>(count);
   for (const std::vector<std::uint32_t>& near : near_) {
-    // The triangles beside those, too: what is there reaches over the patch, so that nothing gapes.
+    // Require adjacent triangles too, so that the mesh overlaps the patch and leaves no gap.
     std::uint64_t come = near.empty() ? count : 0;
     for (const std::uint32_t t : near)
       for (const std::uint32_t v : mesh_.triangles[t]) come = std::max<std::uint64_t>(come, last[v]);

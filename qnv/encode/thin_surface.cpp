@@ -16,16 +16,17 @@
 namespace gs::qnv {
 namespace {
 
-constexpr int kCellBits = 20;  // of a cell's place along an axis
-// A plane of any direction meets about this many cells per face area, and a surface has two triangles a vertex.
+constexpr int kCellBits = 20;  // bits of a cell's index along an axis
+// Cells intersected per face area, averaged over directions, times two triangles per vertex.
 constexpr double kTrianglesPerFace = 3;
-// How often the grid is chosen anew, by what came of the one before, and what is close enough to what was asked for.
+// Number of attempts to choose the grid, each based on the previous one; and the accepted fraction of the requested
+// size.
 constexpr int kMostGrids = 4;
 constexpr double kNearEnough = 0.7, kCautious = 1.08;
 
-/// The corners of triangles in one cell; lengths in its edges, from its middle.
+/// Corners of triangles in one cell; lengths in cell edges, relative to the cell's middle.
 struct ThinCell {
-  std::array<float, 10> planes{};  // a Quadric: the sum of squared distances, weighted by areas
+  std::array<float, 10> planes{};  // a Quadric: sum of squared distances weighted by area
   glm::vec3 places{0};             // sum
   glm::vec3 colors{0};             // sum
   std::uint32_t corners = 0;
@@ -43,7 +44,7 @@ struct ThinCell {
     planes[9] += weight * d * d;
   }
 
-  /// Where its vertex lies: inside it.
+  /// Returns the cell's vertex, which lies inside the cell.
   [[nodiscard]] glm::vec3 place() const {
     const glm::dvec3 middle(places / static_cast<float>(corners));
     const displaced::Quadric q{planes[0], planes[1], planes[2], planes[3], planes[4],
@@ -57,11 +58,11 @@ struct ThinCell {
 
 class CellGrid {
  public:
-  /// `most`: triangles and cells, after which it is full.
+  /// `most` limits the triangles and the cells.
   CellGrid(const Box& box, float edge, std::size_t most)
       : lower_(box.lower), edge_(edge), most_(most), table_(1 << 16, 0) {}
 
-  /// False when it is full.
+  /// Adds a triangle. Returns false once the limit is exceeded.
   [[nodiscard]] bool add(const Triangle& triangle) {
     if (!finite(triangle.positions[0]) || !finite(triangle.positions[1]) || !finite(triangle.positions[2])) return true;
     std::array<glm::vec3, 3> local{};
@@ -81,7 +82,7 @@ class CellGrid {
       ++cell.corners;
     }
     if (at[0] != at[1] && at[1] != at[2] && at[2] != at[0]) {
-      // Begins with the smallest, so that a triangle that comes twice is found.
+      // Start with the smallest number, so that duplicates compare equal.
       while (at[0] > at[1] || at[0] > at[2]) std::rotate(at.begin(), at.begin() + 1, at.end());
       triangles_.push_back(at);
     }
@@ -220,7 +221,7 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& sou
     if (cancelled()) return EncodeError{"cancelled"};
     if (!whole && !full) return EncodeError{"the surface could not be read again"};
     if (full) {
-      // Of a surface that is as fine everywhere the rest would bring as many again.
+      // Assume that the rest has as many triangles per part.
       const double part = std::max(1e-3, static_cast<double>(done) / static_cast<double>(s.triangles));
       too_fine = std::max(too_fine, edge);
       if (edge >= longest * 2) return EncodeError{"the surface cannot be made small enough"};

@@ -15,9 +15,9 @@ constexpr std::size_t kCoverHeaderBytes = 10;
 constexpr int kMostCoverStage = 15;
 constexpr std::uint32_t kMostPatches = 1u << 17;
 
-/// FORMAT.md, "Covered patches".
+/// Models of FORMAT.md, "Covered patches".
 struct CoverModels {
-  std::array<displaced::BitModel, 2> changes;  // by whether the one before did
+  std::array<displaced::BitModel, 2> changes;  // by whether the previous number changed
   displaced::BitModel less;
   displaced::NumberModel<6> by;
 };

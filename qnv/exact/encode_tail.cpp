@@ -19,12 +19,12 @@ using displaced::BinaryEncoder;
 using displaced::Corners;
 using displaced::kNone;
 
-// Traversals: two to fit the weights, the second with what the first one found, and one to write.
+// Number of traversals that fit the weights, each with the result of the previous one; another traversal writes.
 constexpr int kFits = 2;
-// How much the usual weights count beside what is measured, of the mean square of what they are applied to.
+// Weight of the usual weights relative to the measured data, as a fraction of its mean square.
 constexpr double kUsualWorth = 1e-3;
 
-/// Weights that make the least error, fitted to all new vertices of a situation.
+/// Least-squares fit of the weights over all new vertices of a situation.
 class Fit {
  public:
   void add(std::size_t situation, const std::array<glm::ivec3, kNear>& near, const glm::ivec3& is, double spread) {
@@ -59,7 +59,7 @@ class Fit {
       left[i][i] += worth;
       right[i] += worth * usual[i] / kOne;
     }
-    // Cholesky.
+    // Cholesky decomposition.
     for (std::size_t i = 0; i < kNear; ++i)
       for (std::size_t j = 0; j <= i; ++j) {
         double rest = left[i][j];
@@ -88,10 +88,10 @@ class Fit {
   std::array<Sums, kSituations> sums_;
 };
 
-/// The mesh that is written, as MeshGrowth asks for it: by halves, which are its sides, three a triangle.
+/// Guide for MeshGrowth when encoding. Its halves are the sides of the source mesh, three per triangle.
 class MeshGuide {
  public:
-  /// `starts`: triangles in the order in which components begin with them; none: in their own.
+  /// `starts` lists triangles in the order in which components start; empty: by number.
   MeshGuide(const ExactMesh& mesh, const std::vector<std::uint32_t>& twins, const TailRanks* ranks,
             const std::vector<std::uint32_t>& starts, Fit& fit)
       : mesh_(mesh),
@@ -109,7 +109,7 @@ class MeshGuide {
     return half();
   }
   [[nodiscard]] std::uint32_t rank(std::size_t cell) const { return ranks_->of[cell]; }
-  /// The next vertex is corner k, from where a half begins.
+  /// Selects corner k, counted from the start of a half, as the next vertex.
   glm::ivec3 fresh(std::uint32_t half, std::size_t k) {
     now_ = corner(half, k);
     numbers_[now_] = count_++;
@@ -117,7 +117,7 @@ class MeshGuide {
   }
   [[nodiscard]] glm::ivec3 place() const { return mesh_.vertices[now_]; }
   [[nodiscard]] glm::ivec3 color() const { return luma_of(mesh_.colors[now_]); }
-  /// Of triangle t of those that were added.
+  /// Returns the coordinates of the t-th added triangle.
   [[nodiscard]] CornerCoordinates coordinates(std::uint32_t t) const {
     CornerCoordinates is;
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -126,22 +126,23 @@ class MeshGuide {
     }
     return is;
   }
-  /// The half beside a side.
+  /// Returns the half on the other side of a side.
   [[nodiscard]] std::uint32_t beyond(std::uint32_t side) const { return twins_[halves_[side]]; }
-  /// The number of the vertex opposite to a half; kNone: it has none yet.
+  /// Returns the number of the vertex opposite a half, or kNone if it has none yet.
   [[nodiscard]] std::uint32_t apex(std::uint32_t half) const { return numbers_[corner(half, 2)]; }
-  /// Of the triangle that lies beside that of `half` at its start, between the new vertex and `vertex`: its half.
+  /// Returns the half of the unvisited triangle adjacent to that of `half` at its start, between the new vertex and
+  /// `vertex`; or kNone.
   [[nodiscard]] std::uint32_t beside_fresh(std::uint32_t half, std::uint32_t vertex) const {
     const std::uint32_t other = twins_[before(half)];
     return other != kNone && !done(other) && apex(other) == vertex ? other : kNone;
   }
-  /// Of the sides that leave the vertex opposite to a half: the first one behind the gap that the half's triangle is
-  /// in.
+  /// Returns the side that leaves the vertex opposite a half: the first after the gap that contains the half's
+  /// triangle.
   [[nodiscard]] std::uint32_t side_at_apex(std::uint32_t half, const Gates& gates) const {
     std::uint32_t leaves = twins_[after(half)];
     while (leaves != kNone && !done(leaves)) leaves = twins_[before(leaves)];
     if (leaves != kNone) return sides_[leaves];
-    // The mesh ends there; it does not on the other side.
+    // This direction reached a rim; search the other one.
     std::uint32_t enters = twins_[before(half)];
     while (enters != kNone && !done(enters)) enters = twins_[after(enters)];
     return enters == kNone ? kNone : gates.next(sides_[enters]);
@@ -176,12 +177,12 @@ class MeshGuide {
   const TailRanks* ranks_;
   const std::vector<std::uint32_t>& starts_;
   Fit& fit_;
-  std::vector<std::uint32_t> numbers_;         // of vertices
-  std::vector<std::uint32_t> halves_, sides_;  // of sides, of halves
+  std::vector<std::uint32_t> numbers_;         // by vertex
+  std::vector<std::uint32_t> halves_, sides_;  // half of each side; side of each half
   std::uint32_t next_ = 0, now_ = 0, count_ = 0;
 };
 
-// Triangles, those of low ranks first.
+// Returns the triangles, those in cells of low rank first.
 std::vector<std::uint32_t> starts_of(const ExactMesh& mesh, const TailRanks& ranks) {
   std::vector<std::uint32_t> starts(mesh.triangles.size());
   std::iota(starts.begin(), starts.end(), 0u);
@@ -192,9 +193,9 @@ std::vector<std::uint32_t> starts_of(const ExactMesh& mesh, const TailRanks& ran
   return starts;
 }
 
-// The angle that parts the corners that are shaded apart from those that are not, with the fewest edges wrong.
+// Returns the crease angle that misclassifies the fewest edges as smooth or creased.
 int crease_angle_of(const displaced::SurfaceMesh& mesh) {
-  constexpr float kApart = 0.9995f;  // a cosine
+  constexpr float kApart = 0.9995f;  // as a cosine
   if (mesh.normals.empty()) return 180;
   const auto normal_of = [&](std::uint32_t t) {
     const Corners& c = mesh.triangles[t];
@@ -208,7 +209,7 @@ int crease_angle_of(const displaced::SurfaceMesh& mesh) {
       if (mesh.triangles[t][k] == vertex) return mesh.normals[t][k];
     return mesh.normals[t][2];
   };
-  std::array<std::int64_t, 181> apart{}, together{};  // edges by the angle of their sides
+  std::array<std::int64_t, 181> apart{}, together{};  // number of edges by angle
   const auto beside = displaced::neighbours_of(mesh.triangles);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -223,7 +224,7 @@ int crease_angle_of(const displaced::SurfaceMesh& mesh) {
         parted = parted || glm::dot(shading(t, v), shading(other, v)) < kApart;
       ++(parted ? apart : together)[std::min<std::size_t>(angle, 180)];
     }
-  // At most this angle: together.
+  // Up to this angle, edges are smooth.
   std::int64_t wrong = 0, least = 0;
   for (std::size_t angle = 181; angle-- > 0;) wrong += apart[angle];
   int best = 180;
@@ -247,7 +248,7 @@ ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
   out.bits = bits;
   out.crease_angle = crease_angle_of(mesh);
   for (glm::vec3& p : mesh.positions) p = glm::clamp(glm::floor(p * top + 0.5f), 0.0f, top);
-  // On the lattice: of small triangles, each shaded by itself, it takes more than it leaves.
+  // Quantised positions: for small, flat-shaded triangles the chunk costs more than it saves.
   out.shading = shading_of(mesh, out.crease_angle);
   out.vertices.reserve(mesh.positions.size());
   for (const glm::vec3& p : mesh.positions) out.vertices.emplace_back(p);

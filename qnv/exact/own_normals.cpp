@@ -20,10 +20,10 @@ using displaced::kNone;
 
 constexpr std::size_t kNormalsHeaderBytes = 5;
 constexpr std::uint32_t kNormalsEnd = 0x4e51;
-// Corners are shaded together where their normals are no further apart than this many steps.
+// Maximum distance in steps between normals that are treated as equal.
 constexpr float kStepsTogether = 2.5f;
 
-/// A direction as a point of a square (octahedral coordinates): 0 to 2^bits - 1 an axis.
+/// Directions as points of a square (octahedral coordinates): 0 to 2^bits - 1 per axis.
 class Square {
  public:
   explicit Square(int bits) : top_(static_cast<float>((1 << bits) - 1)) {}
@@ -48,7 +48,7 @@ class Square {
   float top_;
 };
 
-/// Written once for both directions. Where it is written `own` are the normals, else they do not count.
+/// Codes normals in both directions. `own` holds the normals when encoding; it is unused when decoding.
 template <class Coder>
 class NormalCoder {
  public:
@@ -61,7 +61,7 @@ class NormalCoder {
         square_(bits),
         together_(std::cos(kStepsTogether * 2.0f / static_cast<float>(square_.top()))) {}
 
-  /// False: the bytes are none of such normals.
+  /// Codes all normals. Returns false if the bytes are invalid.
   bool run() {
     normals_.resize(shaded_.size());
     offs_.assign(mesh_.vertices.size(), 4);
@@ -76,7 +76,7 @@ class NormalCoder {
  private:
   static constexpr bool kWrites = Decisions<Coder>::kWrites;
 
-  /// That of the same vertex in a triangle beside, which is there already.
+  /// Returns the normal at the same vertex in an adjacent triangle, if that is coded already.
   [[nodiscard]] const glm::vec3* beside(std::uint32_t side, std::uint32_t step, std::uint32_t corner) const {
     const std::uint32_t twin = mesh_.twins[side];
     if (twin == kNone || twin / 3 >= corner / 3) return nullptr;
@@ -100,8 +100,8 @@ class NormalCoder {
     last_apart_ = apart > 0 ? 1 : 0;
     return place(corner);
   }
-  /// How far it is from what the rule says. The half of the directions in which that one is lies in the square's
-  /// middle.
+  /// Codes the difference from the rule's normal. Mirrors the square so that the rule's half of the directions lies in
+  /// its middle.
   bool place(std::uint32_t corner) {
     const bool mirrored = shaded_[corner].z < 0;
     const auto turned = [&](glm::vec3 n) {
@@ -134,7 +134,7 @@ class NormalCoder {
   Square square_;
   float together_;
   std::vector<glm::vec3> normals_;
-  std::vector<std::uint32_t> offs_;  // of vertices: how far the last one told was off
+  std::vector<std::uint32_t> offs_;  // by vertex: size of the last difference
   std::size_t last_apart_ = 0;
   std::array<std::array<std::array<TwoRates, 2>, 2>, 2> same_;
   std::array<Lengths, kRanks> sizes_;

@@ -15,9 +15,9 @@ using displaced::Corners;
 using displaced::kNone;
 
 constexpr std::size_t kShadingBytes = 2;
-// Round a vertex with more corners every face would be compared with too many.
+// Maximum number of corners at a vertex for comparing every pair of faces.
 constexpr std::uint32_t kMostPairs = 256;
-// Vertices that an encoder looks at.
+// Approximate number of vertices that an encoder samples.
 constexpr std::size_t kLookedAt = 6000;
 
 float cosine_of(int degrees) { return static_cast<float>(std::cos((degrees + 0.01) * std::numbers::pi / 180)); }
@@ -27,7 +27,7 @@ glm::vec3 unit_or_up(const glm::vec3& v) {
   return length > 0 ? v / length : glm::vec3(0, 0, 1);
 }
 
-/// Corners that edges join across which faces are no farther apart.
+/// Sets of corners connected over edges with at most the given angle between both faces.
 class JoinedCorners {
  public:
   JoinedCorners(const ShadedMesh& mesh, int angle) : sets_(3 * mesh.triangles.size()) {
@@ -37,7 +37,7 @@ class JoinedCorners {
     for (std::uint32_t side = 0; side < sets_.size(); ++side) {
       const std::uint32_t twin = mesh.twins[side];
       if (twin == kNone || twin < side) continue;
-      // What has no area has no direction, and is no crease.
+      // A face without area has no direction, and makes no crease.
       const glm::vec3 &n = mesh.faces[side / 3], &m = mesh.faces[twin / 3];
       const float lengths = glm::length(n) * glm::length(m);
       if (angle < 180 && lengths > 0 && glm::dot(n, m) < cosine * lengths) continue;
@@ -133,7 +133,7 @@ std::vector<glm::vec3> corner_normals(const ShadedMesh& mesh, const Shading& sha
 Shading shading_of(const displaced::SurfaceMesh& mesh, int edges_angle) {
   Shading best{Shading::Rule::edges, edges_angle};
   if (mesh.normals.empty() || edges_angle >= 180) return best;
-  // Vertices here and there, and all triangles round them.
+  // Sample vertices, with all triangles around them.
   const std::size_t one_in = mesh.positions.size() / kLookedAt + 1;
   std::vector<bool> wanted(mesh.positions.size(), false);
   for (std::size_t v = 0; v < wanted.size(); v += one_in) wanted[v] = true;
@@ -168,7 +168,7 @@ Shading shading_of(const displaced::SurfaceMesh& mesh, int edges_angle) {
       best = shading;
     }
   };
-  // Angles that people choose, then those beside the best of them.
+  // Try common angles, then refine around the best one.
   for (int angle = 0; angle <= 180; angle += angle < 100 ? 10 : 20) look(angle);
   if (best.rule == Shading::Rule::faces)
     for (int step = 8; step > 0; step /= 2) {

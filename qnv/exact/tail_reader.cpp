@@ -9,17 +9,17 @@
 namespace gs::qnv::exact {
 namespace {
 
-/// What reads is told nothing.
+/// Guide for decoding; never used.
 struct NoGuide {};
 using Growth = MeshGrowth<displaced::BinaryDecoder, NoGuide>;
 
 }  // namespace
 
 struct TailReader::Growing {
-  std::vector<std::byte> bytes;  // all that came
+  std::vector<std::byte> bytes;  // all received bytes
   TailHeader header;
   NoGuide guide;
-  std::optional<displaced::BinaryDecoder> decoder;  // of what is behind the header
+  std::optional<displaced::BinaryDecoder> decoder;  // for the bytes after the header
   std::optional<Growth> growth;
 };
 
@@ -36,7 +36,7 @@ void TailReader::push(std::span<const std::byte> more) {
   const auto taken = more.first(std::min(more.size(), length_ - g.bytes.size()));
   g.bytes.insert(g.bytes.end(), taken.begin(), taken.end());
   const bool all = g.bytes.size() == length_;
-  constexpr std::size_t kCodeBytes = 4;  // that a range decoder begins with
+  constexpr std::size_t kCodeBytes = 4;  // read by a range decoder at its start
   const std::size_t head = tail_header_bytes(g.bytes);
   if (!all && (head == 0 || g.bytes.size() < head + kCodeBytes)) return;
   const auto body = std::span<const std::byte>(g.bytes).subspan(std::min(head, g.bytes.size()));

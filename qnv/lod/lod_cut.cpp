@@ -15,7 +15,7 @@ namespace gs::qnv {
 namespace {
 
 constexpr std::size_t kMostWanted = 4096;
-// Hysteresis: factor on the error of new candidates; a chosen cluster is kept while its error exceeds that.
+// Hysteresis: an already chosen cluster's error is divided by this when it competes with new ones.
 constexpr float kGivenUp = 0.7f;
 // Priority of clusters chosen for the identical view.
 constexpr float kStays = 1e30f;

@@ -9,21 +9,21 @@
 namespace gs::qnv::outline {
 namespace {
 
-/// A group of inner polygons with fewer of them in a chunk shares its frame with others.
+/// Minimum number of a group's inner polygons in a chunk for a frame of its own.
 constexpr std::size_t kOwnFrame = 5;
 constexpr std::size_t kMostFrames = 255;
-/// A plane of its own costs a polygon 20 bits at least: triangles cannot win them back.
+/// Minimum number of corners for a polygon's own plane, which costs at least 20 bits; triangles cannot save as many.
 constexpr std::size_t kOwnPlane = 4;
 
 int code_bits(std::size_t axes) { return 5 * static_cast<int>(axes); }
 
-/// A polygon with what was chosen for it.
+/// Polygon with its chosen encoding.
 struct Prepared {
   const Polygon* polygon;
   std::optional<Plane> own_plane;
   Differences differences;
   Code own_code;
-  std::uint64_t own_cost;  // of the differences with that code, and of saying the code
+  std::uint64_t own_cost;  // of the differences with that code, plus the code itself
 
   Prepared(const Polygon& of, const Plane& plane) : polygon(&of), differences(of, plane) { choose(); }
 
@@ -55,7 +55,7 @@ std::uint64_t cost_of(const std::vector<Prepared>& all, const Code& code) {
   return bits;
 }
 
-/// The frame's code that makes its records smallest, and their bits.
+/// Returns the frame's code that makes its records smallest, and their bits.
 std::pair<Code, std::uint64_t> choose_code(const std::vector<Prepared>& all, std::size_t axes) {
   std::vector<Numbers> numbers;
   for (const Prepared& p : all) {
@@ -72,7 +72,7 @@ struct FramedRecords {
   std::uint64_t cost = 0;
 };
 
-/// Lower and upper corners of where first corners lie in a frame. Of an axis that no polygon has: both 0.
+/// Returns the lower and upper corners of the box of first corners in a frame; 0 for axes that no polygon has.
 std::pair<Place, Place> box_of(std::span<const Polygon* const> polygons, const Frame& frame) {
   Place lower, upper;
   lower.fill(std::numeric_limits<std::int64_t>::max());
@@ -89,11 +89,11 @@ std::pair<Place, Place> box_of(std::span<const Polygon* const> polygons, const F
   return {lower, upper};
 }
 
-/// The box of first corners.
+/// Sets the box of first corners.
 void fit_box(std::span<const Polygon* const> polygons, Frame& frame) {
   frame.origin = {};
   const Place corner = box_of(polygons, frame).first;
-  std::copy_n(corner.begin(), 2, frame.origin.begin());  // w depends on where u and v begin
+  std::copy_n(corner.begin(), 2, frame.origin.begin());  // w depends on the origin of u and v
   const auto [lower, upper] = box_of(polygons, frame);
   std::copy(lower.begin() + 2, lower.end(), frame.origin.begin() + 2);
   for (std::size_t axis = 0; axis < kAxes; ++axis)
@@ -177,7 +177,7 @@ bool write_record(const Prepared& p, const ChunkHead& head, std::size_t frame_nu
   return out.size() - begin <= 0xffff;
 }
 
-/// The polygons of each frame: of each group with many, and of all others together.
+/// Assigns polygons to frames: one for each large group, and one for all others.
 std::vector<std::vector<const Polygon*>> by_frames(std::span<const Polygon> polygons, const ChunkKind& kind) {
   std::vector<std::vector<const Polygon*>> frames(1);
   for (std::size_t i = 0; i < polygons.size();) {
@@ -212,7 +212,7 @@ Chunk encode_chunk_of(std::span<const Polygon> polygons, const ChunkKind& kind) 
     records.push_back(std::move(framed.records));
   }
   chunk.head.first_group = chunk.head.frames.front().first_group;
-  // In the order in which they came.
+  // Restore the original order.
   std::vector<std::pair<const Prepared*, std::size_t>> order;
   for (std::size_t frame = 0; frame < records.size(); ++frame)
     for (const Prepared& p : records[frame]) order.emplace_back(&p, frame);

@@ -16,21 +16,21 @@ namespace {
 
 constexpr std::size_t kRange = 1u << 13;
 
-// Where the corners and normals of a cluster are, at most.
+// Conservative bounds of a cluster's corners and normals.
 struct Bounds {
   glm::vec3 normal{0}, center{0};
   float low = 0, high = 0;  // of dot(normal, corner - center)
-  float radius = 0;         // of the corners around the center
-  float angle = 0;          // between the normal and that of any face
+  float radius = 0;         // of the corners around the centre
+  float angle = 0;          // maximum angle between the normal and any face's
 };
 
 struct FaceCluster {
   glm::dvec3 sum{0};               // of its faces' vector areas
-  glm::dvec3 moment{0};            // of its faces' centers times their areas
+  glm::dvec3 moment{0};            // of its faces' centres times their areas
   double length = 0;               // of the sum
   double area = 0, firm_area = 0;  // of all faces; of those that are not thin
   double perimeter = 0;
-  std::uint32_t first = kNone, last = kNone;  // faces, linked
+  std::uint32_t first = kNone, last = kNone;  // linked list of faces
   std::uint32_t faces = 0;
 
   [[nodiscard]] glm::dvec3 center() const { return moment / area; }
@@ -38,11 +38,11 @@ struct FaceCluster {
 
 struct Edge {
   std::uint32_t a = 0, b = 0;  // clusters, a < b
-  float length = 0;            // of the boundary they share
-  bool refused = false;        // they cannot be merged as they are
+  float length = 0;            // of the shared boundary
+  bool refused = false;        // cannot be merged in their current state
 };
 
-// A bound that single precision cannot cross.
+// Rounds a bound outwards to single precision.
 float outward(double x) { return static_cast<float>(x + std::fabs(x) * 1e-6 + std::numeric_limits<float>::min()); }
 
 class Clustering {
@@ -60,7 +60,7 @@ class Clustering {
   }
 
   Labels run() {
-    // Stars and chains of clusters could take as many rounds as there are clusters.
+    // Star- or chain-like clusters could need as many rounds as there are clusters.
     std::uint64_t budget = 256 * std::uint64_t{edges_.size()} + 4096;
     while (clusters_.size() > target_ && edges_.size() < budget) {
       budget -= edges_.size();
@@ -80,7 +80,7 @@ class Clustering {
   }
 
  private:
-  // A merger of two clusters, not done yet.
+  // Candidate merger of two clusters.
   struct Union {
     glm::dvec3 normal{0}, center{0};
     double low = 0, high = 0, radius = 0, angle = 0;
@@ -136,7 +136,8 @@ class Clustering {
     join_parallel();
   }
 
-  // Extends the union's bounds to a cluster's corners and normals exactly; stops where they go too far, if asked to.
+  // Extends the union's bounds exactly to a cluster's corners and normals. If `limited`, stops once they exceed the
+  // tolerances.
   bool scan(const FaceCluster& cluster, Union& whole, bool limited) const {
     double least = 1, radius2 = whole.radius * whole.radius;
     const double least_allowed = std::cos(angle_);
@@ -160,7 +161,7 @@ class Clustering {
   static void keep(const Union& whole, Bounds& bounds) {
     bounds.normal = glm::vec3(whole.normal);
     bounds.center = glm::vec3(whole.center);
-    // Rounding the center and the normal moves everything a little.
+    // Rounding the centre and the normal moves everything slightly.
     const double slack = (glm::length(whole.center) + whole.radius) * 4e-7;
     bounds.low = -outward(slack - whole.low);
     bounds.high = outward(whole.high + slack);
@@ -168,7 +169,7 @@ class Clustering {
     bounds.angle = outward(whole.angle + 1e-6);
   }
 
-  // Bounds of a part as they are about the union's normal and center.
+  // Extends the union's bounds conservatively to a part, relative to the union's normal and centre.
   static void extend(const Bounds& part, Union& whole) {
     const glm::dvec3 normal(part.normal), away = glm::dvec3(part.center) - whole.center;
     const double turn = glm::length(whole.normal - normal) * part.radius;
@@ -181,8 +182,9 @@ class Clustering {
     whole.angle = std::max(whole.angle, part.angle + turned);
   }
 
-  // What Cohen-Steiner et al. call the L2,1 error that merging adds, |a| + |b| - |a + b| but for a factor, here without
-  // cancellation; times how little of a boundary goes. Infinite where the union is too bent or too thick for sure.
+  // Returns the increase of the L2,1 error of Cohen-Steiner et al., |a| + |b| - |a + b| up to a factor, computed
+  // without cancellation, times a penalty for a short shared boundary. Infinite if the union is certainly too bent or
+  // too thick.
   [[nodiscard]] double cost(const Edge& edge) const {
     const FaceCluster &a = clusters_[edge.a], &b = clusters_[edge.b];
     const glm::dvec3 sum = a.sum + b.sum;
@@ -197,13 +199,13 @@ class Clustering {
     const glm::dvec3 cross = glm::cross(a.sum, b.sum);
     const double bend = dot > 0 ? glm::dot(cross, cross) / (product + dot) : product - dot;
     const double error = 2 * bend / (a.length + b.length + length);
-    // A cluster that another one surrounds, or nearly, is better part of it than one that it merely touches.
+    // Prefer to merge a cluster with one that surrounds it rather than one that merely touches it.
     const double perimeter = std::min(a.perimeter, b.perimeter), shared = edge.length;
     return perimeter > shared ? error * perimeter / std::max(shared, perimeter * 1e-6) : error;
   }
 
-  // The edges that are the best at both their ends, cheapest first. Costs are compared roughly and then by chance, so
-  // that a chain of ever better ones does not allow one merger a round.
+  // Chooses the edges that are best at both ends, cheapest first. Compares costs coarsely, then pseudo-randomly, so
+  // that a chain of ever better edges does not limit a round to one merger.
   void choose() {
     keys_.resize(edges_.size());
     best_ = std::vector<std::atomic<std::uint64_t>>(clusters_.size());
@@ -226,7 +228,7 @@ class Clustering {
     for (std::uint32_t i = 0; i < edges_.size(); ++i)
       if (keys_[i] != kNever && best_[edges_[i].a] == keys_[i] && best_[edges_[i].b] == keys_[i]) chosen_.push_back(i);
     std::sort(chosen_.begin(), chosen_.end(), [&](std::uint32_t a, std::uint32_t b) { return keys_[a] < keys_[b]; });
-    // With a number to reach it matters that nothing dear is merged while cheap ones are left.
+    // Near a target number, avoid expensive mergers while cheap ones remain.
     const bool near = clusters_.size() / 16 <= target_;
     if (target_ > 0)
       chosen_.resize(std::min(near ? (chosen_.size() + 1) / 2 : chosen_.size(), clusters_.size() - target_));
@@ -235,13 +237,13 @@ class Clustering {
   [[nodiscard]] std::uint64_t key_of(std::uint32_t edge) const {
     const double value = cost(edges_[edge]);
     if (!(value < INFINITY)) return kNever;
-    // Sign, exponent and three bits of the fraction.
+    // Keep sign, exponent and three bits of the fraction.
     const std::uint64_t rough = std::bit_cast<std::uint64_t>(value) >> 49;
     const std::uint64_t chance = (std::uint64_t{edge} * 0x9e3779b97f4a7c15u) >> 47;
     return rough << 49 | chance << 32 | edge;
   }
 
-  // False when there was nothing to choose from.
+  // Merges the chosen pairs. Returns false if there were none.
   bool merge_chosen() {
     if (chosen_.empty()) return false;
     into_.resize(clusters_.size());
@@ -262,9 +264,10 @@ class Clustering {
     return true;
   }
 
-  // A large cluster may be the best one for many small ones, of which it could take one a round.
+  // Merges small clusters into larger ones. Otherwise a large cluster that is best for many small ones would merge only
+  // one per round.
   void absorb_small(std::size_t& left) {
-    constexpr std::uint32_t kSmall = 8;  // times as many faces has what takes it
+    constexpr std::uint32_t kSmall = 8;  // minimum ratio of face counts
     for (std::uint32_t i = 0; i < clusters_.size() && left > target_ + 1; ++i) {
       const std::uint64_t key = best_[i].load(std::memory_order_relaxed);
       if (key == kNever || into_[i] != i) continue;
@@ -281,7 +284,7 @@ class Clustering {
     return cluster;
   }
 
-  // Closes the gaps that merged clusters left, in clusters and edges.
+  // Removes merged clusters, and renumbers clusters and edges.
   void renumber(std::size_t left) {
     std::vector<std::uint32_t> number(clusters_.size());
     std::vector<std::uint8_t> changed(left);
@@ -309,8 +312,8 @@ class Clustering {
     join_parallel();
   }
 
-  // Makes one cluster of two, in the place of a, if it keeps within the tolerances. Without `thorough`, only if that is
-  // plain from the bounds of the two.
+  // Merges cluster b into a if the result is within the tolerances. Without `thorough`, merges only if the clusters'
+  // bounds prove it.
   bool merge(std::uint32_t a, std::uint32_t b, bool thorough) {
     FaceCluster &to = clusters_[a], &from = clusters_[b];
     FaceCluster both = to;
@@ -334,7 +337,7 @@ class Clustering {
     } else if (!thorough) {
       return false;
     } else {
-      const bool from_first = from.faces < to.faces;  // a small one finds out sooner
+      const bool from_first = from.faces < to.faces;  // the smaller one fails sooner
       if (!scan(from_first ? from : to, whole, true) || !scan(from_first ? to : from, whole, true)) return false;
     }
     next_face_[to.last] = from.first;
@@ -344,7 +347,8 @@ class Clustering {
     return true;
   }
 
-  // Sorts the edges, and makes one of those between the same two clusters. What they share is no boundary any more.
+  // Sorts the edges, and combines those between the same two clusters. Removes edges inside a cluster from its
+  // perimeter.
   void join_parallel() {
     std::vector<std::uint32_t> begins(clusters_.size() + 1);
     for (const Edge& edge : edges_) {
@@ -389,8 +393,8 @@ class Clustering {
   std::vector<Edge> edges_;
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> chosen_;
-  std::vector<std::atomic<std::uint64_t>> best_;  // key of the best edge of each cluster
-  std::vector<std::uint32_t> into_;               // of each cluster: what it became part of this round, or itself
+  std::vector<std::atomic<std::uint64_t>> best_;  // key of each cluster's best edge
+  std::vector<std::uint32_t> into_;               // for each cluster: the one that it merged into this round, or itself
 };
 
 }  // namespace

@@ -5,25 +5,24 @@
 #include <limits>
 #include <utility>
 
-// A polygon of more corners than a record holds is cut in halves. Seen along its normal it is cut at one coordinate, of
-// which corners at that coordinate are below: so no corner lies on the line, and rings cross it an even number of
-// times.
+// Cuts polygons with more corners than a record holds into halves, along one coordinate of their projection. Corners at
+// the cutting coordinate count as below. Thus no corner is on the line, and rings cross it an even number of times.
 namespace gs::qnv::outline {
 namespace {
 
 constexpr std::size_t kNoIndex = std::numeric_limits<std::size_t>::max();
 
-/// Corners of a ring on one side, from one crossing to the next.
+/// Corners of a ring on one side, between two crossings.
 struct Chain {
   std::vector<Corner> corners;
-  std::size_t to = kNoIndex;  // the crossing at its end
+  std::size_t to = kNoIndex;  // crossing at its end
 };
 
 struct Crossing {
-  double along = 0;      // where on the line
+  double along = 0;      // position on the line
   bool upwards = false;  // the ring leaves the lower side
   Corner corner;
-  std::size_t chain = kNoIndex;  // that begins here
+  std::size_t chain = kNoIndex;  // chain that starts here
   std::size_t partner = kNoIndex;
 };
 
@@ -36,7 +35,7 @@ class PolygonCutter {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
     line_ = *middle;
-    // What is at the middle is below: something has to be above.
+    // Corners at the middle count as below; some corner must be above.
     if (line_ == *std::max_element(values.begin(), values.end())) line_ = line_ == 0 ? 0 : line_ - 1;
   }
 
@@ -77,7 +76,7 @@ class PolygonCutter {
   [[nodiscard]] Crossing crossing(const Corner& from, const Corner& to) const {
     Crossing crossing;
     crossing.upwards = below(from);
-    // From the lower side, so that both ways give the same.
+    // Start at the lower side, so that both directions give the same result.
     const Corner& a = crossing.upwards ? from : to;
     const Corner& b = crossing.upwards ? to : from;
     const double begin = a.p[across_], part = (line_ + 0.5 - begin) / (b.p[across_] - begin);
@@ -91,7 +90,8 @@ class PolygonCutter {
     return crossing;
   }
 
-  /// Between the first and the second crossing the line is inside, between the third and the fourth, and so on.
+  /// Pairs the crossings in order along the line: the polygon's inside is between the first and the second, between the
+  /// third and the fourth, and so on.
   bool pair_up() {
     std::vector<std::size_t> order(crossings_.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -106,7 +106,7 @@ class PolygonCutter {
     return order.size() % 2 == 0;
   }
 
-  /// The pieces of one side: from a crossing into it along the ring to the one out of it, then along the line.
+  /// Traces the pieces of one side: along the ring from an entering crossing to a leaving one, then along the line.
   bool trace(bool lower, std::vector<LatticeRings>& pieces) {
     std::vector<bool> done(crossings_.size());
     const std::size_t first_piece = pieces.size();
@@ -132,7 +132,7 @@ class PolygonCutter {
 
   void add_holes(const std::vector<std::vector<Corner>>& holes, std::span<LatticeRings> pieces) const {
     for (const std::vector<Corner>& hole : holes) {
-      // Those that touch the outer ring lie on it with some of their corners.
+      // Holes that touch the outer ring have some corners on it.
       std::size_t best = 0, most = 0;
       for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto outer = std::span<const Corner>(pieces[i].corners).first(pieces[i].ring_ends.front());
@@ -183,7 +183,7 @@ bool cut_polygon(const Polygon& polygon, std::vector<LatticeRings>& pieces) {
   for (int turn = 0; turn < 2; ++turn, std::swap(across, along)) {
     std::vector<LatticeRings> parts;
     if (!PolygonCutter(polygon, across, along).cut(parts)) continue;
-    // Each part has to be smaller, or cutting would not end.
+    // Each part must be smaller, or cutting would not terminate.
     const auto smaller = [&](const LatticeRings& part) { return part.corners.size() < polygon.corners.size(); };
     if (!std::all_of(parts.begin(), parts.end(), smaller)) continue;
     for (LatticeRings& part : parts) pieces.push_back(std::move(part));

@@ -13,8 +13,8 @@
 namespace gs::qnv::outline {
 namespace {
 
-/// Polygons of one appearance that are cut into chunks at a time: what is left over at their end makes a chunk of its
-/// own, whatever its size.
+/// Number of polygons of one appearance that are cut into chunks together. The rest at the end becomes a chunk of any
+/// size.
 constexpr std::size_t kInOneRun = 8192;
 constexpr std::size_t kMostGroups = std::size_t{1} << 31;
 
@@ -46,30 +46,31 @@ std::optional<EncodeError> problem_of(const OutlineGroups& groups, std::size_t a
   return std::nullopt;
 }
 
-/// Places of an order, of one kind of chunk.
+/// Polygons for one kind of chunk.
 struct Run {
   ChunkKind kind;
-  std::vector<std::uint32_t> polygons;  // in the pool, ascending
+  std::vector<std::uint32_t> polygons;  // indices in the pool, ascending
 };
 
 struct Finished {
   Chunk chunk;
-  std::uint32_t first = 0;  // in the pool
+  std::uint32_t first = 0;  // index in the pool
   std::uint32_t staying = 0;
   Box box;
 };
 
-/// Everything of one pass: outlines or inner polygons.
+/// Encoder of one pass: outlines or inner polygons.
 class Pass {
  public:
   Pass(const OutlineGroups& groups, const OutlineHeader& header, bool inner, std::size_t chunk_bytes)
       : groups_(groups), header_(header), bits_(header), inner_(inner), chunk_bytes_(chunk_bytes) {}
 
   PolygonPool pool;
-  std::vector<std::uint32_t> counts;  // outlines: of inner polygons, a group
+  std::vector<std::uint32_t> counts;  // outlines: number of inner polygons, by group
   bool too_long = false;
 
-  /// Chunks in their order. False when cancelled, or when a polygon does not fit into a chunk: then `too_long`.
+  /// Encodes the chunks in order. Returns false if cancelled, or if a polygon does not fit into a chunk; sets
+  /// `too_long` then.
   bool encode(unsigned threads, Progress* progress, std::vector<Finished>& finished) {
     const std::vector<Run> runs = make_runs();
     std::vector<std::vector<Finished>> of_runs(runs.size());
@@ -101,7 +102,7 @@ class Pass {
     return runs;
   }
 
-  /// Nothing where a polygon does not fit into a chunk.
+  /// Returns an empty list if a polygon does not fit into a chunk.
   std::vector<Finished> encode_run(const Run& run) const {
     std::vector<Polygon> polygons;
     polygons.reserve(run.polygons.size());
@@ -127,7 +128,7 @@ class Pass {
     return chunk.head.encode(bits_).size() + chunk.records.size();
   }
 
-  /// A chunk of the first polygons, as many as fill it well; one at least.
+  /// Returns a chunk of the first polygons, at least one, that fills it well.
   Chunk fill(std::span<const Polygon> polygons, const ChunkKind& kind, std::size_t guess) const {
     constexpr int kTries = 6;
     Chunk best;
@@ -170,7 +171,7 @@ class Pass {
   std::size_t chunk_bytes_;
 };
 
-/// Numbers the chunks behind those that are there already.
+/// Appends chunks, and numbers them after the existing ones.
 void append_chunks(std::vector<Finished> finished, bool inner, const LatticeBits& bits,
                    std::vector<OutgoingChunk>& chunks) {
   for (Finished& f : finished) {
@@ -211,7 +212,7 @@ StreamHeader header_of(const OutlineGroups& groups, std::span<const OutlineAppea
   return header;
 }
 
-/// Whether a header is one that is read: short enough, of numbers that are possible.
+/// Returns an error if the header is too long or cannot be read back.
 std::optional<EncodeError> problem_of(const StreamHeader& header) {
   const std::vector<std::byte> bytes = encode_header(header);
   if (bytes.size() > kMostHeaderBytes)

@@ -36,7 +36,7 @@ std::optional<OutlineError> problem_of(const PolygonModel& model) {
   return std::nullopt;
 }
 
-// Comparisons with what is no number are false.
+// NaN compares false and becomes 0.
 double positive(double x) { return x > 0 ? x : 0; }
 
 OutlineOptions sane(OutlineOptions options) {
@@ -46,11 +46,11 @@ OutlineOptions sane(OutlineOptions options) {
   return options;
 }
 
-// What becomes one polygon: regions whose boundary makes simple rings. All other faces stay as they are.
+// Regions that become one polygon each: those with simple boundary rings. All other faces stay unchanged.
 struct Merged {
-  std::vector<std::vector<Ring>> rings;  // of each region; none: it stays as it is
-  std::vector<glm::dvec3> normals;       // of each region that has rings
-  std::size_t faces = 0;                 // fewer than there were
+  std::vector<std::vector<Ring>> rings;  // by region; empty: unchanged
+  std::vector<glm::dvec3> normals;       // by region, if it has rings
+  std::size_t faces = 0;                 // number of faces saved
 };
 
 glm::dvec3 normal_of(const Mesh& mesh, std::span<const std::uint32_t> faces) {
@@ -65,7 +65,7 @@ glm::dvec3 normal_of(const Mesh& mesh, std::span<const std::uint32_t> faces) {
   return glm::length(sum) > 0 ? glm::normalize(sum) : glm::dvec3(0, 0, 1);
 }
 
-// A face with a bridge to a hole runs along the bridge there and back.
+// Reports whether a face has a bridge to a hole, along which it runs there and back.
 bool bridged(const Mesh& mesh, std::uint32_t face) {
   for (std::uint32_t h = mesh.begins[face]; h < mesh.begins[face + 1]; ++h)
     if (mesh.mates[h] != kNone && mesh.faces[mesh.mates[h]] == face) return true;
@@ -96,7 +96,7 @@ Merged merge_regions(const Mesh& mesh, const Labels& regions, const FaceLists& l
   return merged;
 }
 
-// Sorts polygons by area.
+// Sorts polygons by area, largest first.
 void largest_first(OutlinePolygons& polygons) {
   if (std::is_sorted(polygons.areas.rbegin(), polygons.areas.rend())) return;
   std::vector<std::uint32_t> order(polygons.size());
@@ -121,7 +121,7 @@ void largest_first(OutlinePolygons& polygons) {
   polygons = std::move(sorted);
 }
 
-// Makes the groups from labels of faces.
+// Builds the groups from face labels.
 class Assembly {
  public:
   Assembly(const PolygonModel& model, const Mesh& mesh, const Labels& regions, const Labels& groups,
@@ -196,7 +196,7 @@ class Assembly {
     group.deviation = (high - low) / 2;
   }
 
-  // Whether it is one polygon that ends where the group does.
+  // Adds the inner polygons. Returns true if they are a single polygon with the group's boundary.
   bool add_inner(std::span<const std::uint32_t> faces, OutlinePolygons& inner) const {
     const PolygonMaker maker(model_, mesh_, exact_);
     for (const std::uint32_t face : faces) {
@@ -217,12 +217,13 @@ class Assembly {
   const Labels &regions_, &groups_;
   FaceLists region_faces_, group_faces_;
   const OutlineOptions& options_;
-  std::vector<std::uint8_t> visited_;  // of each half-edge: 1 by regions, 2 by groups
+  std::vector<std::uint8_t> visited_;  // by half-edge: 1 for regions, 2 for groups
   Merged merged_;
-  std::vector<std::uint8_t> exact_, coarse_;  // of each vertex: stays in polygons; in outlines, empty: the same ones
+  std::vector<std::uint8_t> exact_, coarse_;  // by vertex: kept in polygons; kept in outlines (empty: the same
+                                              // vertices)
 };
 
-// Brings the groups into their order and tells which polygon is in which.
+// Sorts the groups, and records the group of each polygon.
 void finish(const Mesh& mesh, const Labels& labels, std::vector<OutlineGroup> made, OutlineGroups& result) {
   std::vector<std::uint32_t> order(made.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -15,23 +15,23 @@
 namespace gs::qnv::outline {
 namespace {
 
-std::uint64_t mixed(std::uint64_t x) {  // the finaliser of splitmix64
+std::uint64_t mixed(std::uint64_t x) {  // finaliser of splitmix64
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
   return x ^ (x >> 31);
 }
 
 std::uint64_t hash_of(const glm::vec3& p) {
-  const auto bits = [](float x) -> std::uint64_t { return std::bit_cast<std::uint32_t>(x + 0.0f); };  // -0 as 0
+  const auto bits = [](float x) -> std::uint64_t { return std::bit_cast<std::uint32_t>(x + 0.0f); };  // turns -0 into 0
   return mixed(mixed(bits(p.x) << 32 | bits(p.y)) ^ bits(p.z));
 }
 
-// For each position the first one that equals it; kNone for what is no number.
+// Returns for each position the first equal one, or kNone if it is not finite.
 std::vector<std::uint32_t> welded(const std::vector<glm::vec3>& positions, unsigned threads) {
   std::vector<std::uint32_t> same(positions.size(), kNone);
   const std::size_t size = std::bit_ceil(positions.size() * 3 / 2 + 2);
   std::vector<std::uint32_t> table(size, kNone);
-  // Each part has a stretch of the table to itself and looks at all positions: equal ones are of one part.
+  // Each part owns a segment of the table and scans all positions; equal positions belong to the same part.
   const auto weld_part = [&](std::size_t part, std::size_t parts) {
     const std::size_t stretch = size / parts, begin = part * stretch, mask = stretch - 1;
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -44,7 +44,7 @@ std::vector<std::uint32_t> welded(const std::vector<glm::vec3>& positions, unsig
       same[i] = table[begin + at];
     }
   };
-  // A quarter of a table that is two thirds full at most could overflow for unlucky hashes: then one part.
+  // A segment of the table, which is at most two thirds full, could overflow for unlucky hashes; then use one part.
   constexpr std::size_t kParts = 4;
   std::array<std::size_t, kParts> counts{};
   for (const glm::vec3& p : positions) ++counts[(hash_of(p) >> 40) % kParts];
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> welded(const std::vector<glm::vec3>& positions, unsig
   return same;
 }
 
-// Reads the polygons of the model one after the other.
+// Reads the model's polygons in order.
 class Reader {
  public:
   Reader(const PolygonModel& model, unsigned threads, Mesh& mesh, OutlineCounts& counts)
@@ -131,8 +131,8 @@ class Reader {
   std::vector<std::uint32_t> same_, number_;
 };
 
-// Half a unit in the last place of the largest coordinate, in three dimensions, and as much again for what follows from
-// it; where the model is tiny beside its distance from the origin, no more than can be seen.
+// Returns half a unit in the last place of the largest coordinate, in three dimensions, doubled for derived values.
+// Limited to an invisible amount for tiny models far from the origin.
 double rounding_of(const Mesh& mesh) {
   double largest = 0;
   glm::dvec3 lower(INFINITY), upper(-INFINITY);
@@ -165,7 +165,7 @@ void measure_faces(Mesh& mesh, unsigned threads) {
   });
 }
 
-// The half-edges of each edge beside each other: sorted by their lower vertex, then by the other one.
+// Half-edges grouped by edge: sorted by the lower vertex, then the other one.
 class EdgeTable {
  public:
   explicit EdgeTable(const Mesh& mesh) : mesh_(mesh), begins_(mesh.positions.size() + 1), order_(mesh.vertices.size()) {
@@ -179,7 +179,7 @@ class EdgeTable {
     }
   }
 
-  // Calls edge(half-edges of one edge) for each, on all threads.
+  // Calls edge(half-edges of one edge) for each edge, on all threads.
   template <typename Take>
   void for_each(unsigned threads, const Take& take) {
     for_ranges(mesh_.positions.size(), 1u << 14, threads, [&](std::size_t first, std::size_t last) {
@@ -203,7 +203,7 @@ class EdgeTable {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order_;
 };
 
-// Finds the mates; notes the faces that run along an edge in the same direction as another one.
+// Finds the mates, and marks faces that traverse an edge in the same direction as another face.
 class Pairing {
  public:
   explicit Pairing(Mesh& mesh) : mesh_(mesh), doubtful_(mesh.face_count()) {}
@@ -238,7 +238,7 @@ class Pairing {
   }
 
   void pair_unusual(std::span<const std::uint32_t> edge, std::uint32_t lower) {
-    constexpr std::size_t kMost = 64;  // more at one edge are no surface
+    constexpr std::size_t kMost = 64;  // more at one edge are not a surface
     std::vector<std::uint32_t> up, down;
     for (const std::uint32_t h : edge) (mesh_.vertices[h] == lower ? up : down).push_back(h);
     for (const auto* side : {&up, &down})
@@ -266,7 +266,7 @@ class Pairing {
   std::vector<std::uint8_t> doubtful_;
 };
 
-// Which of the doubtful faces are there a second time.
+// Finds duplicates among the doubtful faces.
 class Duplicates {
  public:
   Duplicates(const PolygonModel& model, const Mesh& mesh) : model_(model), mesh_(mesh) {}
@@ -274,7 +274,7 @@ class Duplicates {
   [[nodiscard]] std::vector<std::uint8_t> find(const std::vector<std::uint8_t>& doubtful, std::size_t& count) {
     std::vector<std::uint8_t> twice(mesh_.face_count());
     std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> seen;
-    constexpr std::size_t kMost = 64;  // that differ and yet have one hash
+    constexpr std::size_t kMost = 64;  // maximum number of different faces compared per hash
     for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
       if (!doubtful[face]) continue;
       std::uint64_t hash = mesh_.appearances[face];
@@ -293,7 +293,7 @@ class Duplicates {
  private:
   [[nodiscard]] std::size_t size(std::uint32_t face) const { return mesh_.begins[face + 1] - mesh_.begins[face]; }
 
-  // The i-th half-edge when a ring begins at its lowest vertex.
+  // Returns the i-th half-edge, counted from the face's lowest vertex.
   [[nodiscard]] std::uint32_t half_edge(std::uint32_t face, std::size_t i) const {
     if (face != of_) {
       of_ = face;

@@ -14,14 +14,14 @@ namespace {
 
 constexpr float kMostTextureCoordinate = 65536;
 
-/// What is no number, or beyond all sense, would spoil the lattice of all others.
+/// Replaces absurd or non-finite values, which would spoil the lattice of all others.
 float sane_coordinate(float t) { return t >= -kMostTextureCoordinate && t <= kMostTextureCoordinate ? t : 0; }
 
 bool finite_positions(std::span<const glm::vec3> positions) {
   return std::all_of(positions.begin(), positions.end(), [](const glm::vec3& p) { return finite(p); });
 }
 
-/// The exponent of the coarsest lattice, of powers of two, that a number lies on.
+/// Returns the exponent of the coarsest power-of-two lattice that contains a number.
 int lattice_of(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const std::uint32_t field = bits >> 23 & 255, fraction = bits & 0x7fffff;
@@ -46,7 +46,8 @@ struct Extent {
     if (exact > -149) exact = std::min(exact, lattice_of(value));
   }
   [[nodiscard]] bool empty() const { return !(lower[0] <= upper[0]); }
-  /// The lattice of this step or a coarser one that has no coordinate beyond `most`. False: too far from the origin.
+  /// Fits a lattice with this step or a coarser one and no coordinate beyond `most`. Returns false if the model is too
+  /// far from the origin.
   [[nodiscard]] bool fit(int exponent, double most, OutlineLattice<Axes>& lattice) const {
     exponent = std::max({exponent, exact, -149});
     const auto fits = [&](std::size_t axis) {
@@ -60,7 +61,7 @@ struct Extent {
       if (std::abs(origin) > static_cast<double>(kMostLatticeOrigin) || size > most) return false;
       lattice.origin[axis] = static_cast<std::int64_t>(origin);
       lattice.size[axis] = static_cast<std::uint32_t>(size);
-      // At the far end of f32 the nearest point may be beyond it.
+      // Near the limit of f32, the nearest lattice point may overflow.
       if (!std::isfinite(lattice.at(axis, 0)) || !std::isfinite(lattice.at(axis, lattice.size[axis]))) return false;
     }
     return true;
@@ -78,7 +79,7 @@ void for_each_polygon(const OutlinePolygons& polygons, const Each& each) {
   }
 }
 
-/// Triangles lose the number of their longest edge: it closes them.
+/// Rotates a triangle so that its longest edge is the implicit closing one.
 void turn_triangle(std::span<Corner> corners) {
   const auto length = [&](std::size_t from) {
     std::int64_t sum = 0;
@@ -209,8 +210,8 @@ std::optional<Lattices> choose_lattices(const OutlineGroups& groups, int positio
 
 std::size_t most_corners(const LatticeBits& bits) {
   constexpr std::size_t kRecordBits = std::size_t{60000} * 8;
-  // The code of an order about that of the mean takes three bits more than the largest number has, at most, in the
-  // mean: it grows as a logarithm. Differences have a sign, those of w are up to three times as large.
+  // On average, a code with an order near the mean's takes at most three bits more than the largest number has, since
+  // its length grows logarithmically. Differences have a sign, and those of w are up to three times as large.
   constexpr int kMore = 4;
   int corner = 3 * (*std::max_element(bits.positions.begin(), bits.positions.end()) + kMore) + 2;
   for (const int width : bits.texture_coordinates) corner += width + kMore;
@@ -219,7 +220,7 @@ std::size_t most_corners(const LatticeBits& bits) {
 
 void clean(LatticeRings& rings) {
   std::size_t to = 0, kept = 0, from = 0;
-  // Written over is only what was read.
+  // In place: writing never overtakes reading.
   for (std::size_t ring = 0; ring < rings.ring_ends.size(); ++ring) {
     const std::size_t end = rings.ring_ends[ring], begin = to;
     for (; from < end; ++from)

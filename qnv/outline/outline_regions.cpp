@@ -11,10 +11,9 @@
 namespace gs::qnv::outline {
 namespace {
 
-// Shading changes with the sine of the angle: a four thousandth of one step of eight bits, so that hardly any pixel of
-// 20 pictures falls to the other side of a step.
+// Shading changes with the sine of the angle: 1/4000 of an 8-bit step, so that hardly any pixel in 20 pictures changes.
 constexpr double kExactAngle = 1e-6;
-constexpr double kTextureTolerance = 1e-5;  // of the width of a texture
+constexpr double kTextureTolerance = 1e-5;  // relative to the texture's width
 
 struct RegionPlane {
   glm::dvec3 normal{0}, origin{0};
@@ -23,7 +22,7 @@ struct RegionPlane {
   [[nodiscard]] double distance(const glm::dvec3& p) const { return glm::dot(normal, p - origin) - offset; }
 };
 
-// Texture coordinates as an affine map of the plane.
+// Texture coordinates as an affine map of positions.
 struct TextureMap {
   glm::dvec3 origin{0}, along_s{0}, along_t{0};
   glm::dvec2 at_origin{0};
@@ -54,8 +53,7 @@ class RegionGrower {
   }
 
  private:
-  // Faces that have a neighbour in their plane, as far as the two can tell; large ones first, whose planes are known
-  // best.
+  // Returns the faces with a neighbour in their plane; large ones first, since their planes are most precise.
   std::vector<std::uint32_t> seeds(unsigned threads) {
     std::vector<std::uint8_t> flat(mesh_.face_count());
     for_ranges(mesh_.face_count(), 1u << 14, threads, [&](std::size_t first, std::size_t last) {
@@ -73,7 +71,7 @@ class RegionGrower {
   }
 
   [[nodiscard]] bool has_flat_neighbour(std::uint32_t face) const {
-    constexpr std::size_t kMany = 64;  // corners; more are not looked at, as all the neighbours would
+    constexpr std::size_t kMany = 64;  // more corners are not checked here, or all its neighbours would check them
     if (mesh_.thin[face]) return false;
     const RegionPlane plane = plane_of(face);
     for (std::uint32_t h = mesh_.begins[face]; h < mesh_.begins[face + 1]; ++h) {
@@ -110,7 +108,7 @@ class RegionGrower {
     return std::fabs(a.x - b.x) <= kTextureTolerance && std::fabs(a.y - b.y) <= kTextureTolerance;
   }
 
-  // From the largest triangle around the face's first corner.
+  // Returns the map from the largest triangle around the face's first corner.
   [[nodiscard]] std::optional<TextureMap> map_of(std::uint32_t face) const {
     const std::uint32_t begin = mesh_.begins[face], end = mesh_.begins[face + 1];
     const auto texture = [&](std::uint32_t h) { return glm::dvec2(model_.texture_coordinates[mesh_.corners[h]]); };
@@ -132,7 +130,7 @@ class RegionGrower {
     return TextureMap{origin, to_a * ta.x + to_b * tb.x, to_a * ta.y + to_b * tb.y, texture(begin)};
   }
 
-  // The faces connected to the seed that fit the plane, in region_. With `adapt`, the plane follows them.
+  // Collects in region_ the faces connected to the seed that fit the plane. With `adapt`, updates the plane from them.
   void collect(std::uint32_t seed, RegionPlane& plane, double slack, const TextureMap* map, bool adapt) {
     ++stamp_;
     region_.assign(1, seed);
@@ -162,8 +160,8 @@ class RegionGrower {
     if (adapt) plane = {glm::normalize(sum), origin_ + moment / area, 0};
   }
 
-  // Small faces know their plane badly, so that a first round finds the plane of the region, and a second one who is
-  // in.
+  // Grows a region in two rounds, because small faces give imprecise planes: the first finds the region's plane, the
+  // second its faces.
   void grow(std::uint32_t seed) {
     const RegionPlane own = plane_of(seed);
     std::optional<TextureMap> map;
@@ -199,7 +197,7 @@ class RegionGrower {
   std::vector<std::uint32_t> stamps_, region_;
   std::uint32_t stamp_ = 0;
   glm::dvec3 origin_{0};
-  std::uint64_t work_ = 0, budget_;  // in corners looked at: some models could take the square of their size
+  std::uint64_t work_ = 0, budget_;  // in corners visited; limits models with quadratic cost
 };
 
 }  // namespace
@@ -222,11 +220,11 @@ FaceLists::FaceLists(const Labels& labels) : begins_(std::size_t{labels.count} +
 }
 
 MergeLimits merge_limits(const Mesh& mesh, const OutlineOptions& options) {
-  // Graphics hardware rounds corners to fractions of pixels: where one goes from a straight edge, samples beside it
-  // change.
+  // Graphics hardware rounds corners to fractions of pixels, so dropping one from a straight edge changes nearby
+  // samples.
   if (!(options.merge_tolerance > 0)) return {2 * mesh.rounding, kExactAngle, -1, true};
   const double distance = std::max(options.merge_tolerance, 2 * mesh.rounding);
-  // The distance of two unit vectors is twice the sine of half the angle between them.
+  // The distance of two unit vectors is twice the sine of half their angle.
   return {distance, 2 * std::sin(std::clamp(options.merge_angle, kExactAngle, 1.0) / 2), distance, false};
 }
 

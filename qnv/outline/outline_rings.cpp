@@ -10,9 +10,9 @@
 namespace gs::qnv::outline {
 namespace {
 
-// Where a ring passes a vertex a second time it is two rings that touch there.
+// Splits a ring at vertices that it visits repeatedly, into rings that touch there.
 void split(const Mesh& mesh, const Ring& ring, std::vector<Ring>& to) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // vertex, place
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // vertex, index
   for (std::uint32_t i = 0; i < ring.size(); ++i) order.emplace_back(mesh.vertices[ring[i]], i);
   std::sort(order.begin(), order.end());
   bool twice = false;
@@ -21,14 +21,14 @@ void split(const Mesh& mesh, const Ring& ring, std::vector<Ring>& to) {
     to.push_back(ring);
     return;
   }
-  std::vector<std::uint32_t> number(ring.size());  // of the vertex, among those of the ring
+  std::vector<std::uint32_t> number(ring.size());  // number of the vertex within the ring
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i > 0 && order[i - 1].first != order[i].first) ++count;
     number[order[i].second] = count;
   }
   std::vector<std::uint8_t> open(count + std::size_t{1});
-  std::vector<std::uint32_t> stack;  // places; no vertex is there twice
+  std::vector<std::uint32_t> stack;  // indices; no vertex occurs twice
   for (std::uint32_t i = 0; i < ring.size(); ++i) {
     if (open[number[i]]) {
       Ring part;
@@ -78,7 +78,7 @@ struct Segment {
   [[nodiscard]] double high(int axis) const { return std::max(a[axis], b[axis]); }
 };
 
-// Whether they cross by more than `slack`: touching is no crossing.
+// Reports whether two segments cross by more than `slack`; touching does not count.
 bool cross(const Segment& s, const Segment& t, double slack) {
   const double ls = glm::length(s.b - s.a) * slack, lt = glm::length(t.b - t.a) * slack;
   const double a = turn(s.a, s.b, t.a), b = turn(s.a, s.b, t.b);
@@ -87,7 +87,7 @@ bool cross(const Segment& s, const Segment& t, double slack) {
   return (c > lt && d < -lt) || (c < -lt && d > lt);
 }
 
-// Sweeps along the axis along which the segments are shorter.
+// Reports whether any two segments cross. Sweeps along the axis on which the segments are shorter.
 bool any_crossing(std::vector<Segment> segments, double slack) {
   glm::dvec2 extent(0), low(INFINITY), high(-INFINITY);
   for (const Segment& s : segments)
@@ -117,7 +117,7 @@ bool any_crossing(std::vector<Segment> segments, double slack) {
 std::vector<Ring> boundary_rings(const Mesh& mesh, const std::vector<std::uint32_t>& labels,
                                  std::span<const std::uint32_t> faces, std::vector<std::uint8_t>& visited,
                                  std::uint8_t mark) {
-  const auto inside = [&](std::uint32_t h) {  // whether the surface goes on beyond the edge
+  const auto inside = [&](std::uint32_t h) {  // whether the label continues across the edge
     return mesh.mates[h] != kNone && labels[mesh.faces[mesh.mates[h]]] == labels[mesh.faces[h]];
   };
   std::vector<Ring> rings;
@@ -130,7 +130,7 @@ std::vector<Ring> boundary_rings(const Mesh& mesh, const std::vector<std::uint32
         visited[h] |= mark;
         ring.push_back(h);
         h = mesh.next(h);
-        while (inside(h)) h = mesh.next(mesh.mates[h]);  // around the vertex, over the faces of the label
+        while (inside(h)) h = mesh.next(mesh.mates[h]);  // around the vertex, across faces of the label
       }
       if (ring.size() > 2) split(mesh, ring, rings);
     }
@@ -211,7 +211,8 @@ void PolygonMaker::add(std::vector<Ring> rings, const glm::dvec3& normal, bool t
   std::uint64_t budget = 1u << 28;
   for (std::size_t i = 0; i < holes.size(); ++i) {
     std::size_t in = 0;
-    // The smallest that contains it; a vertex of the hole may lie on it, the middle of an edge hardly.
+    // Find the smallest ring that contains the hole. Test an edge midpoint, since a vertex of the hole may lie on the
+    // ring.
     const glm::dvec2 p = axes((mesh_.position(holes[i].second[0]) + mesh_.position(holes[i].second[1])) * 0.5);
     for (std::size_t k = outers.size(); outers.size() > 1 && k-- > 0;) {
       if (budget < outers[k].points.size()) break;

@@ -65,10 +65,10 @@ class Simplifier {
       second = second == kNone ? neighbour : kMoreThanTwo;
   }
 
-  // Whether two edges meet there, no more and no fewer.
+  // Reports whether exactly two edges meet at a vertex.
   [[nodiscard]] bool inner(std::uint32_t vertex) const { return neighbours_[vertex][1] < kMoreThanTwo; }
 
-  // Appends what follows the chain's end, up to a vertex that stays or is there already.
+  // Extends the chain until a vertex that must stay or was visited before.
   void follow(std::uint32_t to, std::vector<std::uint8_t>& seen) {
     std::uint32_t from = chain_.back();
     while (true) {
@@ -83,7 +83,7 @@ class Simplifier {
 
   [[nodiscard]] glm::dvec3 position(std::size_t i) const { return {mesh_.positions[chain_[i]]}; }
 
-  // A loop has no ends: its lowest vertex, which is a corner, and the one farthest from it take their place.
+  // Simplifies a closed loop. Its lowest vertex, which is a corner, and the farthest from it serve as ends.
   void simplify_loop() {
     chain_.pop_back();
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
@@ -106,8 +106,8 @@ class Simplifier {
     simplify(farthest, chain_.size() - 1);
   }
 
-  // Keeps what is farthest from the straight line between two that stay, and so on in the two halves. Where halves are
-  // very uneven again and again, the middle one is kept instead: that bounds the time.
+  // Keeps the vertex farthest from the line between two kept ones, and repeats in both halves. Repeatedly uneven halves
+  // are split in the middle instead, which bounds the time.
   void simplify(std::size_t first, std::size_t last) {
     constexpr int kMostDeep = 64;
     struct Part {

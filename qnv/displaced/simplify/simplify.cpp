@@ -9,13 +9,13 @@
 namespace gs::qnv::displaced {
 namespace {
 
-// Rims are worth keeping: planes through them, upright on the surface, weigh as much.
+// Weight of planes through rims, perpendicular to the surface, which preserve the rims.
 constexpr double kRimWeight = 4;
-// Of the product of an edge's squared length and the area round it, as a cost beside the quadric's.
+// Weights of the product of an edge's squared length and the area around it, added to the quadric's cost.
 constexpr double kLengthWeight = 1e-4, kLengthWeightOfHalves = 1e-8;
 constexpr Care kCareOfHalves{0.2, 0};
-constexpr double kNoise = 0.03;  // of the area of a triangle of the mesh that is wanted
-constexpr int kRepairs = 3;      // each with twice the measure
+constexpr double kNoise = 0.03;  // relative to the area of a triangle of the requested mesh
+constexpr int kRepairs = 3;      // the size limit doubles each time
 
 }  // namespace
 
@@ -33,7 +33,7 @@ Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept, Way way)
       way_(way),
       care_(way == Way::any ? kCare[0] : kCareOfHalves),
       count_(mesh.triangles.size()) {
-  // In units of the box, so that costs are of one size.
+  // Scale to the box, so that costs do not depend on the unit.
   Box box;
   for (const glm::vec3& p : mesh.positions) box.add(p);
   const glm::dvec3 size(glm::dvec3(box.upper) - glm::dvec3(box.lower));
@@ -70,7 +70,7 @@ Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept, Way way)
 }
 
 void Simplifier::gather(std::uint32_t v, std::vector<std::uint32_t>& corners) {
-  // Corners of triangles that are gone leave the list on the way.
+  // Unlink corners of removed triangles on the way.
   corners.clear();
   std::uint32_t last = kNone;
   for (std::uint32_t corner = head_[v]; corner != kNone; corner = next_[corner]) {
@@ -85,7 +85,7 @@ void Simplifier::gather(std::uint32_t v, std::vector<std::uint32_t>& corners) {
 
 glm::dvec3 Simplifier::place_for(std::uint32_t u, std::uint32_t v, const Quadric& q) const {
   const glm::dvec3 a = positions_[u], b = positions_[v];
-  // The end of a rim stays on it.
+  // The end on a rim stays there.
   if (rim_[u] != rim_[v]) return rim_[u] ? a : b;
   if (way_ == Way::halves) return q.at(a) <= q.at(b) ? a : b;
   const glm::dvec3 middle = 0.5 * (a + b);
@@ -129,7 +129,7 @@ bool Simplifier::may_turn(std::span<const std::uint32_t> corners, std::uint32_t 
     const glm::dvec3 a = positions_[t[corner % 3]];
     const glm::dvec3 before = glm::cross(b - a, c - a), after = glm::cross(b - place, c - place);
     const double size = glm::length(after), size_before = glm::length(before);
-    // How noise turns does not matter.
+    // The orientation of noise triangles does not matter.
     if (size < noise_ && size_before < noise_) continue;
     if (glm::dot(before, after) < care_.least_turn * size * size_before) return false;
     const auto quality = [&](const glm::dvec3& p, double twice_area) {
@@ -143,7 +143,7 @@ bool Simplifier::may_turn(std::span<const std::uint32_t> corners, std::uint32_t 
 }
 
 bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
-  // The vertices beside both are those across the edge, and no others (the link condition).
+  // Link condition: the vertices adjacent to both must be exactly those opposite the edge.
   const auto others = [&](std::span<const std::uint32_t> corners, std::uint32_t self,
                           std::vector<std::uint32_t>& seen) {
     seen.clear();
@@ -156,7 +156,7 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
         }
   };
   others(at_u_, u, seen_u_);
-  others(at_v_, v, seen_v_);  // these are marked now
+  others(at_v_, v, seen_v_);  // marks these vertices
   std::size_t common = 0, shared = 0;
   for (const std::uint32_t w : seen_u_) common += mark_[w] == marks_ && w != v ? 1 : 0;
   for (const std::uint32_t corner : at_u_) {
@@ -165,7 +165,7 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
   }
   if (shared == 0 || common != shared) return false;
   if (rim_[u] && rim_[v] && shared == 2) return false;
-  // The last triangle of a component, the last tetrahedron.
+  // Keep the last triangle or tetrahedron of a component.
   if (shared == 1 && at_u_.size() == 1 && at_v_.size() == 1) return false;
   if (shared == 2 && seen_u_.size() <= 3 && seen_v_.size() <= 3) return false;
   for (const std::uint32_t corner : at_u_) {
@@ -196,7 +196,7 @@ bool Simplifier::collapse(std::uint32_t u, std::uint32_t v) {
   return true;
 }
 
-// After may_merge, which has gathered their corners.
+// Call after may_merge(), which collects the corners.
 void Simplifier::merge(std::uint32_t u, std::uint32_t v, const Quadric& q, const glm::dvec3& place) {
   positions_[v] = place;
   quadrics_[v] = q;
@@ -216,12 +216,12 @@ void Simplifier::merge(std::uint32_t u, std::uint32_t v, const Quadric& q, const
     tail_[v] = tail_[u];
     head_[u] = tail_[u] = kNone;
   }
-  stamp_[u] += 1u << 30;  // never again
+  stamp_[u] += 1u << 30;  // never collapses again
   ++stamp_[v];
   push_round(v);
 }
 
-/// The area of a triangle of the mesh that is wanted.
+/// Returns the area of a triangle of the requested mesh.
 double Simplifier::see_area(std::size_t wanted) {
   double area = 0;
   for (const double a : areas_) area += a;
@@ -237,7 +237,7 @@ void Simplifier::thin(std::size_t wanted, std::size_t left) {
 
 void Simplifier::run(std::size_t wanted, std::size_t begun) {
   const double area = see_area(wanted);
-  // Scanned noise has holes and tunnels that no collapse may close, and that would take all triangles in the end.
+  // Scanned noise has holes and tunnels that collapses cannot close, and that would use up all triangles.
   double edge = std::sqrt(2.31 * area);
   for (std::size_t more = begun; more > 1; more /= 2) {
     collapse_to(more * wanted);

@@ -10,23 +10,23 @@
 #include <utility>
 #include <vector>
 
-// Large meshes are thinned in parts, side by side, before the whole is simplified. How they are parted depends on the
-// mesh alone, so that what comes out is the same on any number of cores.
+// Large meshes are first simplified in parts, in parallel. The partition depends only on the mesh, so the result does
+// not depend on the number of cores.
 namespace gs::qnv::displaced {
 namespace {
 
 constexpr std::size_t kPartTriangles = 100'000, kMostParts = 64;
-// Parts keep so many times what is wanted in the end: what lies along their borders is left to the whole.
+// Factor on the requested number, left to the whole mesh, since the parts' borders are not simplified.
 constexpr std::size_t kKept = 4;
 
 struct Part {
-  std::vector<std::uint32_t> vertices;  // of the whole, by their numbers here
-  SurfaceMesh mesh;                     // then what became of it
-  std::vector<bool> kept;               // vertices that other parts have, too
-  std::vector<std::uint32_t> places;    // of vertices in what became of it, or kNone
+  std::vector<std::uint32_t> vertices;  // original vertex numbers
+  SurfaceMesh mesh;                     // then its simplified version
+  std::vector<bool> kept;               // vertices shared with other parts
+  std::vector<std::uint32_t> places;    // new number of each vertex, or kNone
 };
 
-/// Triangles in `parts` runs, a power of two, each beside each other in space.
+/// Sorts triangles into `parts` (a power of two) spatially compact runs.
 std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, unsigned threads) {
   std::vector<Centre> centres;
   centres.reserve(mesh.triangles.size());
@@ -58,7 +58,7 @@ std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, u
 SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t count, unsigned threads) {
   const std::vector<std::uint32_t> runs = in_runs(mesh, count, threads);
   const auto first_of = [&](std::size_t part) { return runs.size() * part / count; };
-  // The part that has a vertex, or `count` where several have it.
+  // Part of each vertex, or `count` if several parts share it.
   std::vector<std::uint8_t> owner(mesh.positions.size(), 0xff);
   for (std::size_t p = 0; p < count; ++p)
     for (std::size_t i = first_of(p); i < first_of(p + 1); ++i)
@@ -94,7 +94,7 @@ SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t cou
       },
       threads);
   SurfaceMesh out;
-  std::vector<std::uint32_t> joined(mesh.positions.size(), kNone);  // vertices that several parts have
+  std::vector<std::uint32_t> joined(mesh.positions.size(), kNone);  // new numbers of shared vertices
   for (const Part& part : parts) {
     std::vector<std::uint32_t> places(part.mesh.positions.size(), kNone);
     for (std::size_t v = 0; v < part.vertices.size(); ++v) {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-// Holes and tunnels of scanned noise, which no collapse may close and which would take all triangles in the end.
+// Holes and tunnels of scanned noise, which collapses cannot close, and which would use up all triangles.
 namespace gs::qnv::displaced {
 namespace {
 
-// Those that are smaller round than this, in edges of the mesh that is wanted, cannot be seen in it.
+// Maximum perimeter of invisible holes and tunnels, in edges of the requested mesh.
 constexpr double kHoleEdges = 1.5, kTunnelEdges = 0.75;
-constexpr std::size_t kMostSearched = 3000;  // triangles between both sides of a tunnel
+constexpr std::size_t kMostSearched = 3000;  // maximum number of triangles between both sides of a tunnel
 
 }  // namespace
 
@@ -44,18 +44,18 @@ std::uint32_t Simplifier::triangle_left_of(std::uint32_t a, std::uint32_t b) {
   return kNone;
 }
 
-// Holes of three edges get a triangle; what lies round a single triangle is none.
+// Fills holes of three edges with a triangle; skips the perimeter of a single triangle.
 void Simplifier::close_rims(double most) {
   for (std::uint32_t u = 0; u < head_.size(); ++u) {
     if (!rim_[u] || head_[u] == kNone) continue;
-    // A rim is walked against its triangles: from u over the side that has nothing on its left.
+    // Walk the rim opposite to its triangles: from u along the side without a triangle on its left.
     gather(u, at_u_);
     for (const std::uint32_t corner : std::vector<std::uint32_t>(at_u_)) {
-      const std::uint32_t v = triangles_[corner / 3][(corner % 3 + 2) % 3];  // the side from v to u
+      const std::uint32_t v = triangles_[corner / 3][(corner % 3 + 2) % 3];  // side from v to u
       if (triangle_left_of(u, v) != kNone) continue;
       for (std::uint32_t c = head_[v]; c != kNone; c = next_[c]) {
         if (!alive(c / 3)) continue;
-        const std::uint32_t w = triangles_[c / 3][(c % 3 + 2) % 3];  // the side from w to v
+        const std::uint32_t w = triangles_[c / 3][(c % 3 + 2) % 3];  // side from w to v
         if (w == u || triangle_left_of(v, w) != kNone || triangle_left_of(u, w) == kNone ||
             triangle_left_of(w, u) != kNone || round(u, v, w) > most || third(corner / 3, u, v) == w)
           continue;
@@ -74,7 +74,7 @@ void Simplifier::close_rims(double most) {
   }
 }
 
-// Three edges round that bound no triangle: the surface is cut along them, and either side closed.
+// Cuts the surface along cycles of three edges that bound no triangle, and closes both sides.
 void Simplifier::cut_tunnels(double most) {
   const auto vertices = static_cast<std::uint32_t>(head_.size());
   for (std::uint32_t u = 0; u < vertices; ++u) {
@@ -86,7 +86,7 @@ void Simplifier::cut_tunnels(double most) {
     for (std::size_t i = 0; i < beside.size() && !cut; ++i) {
       const std::uint32_t v = beside[i];
       if (u > v || rim_[v]) continue;
-      // What lies behind the sides that leave v: few of them lead to another one beside u but along its own triangles.
+      // Mark the ends of sides that leave v. Few lead to another neighbour of u, except along u's own triangles.
       ++marks_;
       for (std::uint32_t c = head_[v]; c != kNone; c = next_[c])
         if (const Corners& t = triangles_[c / 3]; alive(c / 3) && t[(c % 3 + 2) % 3] != u)
@@ -110,7 +110,7 @@ std::uint32_t Simplifier::third(std::uint32_t triangle, std::uint32_t a, std::ui
 }
 
 bool Simplifier::joined_elsewhere(const Corners& cycle) {
-  // Over edges other than the cycle's from its left to its right: else it would cut a part off.
+  // Search from the cycle's left to its right across other edges; if there is no path, cutting would separate a part.
   const std::uint32_t from = triangle_left_of(cycle[0], cycle[1]), to = triangle_left_of(cycle[1], cycle[0]);
   if (from == kNone || to == kNone) return false;
   const auto on_cycle = [&](std::uint32_t v) { return v == cycle[0] || v == cycle[1] || v == cycle[2]; };
@@ -134,7 +134,7 @@ bool Simplifier::joined_elsewhere(const Corners& cycle) {
 }
 
 bool Simplifier::cut_along(const Corners& cycle) {
-  // Of each vertex the triangles on the left of the way round.
+  // Triangles of each vertex on the left of the cycle.
   std::array<std::vector<std::uint32_t>, 3> left;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t v = cycle[k], before = cycle[(k + 2) % 3];

@@ -16,7 +16,7 @@ void BasesAhead::expect(std::size_t triangles) {
     coming_ = std::async(std::launch::async, [this, triangles] { return simplify(mesh_, triangles); });
     expected_ = triangles;
   } catch (const std::system_error&) {
-    // The system has no more threads: it is made when it is asked for.
+    // Without a further thread, base() computes it on request.
   }
 }
 

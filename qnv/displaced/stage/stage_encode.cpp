@@ -16,21 +16,22 @@
 namespace gs::qnv::displaced {
 namespace {
 
-// A datagram holds a cluster with its head.
+// A cluster with its header fits into a datagram.
 constexpr std::size_t kMostClusterBytes = 1190, kAimedClusterBytes = 1000;
-// A residual below this part of a step is left out; of deeper levels, where it would only make the surface rough, more.
+// Residuals below this fraction of a step are dropped; the fraction is larger on deeper levels, where they would only
+// add roughness.
 constexpr float kDeadZone = 0.6f, kDeeperDeadZone = 1.2f;
-constexpr std::size_t kPartVertices = 8192;  // of a level, for a thread at a time
-// A crease of the base runs within this part of its length of a line of the source.
+constexpr std::size_t kPartVertices = 8192;  // vertices of a level per task
+// Maximum distance of a base crease from a line of the source, relative to its length.
 constexpr float kCreaseReach = 0.12f;
 
-// Of a stage that is followed no more levels than these are sent; whether it is can be told so many levels before the
-// last one, by places that are farther than so many edges of the source for each of them.
+// For a stage with a successor: the maximum number of levels to send, and how many levels before the last one the need
+// for a successor is decided. Points count as far if their distance exceeds kFar source edges for each level left.
 constexpr int kLevelsSent = 4, kLevelsToTell = 2;
 constexpr float kFar = 1;
-// Places of the target at which the error is looked at, about.
+// Approximate number of target points for measuring the error.
 constexpr std::size_t kErrorSamples = 20'000;
-constexpr std::size_t kErrorPatches = 64, kErrorPlaces = 1024;  // for a thread at a time
+constexpr std::size_t kErrorPatches = 64, kErrorPlaces = 1024;  // per task
 
 glm::ivec3 luma_chroma(const glm::vec3& c) {
   const int r = static_cast<int>(c.x + 0.5f), g = static_cast<int>(c.y + 0.5f), b = static_cast<int>(c.z + 0.5f);
@@ -57,8 +58,8 @@ class StageEncoder {
   void displace(Surface& surface, int level);
   void color(Surface& surface, int deepest);
   void cut(Surface& surface, ClusterHeader header, std::vector<StageCluster>& out);
-  /// How far places of the target are from the surface at a level: of all, and of those alone that no finer level
-  /// brings near; root of the mean square.
+  /// Root mean square distances of target points to the surface at a level: of all points, and of only those that no
+  /// finer level can approach.
   struct Errors {
     float all, far;
   };
@@ -69,10 +70,10 @@ class StageEncoder {
   const Target& target_;
   const StageOptions& options_;
   EncodedStage& out_;
-  // Of the level in work: as layer 0 has the vertices, and what every finer layer adds.
+  // Current level: vertices by layer 0, and the shifts of finer layers.
   std::vector<glm::vec3> places_, normals_;
   std::array<std::vector<glm::vec3>, kLayers> shifts_;
-  std::array<std::vector<glm::vec3>, kDeepestPatch + 1> level_places_, level_normals_;  // as they are in the end
+  std::array<std::vector<glm::vec3>, kDeepestPatch + 1> level_places_, level_normals_;  // final values
 };
 
 void StageEncoder::make_base(const SurfaceMesh& coarse) {
@@ -111,11 +112,11 @@ void StageEncoder::make_base(const SurfaceMesh& coarse) {
                    : std::clamp(static_cast<int>(std::ceil(std::log(ratio * 0.8) / std::log(4.0))), 1, kDeepestPatch);
     if (options_.beside) out_.header.depth = 0;
     if (options_.colored)
-      out_.header.depth = std::max(out_.header.depth, 1);  // whose clusters have colours of the base
+      out_.header.depth = std::max(out_.header.depth, 1);  // clusters of level 1 bring the base's colours
     out_.bytes = encode_stage(out_.header, coded.bytes);
     if (options_.most_bytes == 0 || out_.bytes.size() <= options_.most_bytes) return;
     const std::size_t less = wanted * options_.most_bytes / out_.bytes.size() * 97 / 100;
-    if (small.triangles.size() > wanted * 3 / 2) return;  // it will not become smaller
+    if (small.triangles.size() > wanted * 3 / 2) return;  // cannot become smaller
     wanted = std::max<std::size_t>(less, 4);
   }
 }
@@ -187,7 +188,7 @@ void StageEncoder::displace(Surface& surface, int level) {
         at += by;
         next[v.vertex] = at;
       } else {
-        // What this layer adds, every finer one has, too.
+        // The displacement of this layer counts for all finer layers too.
         next_shifts[layer][v.vertex] = from + by - next[v.vertex];
         at += by;
       }
@@ -277,7 +278,7 @@ void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
         of(colors[2], v, kChromaStep / 510.0);
       };
       for (const std::size_t v : mine) of_colors(h.level, v);
-      // Those of the base come with them, and may be all there is.
+      // The base's colours come with level 1, and may be the only ones.
       if (h.level == 1)
         for (const std::uint32_t v : {grid[0], grid[n], grid[row_start(n, n)]}) of_colors(0, v);
       continue;
@@ -288,7 +289,7 @@ void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
     if (!numbers.sideways.empty())
       for (std::size_t i = 0; i < lines; ++i) of(numbers.sideways, mine[i] - patches.base_vertices(), step);
   }
-  // A vertex stands for the part of the area that is its own.
+  // Weight by the area per vertex.
   if (h.kind == ClusterHeader::Kind::color) gain *= area / (h.count * static_cast<double>(n * n) / 2);
   cluster.gain = gain;
 }
@@ -320,7 +321,7 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
   const std::vector<glm::vec3>& places = target_.mesh().positions;
   const int levels_left = surface.header().depth - level;
   const float reach = std::ldexp(4 * target_.edge(), levels_left);
-  // The same places at all levels.
+  // The same points at all levels.
   const ErrorCells cells(16 * target_.edge(), std::max<std::size_t>(1, places.size() / kErrorSamples));
   const std::size_t n = std::size_t{1} << level, patches = surface.patches().size(),
                     parts = (patches + kErrorPatches - 1) / kErrorPatches;
@@ -371,7 +372,7 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
   return {root(sum), root(far)};
 }
 
-/// Whether another stage follows, whatever the levels behind this one bring.
+/// Reports whether another stage is certainly needed, whatever further levels add.
 bool StageEncoder::surely_followed(const Surface& surface, int level, const SurfaceMesh& coarse, float& error) const {
   if (!(options_.most_error > 0) || kMoreTriangles * surface.patches().size() >= coarse.triangles.size()) return false;
   const Errors errors = errors_of(surface, level);
@@ -404,7 +405,7 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
       depth = level;
   }
   if (options_.colored && !cancelled()) color(surface, depth);
-  // Clusters of different levels, layers and kinds have no number in common.
+  // Clusters of different levels, layers and kinds share no numbers.
   const std::uint32_t all = surface.patches().size();
   std::vector<ClusterHeader> headers;
   for (int level = 1; level <= depth; ++level) {
@@ -417,12 +418,12 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
     parallel_for(
         headers.size(),
         [&](std::size_t i) {
-          const std::size_t at = headers.size() - 1 - i;  // the largest ones first
+          const std::size_t at = headers.size() - 1 - i;  // largest first
           if (!cancelled()) cut(surface, headers[at], clusters[at]);
         },
         options_.threads);
   };
-  // The largest of them takes as long as all others: meanwhile the error is looked at.
+  // The largest task takes as long as all others, so measure the error meanwhile.
   const bool whole = depth == out_.header.depth;
   parallel_for(
       whole ? 2 : 1,
