@@ -228,9 +228,8 @@ std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, 
   return chunks;
 }
 
-/// Truncates the stages to the chunks that fit into `bytes`, including container overhead, and that are worth more
-/// before a tail of `tail` bytes than after it. Minimises the shown error, summed over all bytes until the tail is
-/// complete.
+/// Truncates the stages to the chunks that fit into `bytes`, including container overhead, and that pay before a tail
+/// of `tail` bytes. Minimises the shown error, summed over all bytes until the tail is complete.
 void keep_before(StageChunks& stages, double bytes, double tail) {
   std::vector<OutgoingChunk>& chunks = stages.chunks;
   std::size_t kept = 0, stage = 0;
@@ -422,8 +421,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                          true};
   }
   header.base = stages[0].bytes;
-  int last = static_cast<int>(stages.size()) - (stages.back().header.beside ? 2 : 1);  // last stage that replaces the
-                                                                                       // earlier ones
+  int last = static_cast<int>(stages.size()) - (stages.back().header.beside ? 2 : 1);  // last stage that is not
+                                                                                       // `beside`
   StageChunks sent = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
   std::vector<OutgoingChunk>& chunks = sent.chunks;
   if (exact)

@@ -26,11 +26,11 @@ struct GradientOptions {
 /// centre, its direction the gradient's (towards higher values), and its weight the gradient's length (value per world
 /// unit). Its class is the voxel's value, 0..255 from the minimum to the maximum. Gradients are central differences in
 /// world space, one-sided next to borders and missing voxels. Missing voxels and zero gradients have no vector. The
-/// description has the volume's metadata, the box of the voxels' centres, the sum of all lengths (including omitted
-/// vectors), the shortest axis and default_transfer().
-/// Reads the volume two or three times, slice by slice. Needs memory for a few slices and the result. Returns an error
-/// for an invalid layout or options, a source that fails, a volume without values, or if cancelled. Progress counts
-/// slices. Safe from any thread and for untrusted values.
+/// description has the volume's metadata, the box of the voxels' centres, the shortest axis and default_transfer(). Its
+/// total is the sum of all lengths, including omitted vectors. Reads the volume two or three times, slice by slice.
+/// Needs memory for a few slices and the result. Returns an error for an invalid layout or options, a source that
+/// fails, a volume without values, or if cancelled. Progress counts slices. Safe from any thread and for untrusted
+/// values.
 [[nodiscard]] std::variant<Cloud, VolumeError> gradient_vectors(const VolumeSource& source,
                                                                 const GradientOptions& options,
                                                                 Progress* progress = nullptr);

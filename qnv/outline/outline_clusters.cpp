@@ -182,9 +182,9 @@ class Clustering {
     whole.angle = std::max(whole.angle, part.angle + turned);
   }
 
-  // Returns the increase of the L2,1 error of Cohen-Steiner et al., |a| + |b| - |a + b| up to a factor, computed
-  // without cancellation, times a penalty for a short shared boundary. Infinite if the union is certainly too bent or
-  // too thick.
+  // Returns the cost of a merger: the increase of the L2,1 error of Cohen-Steiner et al., times a penalty for a short
+  // shared boundary. The increase is |a| + |b| - |a + b| up to a factor, computed without cancellation. Infinite if the
+  // union is certainly too bent or too thick.
   [[nodiscard]] double cost(const Edge& edge) const {
     const FaceCluster &a = clusters_[edge.a], &b = clusters_[edge.b];
     const glm::dvec3 sum = a.sum + b.sum;

@@ -36,9 +36,9 @@ struct OutlineOptions {
   /// an infinite tolerance and an angle of 1.5. Unconnected parts stay separate.
   std::size_t groups = 0;
   /// Maximum distance from the plane of polygons merged into one, and of vertices dropped from nearly straight edges.
-  /// 0: merge what is coplanar within the rounding of positions and has normals within 1e-6, and drop no vertex, not
-  /// even from a perfectly straight edge. Nothing visible changes then; graphics hardware rounds corners to fractions
-  /// of a pixel.
+  /// 0: merge only polygons that are coplanar within the rounding of positions, with normals within 1e-6, and drop no
+  /// vertices. Nothing visible changes then. Even vertices on perfectly straight edges are kept, because graphics
+  /// hardware rounds corners to fractions of a pixel.
   double merge_tolerance = 0;
   /// Maximum angle between the normals of polygons merged into one; used only with a merge_tolerance.
   double merge_angle = 0.01;
@@ -132,8 +132,8 @@ struct OutlineError {
 /// Returns the diagonal of the box of all finite positions, as a scale for tolerances; 0 if there are none.
 [[nodiscard]] double model_diagonal(const PolygonModel& model);
 
-/// Returns a polygon with holes as one ring that visits every hole over a bridge and back, as IndexedFaceSet with
-/// convex FALSE and ear clipping need it. The result indexes polygon.positions; bridge ends occur twice. Drops holes
+/// Returns a polygon with holes as one ring that visits every hole over a bridge and back. IndexedFaceSet with convex
+/// FALSE and ear clipping need such rings. The result indexes polygon.positions; bridge ends occur twice. Drops holes
 /// that no bridge inside the polygon can reach (they lie outside). Worst case: holes times corners steps.
 [[nodiscard]] std::vector<std::uint32_t> bridged_ring(const OutlinePolygon& polygon);
 

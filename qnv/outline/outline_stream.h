@@ -36,10 +36,10 @@ struct OutlineEncodeOptions {
 /// Positions are rounded to a lattice with a power-of-two step: the error is at most half a step per axis,
 /// 2^-position_bits of the longest side. Equal corners stay bitwise equal. If all positions lie on a coarser lattice,
 /// that one is used without loss. Polygons without area on the lattice are dropped. A polygon with more corners than a
-/// chunk can hold is cut, which adds corners on the lattice. Returns an error if the arrays do not match, a group has
-/// an unknown appearance, the appearances do not fit into a header, nothing is left, the model is too far from the
-/// origin for its size, or if cancelled. The bytes do not depend on the number of threads. Blocks; safe from any
-/// thread.
+/// chunk can hold is cut, which adds corners on the lattice. Returns an error for mismatched arrays, unknown
+/// appearances, or appearances that exceed a header. Returns an error too if no polygon is left, the model is too far
+/// from the origin for its size, or if cancelled. The bytes do not depend on the number of threads. Blocks; safe from
+/// any thread.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_outlines(const OutlineGroups& groups,
                                                                        std::span<const OutlineAppearance> appearances,
                                                                        const OutlineEncodeOptions& options,

@@ -27,8 +27,8 @@ struct ResidualModel {
 /// Returns the models; model 0 is the narrowest. Built once; safe from any thread.
 [[nodiscard]] const std::array<ResidualModel, kResidualModels>& residual_models();
 
-/// Returns all models for decoders. Entry model * 4096 + slot holds, from the lowest bit up, the distance from the
-/// symbol's start (12 bits), its frequency (13 bits) and the symbol (5 bits).
+/// Returns all models for decoders, at index model * 4096 + slot. An entry holds, from the lowest bit up: distance from
+/// the symbol's start (12 bits), frequency (13 bits), symbol (5 bits).
 [[nodiscard]] const std::uint32_t* residual_slots();
 
 constexpr std::uint32_t zigzag(int value) {
@@ -36,8 +36,8 @@ constexpr std::uint32_t zigzag(int value) {
 }
 constexpr int unzigzag(std::uint32_t code) { return static_cast<int>(code >> 1) ^ -static_cast<int>(code & 1); }
 
-/// Dimensions of the table of occupancy probabilities (of 4096): the bin is how far the child reaches over the parent's
-/// plane (24 steps of 1/16 of the child's edge, from -1 to 1/2), the model is the roughness of the surface.
+/// Dimensions of the table of occupancy probabilities (of 4096). The bin is how far the child reaches over the parent's
+/// plane: 24 steps of 1/16 of the child's edge, from -1 to 1/2. The model is the roughness of the surface.
 constexpr std::size_t kOccupancyBins = 24, kOccupancyModels = 8;
 [[nodiscard]] const std::array<std::array<std::uint16_t, kOccupancyBins>, kOccupancyModels>& occupancy_models();
 

@@ -31,9 +31,9 @@ bool share_face(std::uint8_t a, std::uint8_t b) {
 }
 
 // Connects the points where the surface crosses a face into segments. Around a face, each segment starts at an edge
-// that enters the inside and ends at an edge that leaves it. That is the next such edge, which cuts off an inside
-// corner, or on a joined face the previous one, which cuts off an outside corner. Every edge is entered on one of its
-// two faces and left on the other, so the segments form closed loops.
+// that enters the inside and ends at an edge that leaves it. Usually that is the next such edge, which cuts off an
+// inside corner. On a joined face it is the previous one, which cuts off an outside corner. Every edge is entered on
+// one of its two faces and left on the other, so the segments form closed loops.
 std::array<std::uint8_t, 12> segments(std::uint8_t inside, std::uint8_t joined) {
   std::array<std::uint8_t, 12> next;
   next.fill(kNone);

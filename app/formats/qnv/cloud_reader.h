@@ -72,10 +72,10 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
 /// to 0..1 and sorted by value. Numbers that are missing at the end are ignored.
 [[nodiscard]] std::vector<qnv::TransferPoint> transfer_of(const vrml::MFFloat& numbers);
 
-/// The vectors that a QNV node holds itself: records of 8 bytes (qnv/FORMAT-records.md) in its `vectors` field, two
-/// SFInt32 each, the low word first, in the frame of its bounding box. A weight of 1 is 1/32767 of the area of the
-/// box's largest side where `profile` is SURFACE, and 1/32767 where it is VOLUME. C is the class; of a
-/// surface it takes its colour from `transfer`, if that is given. A message when there are none to be had.
+/// Returns the vectors in the `vectors` field of a QNV node: 8-byte records (qnv/FORMAT.md, "Records payload"), two
+/// SFInt32 each, low word first, relative to the node's bounding box. If `profile` is SURFACE, a weight of 1 means
+/// 1/32767 of the area of the box's largest side; if VOLUME, it means 1/32767. C is the class. For a surface,
+/// `transfer`, if given, maps it to a colour. Returns a message if there are no valid vectors.
 [[nodiscard]] std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene, vrml::NodeId qnv);
 
 /// A piece of work that ends at a limit: sets `cancelled` then.
