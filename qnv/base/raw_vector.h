@@ -7,7 +7,8 @@
 
 namespace gs::qnv {
 
-/// Allocator whose resize() leaves new elements uninitialised, for buffers that are overwritten before they are read.
+/// Allocator that lets resize() leave new elements uninitialised, for buffers that are overwritten before they are
+/// read.
 template <class T>
 struct RawAllocator : std::allocator<T> {
   static_assert(std::is_trivially_destructible_v<T>);

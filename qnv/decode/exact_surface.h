@@ -56,7 +56,7 @@ class ExactSurface {
   /// Returns log2 of the lattice positions per axis, or 0 without a mesh.
   [[nodiscard]] int bits() const { return mesh_ ? std::max(mesh_->bits, mesh_->finest) : 0; }
   /// Appends the received vertices, duplicated at creases, and their triangles. `colored` appends colours; a mesh
-  /// without colours uses the cloud's colour.
+  /// without colours uses the point set's colour.
   void append(Cloud& cloud, bool colored) const;
   /// Returns the bytes of the picture received; picture_length() returns the total, or 0 if unknown.
   [[nodiscard]] std::size_t picture_come() const { return picture_.come(); }

@@ -19,7 +19,8 @@ struct ShadedVertices {
   std::vector<glm::vec2> texture_coordinates;  // one per vertex, or empty
   std::vector<std::uint32_t> triangles;
 
-  /// Appends the mesh to a cloud. `with_colors` appends colours; a mesh without colours uses the cloud's colour.
+  /// Appends the mesh to a point set. `with_colors` appends colours; a mesh without colours uses the point set's
+  /// colour.
   void append(Cloud& cloud, bool with_colors) const;
 };
 /// Returns a mesh for display. `normals` are those of corners 3 t + k; `box` is the stream's.

@@ -28,7 +28,7 @@ class SurfaceStages {
   /// Adds the payload of a chunk.
   void add(std::span<const std::byte> payload);
   /// Appends the visible vertices and their triangles. `colored` appends colours; vertices without received colours use
-  /// the cloud's colour. `without` marks patches of the main stage to leave out, by number; if empty, none are.
+  /// the point set's colour. `without` marks patches of the main stage to leave out, by number; if empty, none are.
   void append(Cloud& cloud, bool colored, const std::vector<bool>& without = {}) const;
   /// Returns the number of these vertices.
   [[nodiscard]] std::size_t vectors(const std::vector<bool>& without) const;

@@ -38,7 +38,7 @@ class Conveyor {
   Work work_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::vector<Triangle>> waiting_, used_;  // `used_`: batches whose memory is reused
+  std::deque<std::vector<Triangle>> waiting_, used_;  // `used_`: batches with memory to reuse
   bool ended_ = false, failed_ = false;
   std::exception_ptr failure_;
   std::thread thread_;

@@ -47,7 +47,7 @@ struct EncodeOptions {
   int exact_bits = 0;  // displaced: adds an exact tail with 2^this positions per axis, 8 to 20; 0: no tail; or
                        // kExactWherePays
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or nullptr; must outlive the call
-  glm::dvec3 origin{0};                       // of triangles (Description::origin); clouds have their own
+  glm::dvec3 origin{0};                       // of triangles (Description::origin); point sets have their own
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
 };

@@ -34,7 +34,7 @@ struct SurfaceSurvey {
 };
 
 /// Returns the description of the vectors that can be sent. The total counts only these, because receivers distribute
-/// it over the received vectors. `metadata` precedes the cloud's own.
+/// it over the received vectors. `metadata` precedes the point set's own.
 [[nodiscard]] Description describe_vectors(const Cloud& cloud,
                                            const std::vector<std::pair<std::string, std::string>>& metadata);
 

@@ -179,7 +179,7 @@ bool CornerGrowth<Coder>::triangle(Decisions<Coder>& decisions, const Gates& gat
     const bool known = vertex.placed && vertex.last != first && vertex.last != second;
     if (known && decisions.bit(m.again, is[k] == vertex.last)) found[k] = vertex.last;
   }
-  // First the corners whose two other corners are known.
+  // First the corners with two known other corners.
   const auto count = [&] { return (found[0] ? 1 : 0) + (found[1] ? 1 : 0) + (found[2] ? 1 : 0); };
   while (count() < 3) {
     std::uint32_t k = 0;

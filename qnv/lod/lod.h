@@ -22,7 +22,7 @@
 
 namespace gs::qnv {
 
-/// Run of a cloud's splats.
+/// Run of a point set's splats.
 struct Piece {
   std::shared_ptr<const Cloud> cloud;
   std::size_t first = 0, count = 0;

@@ -15,7 +15,7 @@ namespace {
 
 // Minimum number of clusters to start threads for.
 constexpr std::size_t kFewestForThreads = 4;
-// Maximum splats of a shared cloud; larger sets deserve their own buffer and draw call.
+// Maximum splats of a shared point set; larger sets deserve their own buffer and draw call.
 constexpr std::size_t kMostShared = std::size_t{1} << 16;
 
 std::size_t bytes_of(const PackedVoxels& voxels) {
@@ -61,7 +61,7 @@ bool holds(const Box& claimed, const Box& cells, float edge, const Box& stream) 
 
 }  // namespace
 
-// Clusters that will share a cloud.
+// Clusters that will share a point set.
 struct LodCache::Family {
   std::span<const std::uint32_t> nodes;
   std::size_t discs = 0;

@@ -23,8 +23,8 @@ struct DecodedCluster {
 };
 
 /// Decoded data of a stream's clusters: voxels, which children need, and splats, which are drawn. Clusters of one
-/// parent with splats made at the same time share a cloud, which keeps the number of clouds low. Call from one thread;
-/// it uses others internally.
+/// parent with splats made at the same time share a point set, which keeps the number of point sets low. Call from one
+/// thread; it uses others internally.
 class LodCache {
  public:
   /// `tree` and `header` belong to the stream. `keep_voxels` keeps even the voxels of clusters without known children.
@@ -50,9 +50,9 @@ class LodCache {
   /// Makes the splats of clusters that have voxels.
   void make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now);
 
-  /// Splats of some voxels of a cluster, and their cloud.
+  /// Splats of some voxels of a cluster, and their point set.
   struct Discs {
-    std::uint64_t order = 0;  // sequence number of the cloud
+    std::uint64_t order = 0;  // sequence number of the point set
     std::shared_ptr<const Cloud> cloud;
     std::size_t first = 0, last = 0;
   };

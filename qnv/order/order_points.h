@@ -36,7 +36,7 @@ struct KeyedIndex {
 /// Sorts by the low `bits` of the keys. Stable.
 void sort_by_key(std::vector<KeyedIndex>& entries, unsigned bits, unsigned threads);
 
-/// Cube around a cloud.
+/// Cube around a point set.
 struct Cube {
   std::array<double, 3> lower{};
   double side = 0;
@@ -76,7 +76,7 @@ struct Level {
 /// Points in Morton order, and their octree.
 struct Tree {
   std::vector<std::uint64_t> keys;    // Morton codes at kDeepest
-  std::vector<std::uint32_t> source;  // index of each point in the cloud
+  std::vector<std::uint32_t> source;  // index of each point in the point set
   Points points;
   std::vector<Level> levels;  // from the root to kDeepest, or to the first level with nearly as many cells as points
 
@@ -85,7 +85,7 @@ struct Tree {
   }
 };
 
-/// Builds the tree of the points `indices` of a cloud. `normals` may be empty.
+/// Builds the tree of the points `indices` of a point set. `normals` may be empty.
 [[nodiscard]] Tree make_tree(const Cube& cube, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                              std::vector<std::uint32_t> indices, unsigned threads);
 

@@ -68,8 +68,8 @@ struct PackedError {
 
 /// Returns the number of splats of voxels `first` to `first + count` - 1; a thin sheet has two.
 [[nodiscard]] std::uint32_t discs_of(const PackedVoxels& voxels, std::size_t first, std::size_t count);
-/// Appends the splats of voxels `first` to `first + count` - 1 to a cloud: position on the plane, unit normal, area of
-/// the plane inside the voxel. A thin sheet gives two splats back to back. Fills `colors` if the voxels have them.
+/// Appends the splats of voxels `first` to `first + count` - 1 to a point set: position on the plane, unit normal, area
+/// of the plane inside the voxel. A thin sheet gives two splats back to back. Fills `colors` if the voxels have them.
 void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, const Cube& cube, Cloud& cloud);
 
 struct PackedOptions {

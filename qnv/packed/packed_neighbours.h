@@ -17,7 +17,7 @@ constexpr int kNeighbourBlock = 32;
 /// Maximum normal difference of neighbours. Larger differences mean two surfaces, or two sides of an edge.
 constexpr int kLargestTurn = 700;
 /// Plane in 32 bits, for single loads: u + 1024 (12 bits), v + 1024 (12), offset + 32 (7), kThere. 0 means no voxel, or
-/// a double one, whose side would be arbitrary.
+/// a double one, which has no definite side.
 constexpr std::uint32_t kThere = 0x80000000;
 
 /// Planes of the voxels of one block, with an empty border, so that neighbour lookups need no bounds check.
