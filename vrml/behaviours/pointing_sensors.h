@@ -5,12 +5,12 @@
 
 #include <cmath>
 
-// What the pointing-device sensors have in common; see pointing.h.
+// Functions that all pointing-device sensors share; see pointing.h.
 namespace gs::vrml {
 
-inline constexpr int kSensorEnabled = 0;  // of the events of each of them
+inline constexpr int kSensorEnabled = 0;  // event index that all of them share
 
-/// Behaviour::on_event and on_time of all of them.
+/// Implement Behaviour::on_event and on_time for all pointing-device sensors.
 bool pointing_sensor_event(Execution& execution, EventNode node, int event, const FieldValue& value);
 void pointing_sensor_time(Execution& execution, EventNode node);
 
@@ -18,11 +18,11 @@ void pointing_sensor_time(Execution& execution, EventNode node);
   return execution.states().pointing[execution.state_of(node)];
 }
 
-/// Sends a value whose components are finite numbers, no other one. Whether it did.
+/// Sends a value only if all its components are finite. Returns whether it was sent.
 template <class Vector>
 bool send_finite(Execution& execution, EventNode node, int event, const Vector& value) {
   float sum = 0;
-  for (int i = 0; i < Vector::length(); ++i) sum += value[i] * 0.0f;  // NaN where one is not
+  for (int i = 0; i < Vector::length(); ++i) sum += value[i] * 0.0f;  // NaN if a component is not finite
   if (sum != 0) return false;
   execution.send(node, event, value);
   return true;

@@ -6,9 +6,9 @@
 
 namespace gs::vrml {
 
-/// The quaternion of length 1 that turns like `rotation`. One that has no axis, or is no number, turns nothing.
+/// Returns the unit quaternion of `rotation`; the identity if the axis has no length or a component is not finite.
 [[nodiscard]] glm::dquat quaternion_of(const SFRotation& rotation);
-/// An axis of length 1 and an angle from 0 to pi; where nothing is turned, `axis` and 0.
+/// Returns a unit axis and an angle from 0 to pi. If q is the identity, returns `axis` and 0.
 [[nodiscard]] SFRotation rotation_of(glm::dquat q, const SFVec3f& axis = {0, 0, 1});
 
 }  // namespace gs::vrml

@@ -15,54 +15,54 @@ class Execution;
 struct MediaPlay;
 struct Node;
 struct PointingSensor;
-/// A node that takes part in events: its place in Execution. 0 is none.
+/// Index of a node in Execution's event tables; 0 means none.
 using EventNode = std::uint32_t;
 
-/// What the nodes of one built-in type do on an event and as time goes: a column of the node table. What no function
-/// handles has the common meaning: an exposedField takes the value and sends it (VRML97 4.7), `set_x` of a plain field
-/// x replaces that (6.17, 6.18, 6.23, 6.24).
+/// Reaction of one built-in node type to events and time: a column of the node table. Unhandled events keep their
+/// default meaning: an exposedField takes the value and sends it (VRML97 4.7); `set_x` of a plain field x replaces its
+/// value (6.17, 6.18, 6.23, 6.24).
 struct Behaviour {
   static constexpr std::size_t kMostEvents = 12;
-  /// Names of the interfaces that the functions handle, read or send, "" behind the last one; functions call them by
-  /// their places in this list.
+  /// Names of the interfaces that the functions handle, read or send; padded with "". Functions refer to them by index.
   std::array<std::string_view, kMostEvents> events{};
-  /// Called once, when the node is found in the world; null where the node takes part only if something is routed.
+  /// Called once when the node is found in the world. If null, the node takes part only once it has a ROUTE.
   void (*initialize)(Execution& execution, EventNode node) = nullptr;
-  /// An event for events[event]. False: the event was dealt with, or is ignored. True: it has its common meaning, too.
+  /// Handles an event for events[event]. Returns true to also apply the default meaning.
   bool (*on_event)(Execution& execution, EventNode node, int event, const FieldValue& value) = nullptr;
-  /// The time is Execution::now(): in each step while the node runs, at times it asked for, and after events for it
-  /// where on_event asked for it.
+  /// Handles time; the time is Execution::now(). Called in each step while the node runs, at the times that it
+  /// requested, and after the events for which on_event requested it.
   void (*on_time)(Execution& execution, EventNode node) = nullptr;
-  /// Where a grouping node puts its children, and a Viewpoint the viewer; null: nowhere else.
+  /// Transform of a grouping node's children, or of the viewer at a Viewpoint. Null means the identity.
   glm::dmat4 (*parent_from_local)(const Node& node) = nullptr;
-  /// The same of a grouping node that faces the viewer, who is given in its parent's space (6.6).
+  /// Transform of a grouping node that faces the viewer; `viewer` and `up` are in its parent's space (6.6).
   glm::dmat4 (*parent_from_facing)(const Node& node, const glm::dvec3& viewer, const glm::dvec3& up) = nullptr;
-  /// Of a pointing-device sensor (4.6.7.3, vrml/events/pointing.h); null for all others.
+  /// Pointing-device sensors only (4.6.7.3, vrml/events/pointing.h); null for all other types.
   const PointingSensor* pointing = nullptr;
-  /// Of a sensor of where the viewer is (6.38): the middle of where it senses him, in its own coordinates; null for all
-  /// others.
+  /// Sensors of the viewer's position only (6.38): returns the centre of the sensed region in local coordinates.
   glm::dvec3 (*sensed_place)(const Execution& execution, EventNode node) = nullptr;
-  /// Of a node that tells when the avatar meets what is below it (6.8): that it does, if `met`. False: it says that
-  /// nothing below it is ever met.
+  /// Collision nodes (6.8): reports a collision of the avatar with a descendant if `met`. Returns false if collision
+  /// detection is off for all descendants.
   bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;
-  /// An event for an eventIn or exposedField, by its place in the type's interfaces, that the node declares itself.
+  /// Handles an event for an eventIn or exposedField that the node itself declares, by its index in the type's
+  /// interfaces.
   void (*on_own_event)(Execution& execution, EventNode node, std::uint32_t interface,
                        const FieldValue& value) = nullptr;
-  /// The node is about to be removed; what it sends goes on before.
+  /// Called before the node is removed. Events that it sends are still delivered.
   void (*before_removal)(Execution& execution, EventNode node) = nullptr;
-  /// The node is removed from the world: what state_of names is given back. It sends nothing any more.
+  /// Called on removal: returns the state that state_of names to its pool. The node sends no more events.
   void (*on_remove)(Execution& execution, EventNode node) = nullptr;
-  /// The value of its eventOut as long as nothing was sent. False, or null: that of the type.
+  /// Writes the value of the node's eventOut before anything was sent. If it returns false or is null, the value is the
+  /// type's initial value.
   bool (*unsent_value)(Execution& execution, EventNode node, FieldValue& value) = nullptr;
-  /// Of a node that plays a sound or movie: how long that is, in seconds; negative: it cannot be had. False: not now,
-  /// something was told with this timestamp already.
+  /// Nodes that play a sound or movie: takes its duration in seconds; a negative one means that it cannot be loaded.
+  /// Returns false if an event was already sent with this timestamp; the caller tries again later.
   bool (*media_came)(Execution& execution, EventNode node, double duration) = nullptr;
-  /// What of it is played; see Execution::media_play.
+  /// Returns the playback state; see Execution::media_play.
   MediaPlay (*media_play)(Execution& execution, EventNode node) = nullptr;
-  bool media_backwards = false;  // it can be played backwards, and not at all (6.28)
+  bool media_backwards = false;  // supports negative and zero speed (6.28)
 };
 
-// The rows' behaviours.
+// Behaviours of the rows of the node table.
 extern const Behaviour kTransformBehaviour;
 extern const Behaviour kViewpointBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
@@ -70,8 +70,8 @@ extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSe
 extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
 extern const Behaviour kAnchorBehaviour, kBillboardBehaviour, kCollisionBehaviour;
 extern const Behaviour kBindableBehaviour;  // 4.6.10
-inline constexpr int kSetBind = 0;          // of its events
-inline constexpr int kFieldOfView = 3;      // of those of Viewpoint
+inline constexpr int kSetBind = 0;          // event index of all bindable nodes
+inline constexpr int kFieldOfView = 3;      // event index of Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28
 extern const Behaviour kScriptBehaviour;                             // 6.40

@@ -17,47 +17,46 @@
 
 namespace gs::vrml {
 
-/// An event that an eventOut or exposedField has sent.
+/// Event that an eventOut or exposedField has sent.
 struct SentEvent {
   double time = 0;  // its timestamp: seconds since 1970-01-01 00:00 GMT (VRML97 4.11)
   const SceneGraph* scene = nullptr;
-  NodeId node;                                  // of `scene`; of a PROTO instance, its own and those of its body
+  NodeId node;  // of `scene`; events of a PROTO instance appear for the instance and for its body nodes
   const InterfaceDeclaration* event = nullptr;  // of the node's type
   const FieldValue* value = nullptr;
 };
 
-/// A node whose fields have changed.
+/// Node with changed fields.
 struct NodeChange {
   SceneGraph* scene = nullptr;
   NodeId node;
-  std::uint64_t slots = 0;  // a bit for each of the first 63 slots that changed; the last one is for all else
+  std::uint64_t slots = 0;  // bit mask of the changed slots; the last bit stands for all slots above 62
 };
 
 class ScriptHost;
 
-/// What an AudioClip or MovieTexture plays (VRML97 6.4, 6.28). Times are seconds since 1970, infinite where there is
-/// none.
+/// Playback state of an AudioClip or MovieTexture (VRML97 6.4, 6.28). Times are in seconds since 1970, infinite if
+/// undefined.
 struct MediaPlay {
   bool active = false, loop = false;
-  double start = 0, end = 0;  // of its activity
+  double start = 0, end = 0;  // of the active period
   double rate = 1;            // pitch or speed
-  double duration = -1;       // of the sound or movie at rate 1; negative: not known
-  double position = 0;        // in it, in its own seconds: at the present time, or at which it became inactive
+  double duration = -1;       // of the sound or movie at rate 1; negative if unknown
+  double position = 0;        // media time in seconds: now, or when it became inactive
 };
 
-/// What the viewer sees: tangents of half the angles to the right and up.
+/// View frustum: tangents of the half angles to the right and up.
 struct Frustum {
   double right = 0, up = 0;
 };
 
-/// The execution model of VRML97 (4.10, 4.11): ROUTEs, cascades of events, and what nodes do as time goes, for a world
-/// and all Inlines attached to it.
+/// Execution model of VRML97 (4.10, 4.11) for a world and its attached Inlines: ROUTEs, event cascades, time.
 ///
-/// A cascade has one timestamp, and each eventOut sends at most one event in it (4.10.4), so that loops end. Events of
-/// one timestamp are delivered in the order in which they were sent, to ROUTEs in the order in which these were made.
-/// Work for a step follows what happens in it. Memory is drawn from the scene's budget; what finds no room has no
-/// events, and `problem` says so. A cascade of too much work is cut short. One thread, that of the scene; the scene
-/// must outlive this.
+/// A cascade has one timestamp, and each eventOut sends at most one event per timestamp, which ends loops (4.10.4).
+/// Events of one timestamp are delivered in sending order, along ROUTEs in order of creation. The cost of a step is
+/// proportional to the events in it. Memory is drawn from the scene's budget; if it is exhausted, further nodes take no
+/// part in events and `problem` reports it. Cascades with too much work are cut short. Single-threaded, on the scene's
+/// thread; the scene must outlive this.
 class Execution {
  public:
   using Observer = std::function<void(const SentEvent&)>;
@@ -67,189 +66,192 @@ class Execution {
   Execution(const Execution&) = delete;
   Execution& operator=(const Execution&) = delete;
 
-  /// Takes in what the root and its Inlines have got since the last call: nodes, ROUTEs, bodies of EXTERNPROTOs.
+  /// Takes in the nodes, ROUTEs and EXTERNPROTO bodies that the root and its Inlines gained since the last call.
   void attach();
-  /// The same of one scene of the world, after vrml::read_into. ROUTEs between nodes made at run time leave
-  /// SceneGraph::routes: they are kept here alone.
+  /// Takes in additions to one scene of the world, after vrml::read_into. ROUTEs between nodes made at run time move
+  /// from SceneGraph::routes into this object.
   void attach(SceneGraph& scene);
-  /// A body of EXTERNPROTO instances has come and was attached: bindable nodes of types of which none was bound since
-  /// the world began are bound as if they had been there (4.6.10).
+  /// Binds nodes from EXTERNPROTO bodies that were loaded and attached later. For each type that has had no bound node
+  /// so far, it binds the first one, as at the start (4.6.10).
   void bind_what_came();
-  /// Begins at `now`, with the first cascade: the first bindable node of each type that is not in an Inline is bound
-  /// (4.6.10), and time-dependent nodes that are active at that time begin (4.6.9). Call once.
+  /// Starts at time `now` with the first cascade. Binds the first bindable node of each type outside Inlines (4.6.10)
+  /// and starts the time-dependent nodes that are active then (4.6.9). Call once.
   void start(double now);
-  /// Lets time go on to `now`: what time-dependent nodes send, and all that follows from it. Time never goes back.
+  /// Advances time to `now` and delivers all resulting events. Time never goes back.
   void step(double now);
-  /// An event from outside, with the present timestamp, and all that follows from it. The value's type must be that
-  /// of `event_in`, an eventIn or exposedField of the node's type; false where it is not, where the scene is not
-  /// part of the world, or where there is no room.
+  /// Delivers an event from outside with the present timestamp, and all resulting events. The value's type must be that
+  /// of `event_in`, an eventIn or exposedField of the node's type. Returns false if it is not, if the scene is not part
+  /// of the world, or if the budget is exhausted.
   bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
 
-  /// The next events from outside are of a moment of their own, the least bit later than the present, so that each
-  /// eventOut may send again (4.10.4). Nodes that run look at the time with the next step.
+  /// Gives the next events from outside a new timestamp, one double ulp later, so that each eventOut may send again
+  /// (4.10.4). Running nodes see the new time in the next step.
   void begin_update();
-  /// What was posted since is delivered, as one cascade: see `post`.
+  /// Delivers the events posted since begin_update() as one cascade; see `post`.
   void end_update() { drain(); }
 
-  /// False where there is such a ROUTE already (they count once), where it is none between nodes of one scene with
-  /// equal types, or where there is no room. Not added to SceneGraph::routes.
+  /// Adds a ROUTE; it does not appear in SceneGraph::routes. Returns false if it exists already, if it does not connect
+  /// nodes of one scene with equal types, or if the budget is exhausted.
   bool add_route(SceneGraph& scene, const Route& route);
-  /// False where there is none.
+  /// Returns false if there is no such ROUTE.
   bool remove_route(SceneGraph& scene, const Route& route);
-  /// A ROUTE as events follow it, and the scene of its nodes.
+  /// ROUTE that events follow, with the scene of its nodes.
   struct PlacedRoute {
     const SceneGraph* scene = nullptr;
     Route route;
   };
-  /// All that there are, of files, PROTO instances, Inlines and programs, in the order in which they were made.
+  /// Returns all ROUTEs of files, PROTO instances, Inlines and programs in order of creation.
   [[nodiscard]] std::vector<PlacedRoute> placed_routes() const;
-  /// Another number whenever there are other ROUTEs than before.
+  /// Returns a number that changes whenever ROUTEs are added or removed.
   [[nodiscard]] std::uint64_t routes_revision() const { return routes_revision_; }
 
-  // Nodes made at run time (read_into) are removed when nothing holds them: no field or SFNode or MFNode eventOut of a
-  // node that is held, and nobody by `hold`. Nodes of the world's files are held; a PROTO instance and the nodes of its
-  // body hold each other; a ROUTE holds its source as long as its target is held, and a target that is a Script as long
-  // as its source is, since Scripts act on more than fields. Held nodes keep their names, types and texts.
+  // Lifetime: nodes made at run time (read_into) are removed once nothing holds them. A node is held by a node field or
+  // eventOut of a held node, or by `hold`. Nodes of the world's files are held. A PROTO instance and its body nodes
+  // hold each other. A ROUTE with a held target holds its source. A ROUTE from a held source holds a Script target,
+  // because Scripts act on more than fields. Held nodes keep their names, types and texts.
 
-  /// The node is held, once more with each call, for one who may yet use it, such as a variable of a script.
+  /// Holds the node, counted per call, for a user such as a script variable.
   void hold(const SceneGraph& scene, NodeId node);
   void release(const SceneGraph& scene, NodeId node);
-  /// Removes what nothing holds, now. It happens by itself, too, when a cascade is over and many nodes have been made.
-  /// Bound nodes among them are unbound (4.6.10). The number of nodes removed.
+  /// Removes unheld nodes now and returns their number. Also runs automatically after a cascade once many nodes were
+  /// made. Unbinds bound nodes among them (4.6.10).
   std::size_t remove_unheld();
-  /// The Inline shows nothing any more: what it holds is removed, with all Inlines inside, and is in memory only as
-  /// long as somebody else has it.
+  /// Removes the content of an Inline, including nested Inlines. The memory is freed when the last owner releases it.
   void remove_content(SceneGraph& scene, NodeId inline_node);
-  /// The content of the Inline is another one: to be called behind SceneGraph::attach_inline and `attach`.
+  /// Updates to new content of an Inline. Call it after SceneGraph::attach_inline and `attach`.
   void content_changed(SceneGraph& scene, NodeId inline_node);
-  /// In place of the world there are only these nodes of one scene of it, the root's or that of an Inline (4.12.10.8,
-  /// replaceWorld), as soon as the cascade is over: what they do not hold is removed, files' nodes as well, and their
-  /// first bindable nodes are bound. An Inline's scene is then the only content of the root's. False where one is no
-  /// node of the scene, or that is no part of the world.
+  /// Replaces the world by these nodes of one of its scenes, the root or an Inline (4.12.10.8, replaceWorld), once the
+  /// cascade ends. Removes all nodes that these do not hold, including file nodes, and binds their first bindable
+  /// nodes. An Inline's scene becomes the only content of the root. Returns false if a node is not in the scene, or the
+  /// scene is not in the world.
   bool replace_world(SceneGraph& scene, const MFNode& nodes);
   bool replace_world(const MFNode& nodes) { return replace_world(root_, nodes); }
-  /// How often the world has been replaced.
+  /// Returns the number of replacements of the world.
   [[nodiscard]] std::uint32_t replaced() const { return replaced_; }
-  /// Is told of each node, or with a null node of a whole scene, before it is removed. Not for work on this object.
+  /// Called before each node is removed; a null node stands for the whole scene. It must not modify this object.
   using RemovalObserver = std::function<void(SceneGraph&, NodeId)>;
   void observe_removal(RemovalObserver observer) { removal_observer_ = std::move(observer); }
-  /// Whether the scene is the root or the content of an Inline of this world.
+  /// Reports whether the scene is the root or the content of an Inline of this world.
   [[nodiscard]] bool has_scene(const SceneGraph* scene) const { return scene_places_.contains(scene); }
 
   [[nodiscard]] double now() const { return now_; }
-  /// When a step has something to do next: at once while nodes run. Nothing: only events from outside go on.
+  /// Returns the time of the next step with work: now() while nodes run; nullopt if only events from outside cause
+  /// work.
   [[nodiscard]] std::optional<double> next_time() const;
-  /// Sees each event when it is delivered, also where no ROUTE leads on. Not for work on this object, nor for changes
-  /// of who sees them. One for each `who`; an empty one: `who` sees none any more.
+  /// Registers an observer that receives each event at delivery, even without a ROUTE. One observer per key `who`; an
+  /// empty one unregisters. Observers must neither modify this object nor register observers.
   void observe(Observer observer, const void* who = nullptr) {
     std::erase_if(observers_, [&](const auto& one) { return one.first == who; });
     if (observer) observers_.emplace_back(who, std::move(observer));
   }
-  /// The nodes that changed since the last call, each once. Valid until the next step.
+  /// Returns the nodes changed since the last call, each once. Valid until the next step.
   [[nodiscard]] std::span<const NodeChange> take_changes();
-  /// The bound node of a bindable type (4.6.10); a null scene: there is none.
+  /// Returns the bound node of a bindable type (4.6.10); null scene if there is none.
   [[nodiscard]] NodeChange bound(const NodeType& type) const;
-  /// Whether a bindable node is bound or waits below others to be bound again. Both may be gone.
+  /// Reports whether a bindable node is on its type's stack. Accepts a scene and a node that were removed.
   [[nodiscard]] bool is_on_stack(const SceneGraph* scene, NodeId node) const;
   [[nodiscard]] bool is_told_viewer() const { return told_viewer_.has_value(); }
-  /// Where the viewer is, for sensors: world_from_viewer, without scale. Until it is told, at the bound Viewpoint.
-  /// `sees`: empty for the fieldOfView of the bound Viewpoint, and the aspect.
+  /// Sets the viewer for sensors: world_from_viewer, without scale. Before the first call, the bound Viewpoint applies.
+  /// If `sees` is empty, the frustum follows from the bound Viewpoint's fieldOfView and the aspect ratio.
   void set_viewer(const glm::dmat4& world_from_viewer, const std::optional<Frustum>& sees = {}) {
     if (!told_viewer_ || std::exchange(jump_ahead_, false)) ++jumps_;
     told_viewer_ = world_from_viewer;
     told_frustum_ = sees;
   }
-  /// The width of the picture, divided by its height.
+  /// Sets the aspect ratio of the image: width divided by height.
   void set_aspect(double aspect) { aspect_ = aspect; }
-  /// The pointing device was moved, pressed or released: events of its sensors (4.6.7.3), with the present timestamp.
+  /// Handles a move, press or release of the pointing device: sends sensor events (4.6.7.3) with the present timestamp.
   void point(const Pointer& pointer);
-  /// Whether there is a pointing-device sensor at all.
+  /// Reports whether the world has a pointing-device sensor.
   [[nodiscard]] bool has_pointing_sensors() const { return has_pointing_sensors_; }
   [[nodiscard]] PointedAt pointed_at() const { return pointing_->pointed_at(); }
-  /// The enabled pointing-device sensors, and Anchors, that take part where the pointer meets the Shape at the end of
-  /// the path (4.6.7.3).
+  /// Returns the enabled pointing-device sensors and Anchors that act if the pointer hits the Shape at the end of the
+  /// path (4.6.7.3).
   [[nodiscard]] std::vector<NodePlace> sensors_of(std::span<const PathStep> path) {
     return pointing_->sensors_of(path);
   }
-  /// The Anchors that were activated since the last call (6.2): their url is for others to open. The last kMostRequests
-  /// at most.
+  /// Returns and clears the Anchors activated since the last call (6.2), at most kMostRequests. The caller opens their
+  /// URLs.
   [[nodiscard]] std::vector<NodePlace> take_requests() { return std::exchange(requests_, {}); }
   static constexpr std::size_t kMostRequests = 64;
-  /// The avatar has met the geometry at the end of the path: collideTime of the Collision nodes on it (6.8), with the
-  /// present timestamp, unless one of them turns collisions off. False: one does.
+  /// Reports a collision of the avatar with the geometry at the end of the path: sends collideTime of its Collision
+  /// nodes (6.8) with the present timestamp. Returns false if one of them has collision detection off.
   bool collide(std::span<const PathStep> path);
-  /// How much of what a QNV node needs has come, 0 to 1, or a PROTO instance with its eventOuts: progress_changed where
-  /// that differs by 1/100 from what was sent last, or is all, and loadTime when it is all for the first time since it
-  /// was 0, with the present timestamp. False: something was sent with it before; call again after the next step.
+  /// Reports the received fraction, 0 to 1, of a QNV node's data (or of a PROTO instance with its eventOuts). Sends
+  /// progress_changed if the fraction differs by at least 1/100 from the last one sent or reaches 1; sends loadTime
+  /// when it first reaches 1 after 0. Returns false if one was already sent with this timestamp; call again after the
+  /// next step.
   bool progress(const SceneGraph& scene, NodeId node, double fraction);
-  /// The sound or movie of a node has come, and is `duration` seconds long; negative: it cannot be had (6.4, 6.28):
-  /// duration_changed with the present timestamp, and what follows. False: as of `progress`.
+  /// Reports that the sound or movie of a node has loaded; `duration` is in seconds, negative if loading failed (6.4,
+  /// 6.28). Sends duration_changed. Returns false if it was already sent with this timestamp; call again after the next
+  /// step.
   bool media_came(const SceneGraph& scene, NodeId node, double duration);
-  /// Of a node that plays sounds or movies; nothing: it is none.
+  /// Returns the playback state of a node; nullopt if it plays no sound or movie.
   [[nodiscard]] std::optional<MediaPlay> media_play(const SceneGraph& scene, NodeId node);
-  /// What limits kept out; empty: nothing.
+  /// Returns a message about what the limits excluded; empty if nothing was.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
-  // For the behaviours of node types. `event` is a place in Behaviour::events.
+  // Functions for the behaviours of node types. `event` is an index in Behaviour::events.
 
   template <class T>
   [[nodiscard]] const T& get(EventNode node, int event) const {
     return *std::get_if<T>(&value_of(node, event));
   }
   [[nodiscard]] const FieldValue& value_of(EventNode node, int event) const;
-  /// Whether the type of the node has the interface.
+  /// Reports whether the node's type has the interface.
   [[nodiscard]] bool has_event(EventNode node, int event) const;
-  /// Whether an event was sent already with the present timestamp.
+  /// Reports whether the event was already sent with the present timestamp.
   [[nodiscard]] bool has_sent(EventNode node, int event) const;
-  /// Sends an event from an eventOut, or sets an exposedField and sends that.
+  /// Sends an eventOut, or sets an exposedField and sends its value.
   template <class T>
   void send(EventNode node, int event, T value) {
     if (FieldValue* place = place_to_send(node, event)) *place = std::move(value);
   }
-  /// The same for a value that is made in its place: null where nothing may be sent with this timestamp any more.
+  /// Returns storage for a value to send in place; null if the eventOut was already sent with this timestamp.
   [[nodiscard]] FieldValue* place_to_send(EventNode node, int event);
   [[nodiscard]] const NodeType& type_of(EventNode node) const { return *nodes_[node].schema->type; }
   [[nodiscard]] const SceneGraph& scene_of(EventNode node) const { return *nodes_[node].scene; }
   [[nodiscard]] Node& node_of(EventNode node) { return *nodes_[node].node; }
-  /// A number of the node's own, for its behaviour: 0 at first.
+  /// Returns a number that the node's behaviour may use; initially 0.
   [[nodiscard]] std::uint32_t& state_of(EventNode node) { return nodes_[node].state; }
-  /// on_time is called in each step, or no more.
+  /// Turns calls of on_time in each step on or off.
   void run(EventNode node, bool running);
-  /// on_time is called once more before this timestamp is over.
+  /// Requests one more call of on_time with this timestamp.
   void look_again(EventNode node);
-  /// on_time is called in the first step that is not before `time`, and later than the present one. One at a time: a
-  /// new one takes the place of the old one.
+  /// Requests a call of on_time in the first step at or after `time`, later than the present step. Each node has one
+  /// such request; a new one replaces it.
   void call_at(EventNode node, double time);
-  /// The time of the step before this one; the same as now() in the first one.
+  /// Returns the time of the previous step; equal to now() in the first step.
   [[nodiscard]] double previous() const { return previous_; }
-  /// Counts work whose amount a file chooses, in elements. False: too much for one timestamp; leave it.
+  /// Counts work that grows with file content, in elements. Returns false if the limit per timestamp is reached; the
+  /// caller must then skip the work.
   [[nodiscard]] bool spend(std::size_t elements);
   [[nodiscard]] bool has_room_for(std::size_t elements) const;
   /// Draws memory from the world's budget.
   [[nodiscard]] bool afford(std::size_t bytes);
-  /// The same for a list of the node's own, which has `bytes` now: what exceeds the most that it has had.
+  /// Draws memory for a list of the node that now has `bytes` bytes: only the excess over its largest size so far.
   [[nodiscard]] bool afford_most(EventNode node, std::size_t bytes);
-  /// The node goes to the top of the stack of its type, or off it (4.6.10).
+  /// Moves the node to the top of its type's stack, or removes it from the stack (4.6.10).
   void bind(EventNode node, bool to_top);
-  /// Nodes are about to leave the children of a node: when the cascade is over, bindable nodes that have left the world
-  /// go off their stacks (4.6.10).
+  /// Announces that nodes leave a grouping node. After the cascade, bindable nodes outside the world leave their stacks
+  /// (4.6.10).
   void nodes_leave();
-  /// The viewer jumps, now and, where he is told, with the next set_viewer: he does not come by what lies between, and
-  /// nodes that run look once more before this timestamp is over (6.53).
+  /// Reports a jump of the viewer. It holds now and, if set_viewer() is in use, for its next call. The viewer does not
+  /// pass positions in between; running nodes are evaluated once more with this timestamp (6.53).
   void viewer_jumped();
-  /// How often he has jumped.
+  /// Returns the number of viewer jumps.
   [[nodiscard]] std::uint32_t jumps() const { return jumps_; }
-  /// The bound node of a type; 0: none.
+  /// Returns the bound node of a type; 0 if none.
   [[nodiscard]] EventNode top_of(const NodeType& type) const;
 
-  /// world_from_viewer: as it was told, else of the bound Viewpoint, else 10 units from the origin along z.
+  /// Returns world_from_viewer: from set_viewer(), else of the bound Viewpoint, else 10 units from the origin along +Z.
   [[nodiscard]] glm::dmat4 viewer();
-  /// See Placement. Billboards face the viewer. Valid until this or viewer() is called again.
+  /// See Placement::places_of. Billboards face the viewer. Valid until the next call of this or of viewer().
   [[nodiscard]] std::span<const glm::dmat4> places_of(EventNode node);
 
-  /// What the viewer sees: as it was told, else by the bound Viewpoint, whose fieldOfView is the smaller angle (6.53).
+  /// Returns the frustum: from set_viewer(), else by the bound Viewpoint; its fieldOfView is the smaller angle (6.53).
   [[nodiscard]] Frustum frustum() const;
-  /// The node in this world; 0 where its scene is no part of it, or there is no room.
+  /// Returns the node's index; 0 if its scene is not part of the world or the budget is exhausted.
   [[nodiscard]] EventNode event_node(const SceneGraph& scene, NodeId node);
   [[nodiscard]] const Behaviour& behaviour_of(EventNode node) const { return *nodes_[node].schema->behaviour; }
   [[nodiscard]] NodePlace place_of(EventNode node) const { return {nodes_[node].scene, nodes_[node].id}; }
@@ -257,62 +259,61 @@ class Execution {
   /// See take_requests.
   void request(EventNode anchor);
 
-  // For Scripts (VRML97 4.12). `interface`: place in the type's interfaces, of the node's EventSchema.
+  // Functions for Scripts (VRML97 4.12). `interface` is an index in the interfaces of the node's EventSchema.
 
-  /// Who runs the programs of Scripts: of all that are there, from `start` on, and of those that come. Null: nobody. It
-  /// must outlive this, or be taken away before it goes; then it is told nothing of the end.
+  /// Sets the host that runs the programs of present and future Scripts, from `start` on. Null means none. The host
+  /// must outlive this object, or be unset first; an unset host receives no end() calls.
   void set_script_host(ScriptHost* host) { script_host_ = host; }
   [[nodiscard]] ScriptHost* script_host() const { return script_host_; }
-  /// Whether there has been a Script.
+  /// Reports whether the world has ever had a Script.
   [[nodiscard]] bool has_scripts() const { return has_scripts_; }
   [[nodiscard]] const SceneGraph& root() const { return root_; }
-  /// The program of the Script, or what it lacked, has come.
+  /// Reports that the Script's program, or a resource that it lacked, has loaded.
   void program_came(const SceneGraph& scene, NodeId script);
   [[nodiscard]] const EventSchema& schema_of_node(EventNode node) const { return *nodes_[node].schema; }
-  /// The value of a field, or the last one of an eventOut.
+  /// Returns the value of a field, or the last value of an eventOut.
   [[nodiscard]] FieldValue& own_value(EventNode node, std::uint32_t interface) {
     return stored(nodes_[node], nodes_[node].schema->interfaces[interface]);
   }
-  /// own_value was changed.
+  /// Reports a change made through own_value().
   void own_value_changed(EventNode node, std::uint32_t interface);
-  /// An eventOut or exposedField sends the value that own_value has now.
+  /// Sends the present own_value() of an eventOut or exposedField.
   void send_own(EventNode node, std::uint32_t interface);
-  /// An event for a node of this world, from a program that runs: delivered in this cascade behind what has been sent;
-  /// or from outside, for end_update.
-  /// False as of `send`.
+  /// Queues an event for a node of this world. From a running program, it is delivered in this cascade after the events
+  /// already sent; from outside, by end_update(). Returns false like `send`.
   bool post(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, FieldValue value);
-  /// What an eventOut sent last, or what an exposedField or field has; null: no such thing.
+  /// Returns the last value of an eventOut, or the value of a field; null if there is none.
   [[nodiscard]] const FieldValue* last_value(const SceneGraph& scene, NodeId node,
                                              const InterfaceDeclaration& interface);
-  /// The scene that may be written to, of one that belongs to this world; null: it does not.
+  /// Returns the mutable scene if it belongs to this world, else null.
   [[nodiscard]] SceneGraph* own_scene(const SceneGraph& scene);
-  /// A Script is in the world now.
+  /// Registers a Script that entered the world.
   void note_script(EventNode node);
 
-  /// State of behaviours, by number; see state_of.
+  /// State of behaviours, indexed by state_of.
   struct States;
   [[nodiscard]] States& states() { return *states_; }
 
  private:
-  static constexpr std::size_t kDelivery = 16;  // elements of work that the delivery of an event counts
+  static constexpr std::size_t kDelivery = 16;  // work elements counted per delivered event
 
   struct Slot {
-    std::uint32_t first = 0, last = 0;  // connections; 0: none
+    std::uint32_t first = 0, last = 0;  // connections; 0 means none
     std::uint64_t sent = 0;             // stamp_ of the last event
   };
   enum class Way : std::uint8_t {
     route,    // to an eventIn
-    down,     // of a PROTO instance's eventIn, to that of a node of its body (4.8.2)
-    up,       // of an eventOut of a node of the body, to that of the instance
-    removed,  // while the cascade lasts that may stand on it
+    down,     // from an eventIn of a PROTO instance to that of a body node (4.8.2)
+    up,       // from an eventOut of a body node to that of the instance
+    removed,  // kept until the cascade ends, since its path may contain it
   };
   struct Connection {
     std::uint32_t next = 0, previous = 0;
-    std::uint32_t next_in = 0, previous_in = 0;  // of those that lead to `to`
+    std::uint32_t next_in = 0, previous_in = 0;  // list of the connections that lead to `to`
     EventNode source = 0;
     std::uint32_t from = 0;  // slot
     EventNode to = 0;
-    std::uint32_t event_in = 0;  // place in the target's interfaces
+    std::uint32_t event_in = 0;  // index in the target's interfaces
     Way way = Way::route;
   };
   struct Member {
@@ -320,22 +321,22 @@ class Execution {
     Node* node = nullptr;
     NodeId id;
     EventSchema* schema = nullptr;
-    std::uint32_t first_slot = 0;  // by interface; of PROTO instances the ways down follow
-    std::uint32_t first_out = 0;   // of out_values_
-    std::uint32_t first_in = 0;    // connections that lead here; 0: none
-    std::size_t most = 0;          // bytes, see afford_most
+    std::uint32_t first_slot = 0;  // by interface; for PROTO instances, the slots of the `down` connections follow
+    std::uint32_t first_out = 0;   // index in out_values_
+    std::uint32_t first_in = 0;    // first connection that leads here; 0 means none
+    std::size_t most = 0;          // largest size in bytes; see afford_most
     std::uint32_t state = 0;
-    std::uint32_t bound_below = 0, bound_above = 0;  // bindable nodes: the stack of the type
-    std::uint32_t change = 0;                        // of changes_, from 1
-    std::uint32_t alarm = 0;                         // number of the call_at that counts; 0: none
+    std::uint32_t bound_below = 0, bound_above = 0;  // neighbours on the type's stack (bindable nodes)
+    std::uint32_t change = 0;                        // index in changes_, from 1
+    std::uint32_t alarm = 0;                         // number of the valid call_at request; 0 means none
     bool on_stack = false, running = false, listed = false, looking = false;
-    bool placed = false;  // on a stack, and seen in the transformation hierarchy since
-    bool refers = false;  // is one of referring_
+    bool placed = false;  // on a stack, and found in the transformation hierarchy since then
+    bool refers = false;  // listed in referring_
   };
   struct Sent {
     EventNode node;
     std::uint32_t interface;
-    std::uint32_t posted = 0;  // of posted_, from 1: an event for the node, where not 0
+    std::uint32_t posted = 0;  // if not 0: index from 1 in posted_, an event for the node
   };
   struct Alarm {
     double time;
@@ -347,13 +348,13 @@ class Execution {
   };
   struct SceneState {
     explicit SceneState(SceneGraph* of = nullptr) : scene(of) {}
-    SceneGraph* scene = nullptr;     // null: the place is free
+    SceneGraph* scene = nullptr;     // null if the entry is free
     std::vector<EventNode> members;  // by node index
     std::size_t nodes_seen = 1, routes_seen = 0;
     std::vector<NodeId> waiting;      // instances without content
-    std::vector<NodeId> at_run_time;  // nodes made then
+    std::vector<NodeId> at_run_time;  // nodes made at run time
     bool files_hold = true;           // the nodes of its file are held
-    bool lives = false;               // it was attached before: what it gets now comes at run time
+    bool lives = false;               // attached before: additions count as made at run time
   };
   struct NextWorld {
     SceneGraph* scene;
@@ -422,20 +423,21 @@ class Execution {
   std::vector<Slot> slots_;
   std::vector<Connection> connections_;  // [0] is unused
   std::vector<std::uint32_t> free_connections_, removed_connections_;
-  // Of removed nodes, to be used again; slots and values by how many there are in a row.
+  // Entries of removed nodes for reuse; slots and values are keyed by run length.
   std::vector<EventNode> free_members_, removed_members_;
   std::unordered_map<std::size_t, std::vector<std::uint32_t>> free_slots_, free_outs_;
   std::vector<std::size_t> free_scenes_;
-  std::vector<EventNode> referring_;  // nodes whose fields or eventOuts of nodes have changed
-  std::unordered_map<const SceneGraph*, std::unordered_map<std::uint32_t, std::size_t>> held_;  // by index of node
+  std::vector<EventNode> referring_;  // nodes with changed node fields or eventOuts
+  // Counts of `hold`, by node index.
+  std::unordered_map<const SceneGraph*, std::unordered_map<std::uint32_t, std::size_t>> held_;
   RemovalObserver removal_observer_;
-  std::size_t made_since_ = 0, next_removal_ = 0;  // nodes at run time, since something was removed last
+  std::size_t made_since_ = 0, next_removal_ = 0;  // counts of run-time nodes since the last removal
   bool removing_ = false;
   std::optional<NextWorld> next_world_;
-  std::uint64_t replaced_at_ = 0;  // the stamp of the moment in which the world was replaced last
+  std::uint64_t replaced_at_ = 0;  // stamp_ of the last replacement
   std::uint32_t replaced_ = 0;
   std::deque<FieldValue> out_values_;
-  std::unordered_map<std::uint64_t, std::uint32_t> routes_;  // connections by slots from and to
+  std::unordered_map<std::uint64_t, std::uint32_t> routes_;  // connections by source and target slot
   std::uint64_t routes_revision_ = 0;
   std::unordered_map<const NodeType*, std::unique_ptr<EventSchema>> schemas_;
   std::deque<SceneState> scenes_;
@@ -446,9 +448,9 @@ class Execution {
   bool has_scripts_ = false, started_ = false, starting_ = false;
   std::vector<EventNode> new_scripts_;
   std::size_t queue_next_ = 0;
-  std::vector<std::uint32_t> path_;  // of walk
+  std::vector<std::uint32_t> path_;  // used by walk
   std::vector<EventNode> running_, looking_;
-  std::vector<Alarm> alarms_;  // a heap, the earliest first
+  std::vector<Alarm> alarms_;  // heap, earliest first
   std::size_t live_alarms_ = 0;
   std::uint32_t alarm_number_ = 0;
   std::vector<Stack> stacks_;

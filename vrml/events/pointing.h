@@ -17,79 +17,79 @@
 
 namespace gs::vrml {
 
-/// A step of the way from the root of the world down to a Shape: a grouping node, an Inline, at last the Shape. A PROTO
-/// instance may stand above the node that stands for it.
+/// Step of the path from the root of the world down to a Shape: a grouping node, an Inline, or finally the Shape. A
+/// PROTO instance may precede the node that represents it.
 struct PathStep {
   const SceneGraph* scene = nullptr;
   NodeId node;
-  glm::dmat4 world_from_parent{1.0};  // of the coordinate system that the node stands in
+  glm::dmat4 world_from_parent{1.0};  // parent coordinate system of the node
 };
 
-/// The bearing of the pointing device (VRML97 4.6.7.5) and what it meets first, in world space.
+/// Bearing of the pointing device (VRML97 4.6.7.5) and its first intersection, in world space.
 struct Bearing {
-  glm::dvec3 origin{0}, direction{0, 0, -1};  // of any length
-  glm::dvec3 point{0}, normal{0};             // of the geometry; the normal of any length
+  glm::dvec3 origin{0}, direction{0, 0, -1};  // direction of any length
+  glm::dvec3 point{0}, normal{0};             // intersection; the normal has any length
   glm::dvec2 texture_coordinate{0};
 };
 
-/// Where the pointing device points, and whether its button is down.
+/// Bearing of the pointing device and state of its button.
 struct Pointer {
   Bearing bearing;
   bool down = false;
-  std::span<const PathStep> path;  // to the Shape that the bearing meets first; empty: it meets nothing
+  std::span<const PathStep> path;  // to the first Shape on the bearing; empty if there is none
 };
 
-/// What the pointer is over, for those who draw a pointer.
+/// Pointer target, for choosing a pointer shape.
 struct PointedAt {
-  bool sensor = false;      // it is over an enabled pointing-device sensor's geometry
-  bool active = false;      // a sensor has the pointer until the button is released
-  NodePlace anchor;         // the first Anchor that it is over; a null scene: none
-  std::string description;  // of that
+  bool sensor = false;      // over geometry of an enabled pointing-device sensor
+  bool active = false;      // a sensor holds the pointer until the button is released
+  NodePlace anchor;         // first Anchor below the pointer; null scene if none
+  std::string description;  // description of that Anchor
 };
 
-/// What a pointing-device sensor does (4.6.7.3): a part of its Behaviour. Numbers are places in Behaviour::events, -1
-/// where it has no such event. Pointing sends isOver and isActive; functions that are null have nothing to do.
+/// Pointing-device part of a Behaviour (4.6.7.3). Numbers are indices in Behaviour::events, -1 if the type has no such
+/// event. Pointing sends isOver and isActive. Null functions are not called.
 struct PointingSensor {
   int enabled = -1, is_over = -1, is_active = -1, description = -1;
-  bool of_children = false;  // it senses its own children (Anchor), and not its siblings
-  /// The pointer moved over its geometry.
+  bool of_children = false;  // senses its own children (Anchor) instead of its siblings
+  /// The pointer moved over the sensor's geometry.
   void (*hover)(Execution& execution, EventNode node, const Bearing& bearing,
                 const glm::dmat4& world_from_sensor) = nullptr;
-  /// It has the pointer from now on.
+  /// The sensor grabs the pointer.
   void (*press)(Execution& execution, EventNode node, const Bearing& bearing,
                 const glm::dmat4& world_from_sensor) = nullptr;
-  /// The pointer moved meanwhile.
+  /// The pointer moved while the sensor holds it.
   void (*drag)(Execution& execution, EventNode node, const Bearing& bearing) = nullptr;
-  /// The button was released; `over`: over its geometry.
+  /// The button was released; `over` tells whether the pointer is over the sensor's geometry.
   void (*release)(Execution& execution, EventNode node, bool over) = nullptr;
 };
 
-/// The pointing-device sensors of a world (4.6.7.3 to 4.6.7.5): which of them the pointer is over, and which have it
-/// while the button is down. A part of Execution.
+/// Pointing-device sensors of a world (4.6.7.3 to 4.6.7.5): tracks the sensors that the pointer is over, and those that
+/// hold it while the button is down. Part of Execution.
 ///
-/// The sensors of the lowest level that has enabled ones take part together. Those that it is over when the button
-/// goes down have the pointer until it is released, and no other one hears of it. A change that has no room in the
-/// present timestamp, since an isOver or isActive was sent with it, is made in the next step.
+/// The sensors of the lowest level with enabled ones act together. The sensors under the pointer at the press hold it
+/// until the release; no other sensor receives events meanwhile. If an isOver or isActive event was already sent with
+/// the present timestamp, the change waits for the next step.
 class Pointing {
  public:
   explicit Pointing(Execution& execution) : execution_(execution) {}
 
   void point(const Pointer& pointer);
-  /// Does what waited for a new timestamp.
+  /// Applies changes that waited for a new timestamp.
   void go_on();
-  /// What stands for PROTO instances may have changed.
+  /// Invalidates cached lists of siblings, since the content of PROTO instances may have changed.
   void forget() { siblings_.clear(); }
-  /// Whether something waits for a new timestamp.
+  /// Reports whether a change waits for a new timestamp.
   [[nodiscard]] bool waits() const { return !waiting_.empty(); }
   [[nodiscard]] PointedAt pointed_at() const;
-  /// The enabled sensors that take part where the bearing meets the Shape at the end of the path.
+  /// Returns the enabled sensors that act if the bearing hits the Shape at the end of the path.
   [[nodiscard]] std::vector<NodePlace> sensors_of(std::span<const PathStep> path);
 
-  /// Of the behaviours of sensors: `enabled` was received.
+  /// Handles a sensor's `enabled` event; called by the sensors' behaviours.
   void enable(EventNode node, bool enabled);
-  /// The sensor is removed from the world.
+  /// Forgets a sensor that is removed from the world.
   void remove(EventNode node);
-  /// Sends what a sensor owes that was disabled.
+  /// Sends the pending events of a disabled sensor.
   void settle(EventNode node);
 
  private:
@@ -100,10 +100,10 @@ class Pointing {
   struct Look {
     Bearing bearing;
     bool down;
-    std::vector<Sensed> sensed;  // of the lowest level
+    std::vector<Sensed> sensed;  // sensors of the lowest level
   };
   struct Siblings {
-    MFNode children;  // shares its storage with the field while that is unchanged
+    MFNode children;  // shares storage with the field until the field changes
     std::vector<NodeId> sensors;
   };
 
@@ -122,9 +122,9 @@ class Pointing {
   void tell(EventNode node, int event, bool value);
 
   Execution& execution_;
-  std::unordered_map<const NodeId*, Siblings> siblings_;  // of long lists of children, by where they are kept
-  std::vector<Sensed> over_, grabbed_;                    // with some that are that no longer: see PointingState
-  std::size_t active_ = 0;                                // of grabbed_
+  std::unordered_map<const NodeId*, Siblings> siblings_;  // for long lists of children, by address of the list
+  std::vector<Sensed> over_, grabbed_;  // may contain sensors that are no longer over or active; see PointingState
+  std::size_t active_ = 0;              // number of active entries of grabbed_
   std::deque<Look> waiting_;
   Bearing last_;
   bool pointed_ = false, down_ = false;

@@ -6,10 +6,10 @@
 
 namespace gs::vrml {
 
-/// Runs the programs of the Scripts of a world (VRML97 4.12), which are in a language that this room does not know.
+/// Runs the programs of a world's Scripts (VRML97 4.12), in languages that this room does not know.
 ///
-/// Execution calls it on its own thread. Programs act on the world by Execution's functions for Scripts, whose events
-/// go on when the program has returned.
+/// Execution calls it on its own thread. Programs act on the world through Execution's functions for Scripts; the
+/// events that they cause are delivered after the program returns.
 class ScriptHost {
  public:
   ScriptHost() = default;
@@ -17,21 +17,20 @@ class ScriptHost {
   ScriptHost(const ScriptHost&) = delete;
   ScriptHost& operator=(const ScriptHost&) = delete;
 
-  /// The Script is in the world, or its url is another one, or what was missing of it has come: runs its program and
-  /// initialize() (4.12.3), or asks for what it needs. False where it has none (yet).
+  /// Called when the Script enters the world, its url changes, or a missing resource has loaded. Runs the program and
+  /// initialize() (4.12.3), or requests what it needs. Returns false if there is no program yet.
   virtual bool begin(EventNode script) = 0;
-  /// An event of the time `time`. True where events_processed is to follow.
+  /// Delivers an event with timestamp `time`. Returns true if events_processed() must follow.
   virtual bool deliver(EventNode script, std::uint32_t interface, const FieldValue& value, double time) = 0;
-  /// No more events are there for it now (4.12.4).
+  /// Called when no more events are pending for the Script (4.12.4).
   virtual void events_processed(EventNode script) = 0;
-  /// shutdown() (4.12.3).
+  /// Calls shutdown() (4.12.3).
   virtual void end(EventNode script) = 0;
-  /// The node is gone.
+  /// Forgets a removed node.
   virtual void forget(EventNode script) = 0;
-  /// Whether the program has not begun, or waits for what is being fetched: events are kept for it meanwhile.
+  /// Reports whether the program has not started or waits for a fetch. Execution queues its events meanwhile.
   [[nodiscard]] virtual bool waits(EventNode script) const = 0;
-  /// False: what is left of the time for programs in this step is needed for other things. Events are kept until the
-  /// next one.
+  /// Returns false if this step's time for programs is used up. Execution then queues events until the next step.
   [[nodiscard]] virtual bool has_time() = 0;
 };
 

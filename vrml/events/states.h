@@ -12,59 +12,60 @@
 
 namespace gs::vrml {
 
-/// A time-dependent node (VRML97 4.6.9).
+/// State of a time-dependent node (VRML97 4.6.9).
 struct TimeState {
   bool active = false;
   bool cycle_sent = false;
-  bool delayed = false;  // due to start, but isActive was sent already with that timestamp
-  double cycle = 0;      // number of the cycle of the last step
-  double sent_at = -std::numeric_limits<double>::infinity();  // the time that the last outputs are of
-  // A set_startTime that came while the node was active, and when: it counts if the node stops at the same time.
+  bool delayed = false;  // due to start, but isActive was already sent with that timestamp
+  double cycle = 0;      // cycle number at the last step
+  double sent_at = -std::numeric_limits<double>::infinity();  // timestamp of the last outputs
+  // A set_startTime received while the node was active, and its timestamp: it applies if the node stops at the same
+  // time.
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();
 };
 
-/// An AudioClip or MovieTexture (6.4, 6.28).
+/// State of an AudioClip or MovieTexture (6.4, 6.28).
 struct MediaState {
   bool active = false;
   bool delayed = false;  // see TimeState
-  bool told = false;     // what it has been waiting for has come, or never will
-  bool holds = false;    // it has been active
-  double duration = -1;  // of the sound or movie, in seconds; negative: not known
-  double cycle = 0;      // the cycle that is the last one, where it does not loop
-  double held = 0;       // the position at which it became inactive
+  bool told = false;     // the sound or movie has loaded, or its load has failed
+  bool holds = false;    // it has been active before
+  double duration = -1;  // seconds; negative if unknown
+  double cycle = 0;      // last cycle if it does not loop
+  double held = 0;       // media position at which it became inactive
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();  // see TimeState
-  double stop_set = -std::numeric_limits<double>::infinity();                     // when stopTime was, while active
+  double stop_set = -std::numeric_limits<double>::infinity();  // time at which stopTime was set while active
 };
 
-/// A ProximitySensor (6.38), since it looked last.
+/// State of a ProximitySensor (6.38) at its last evaluation.
 struct ProximityState {
-  glm::dvec3 viewer{0};              // in the world
-  double time = 0;                   // when he was there
-  std::uint32_t jumps = 0;           // of his, until then
-  std::uint32_t place = 0;           // the last one of the sensor's in whose box he was
-  bool looked = false;               // and was on
-  bool passed = false;               // he has gone through the box between two steps, and its end is to be told
-  double left_at = 0;                // then
-  glm::dmat4 sensor_from_left{1.0};  // then
+  glm::dvec3 viewer{0};              // position in world space
+  double time = 0;                   // timestamp of that position
+  std::uint32_t jumps = 0;           // number of viewer jumps until then
+  std::uint32_t place = 0;           // last instance of the sensor that contained the viewer
+  bool looked = false;               // evaluated at least once while enabled
+  bool passed = false;               // the viewer crossed the box between two steps; exitTime is pending
+  double left_at = 0;                // exit time of that crossing
+  glm::dmat4 sensor_from_left{1.0};  // sensor transform at that time
 };
 
-/// A pointing-device sensor (4.6.7.3) that the pointer has been over.
+/// State of a pointing-device sensor (4.6.7.3) that the pointer has been over.
 struct PointingState {
   bool over = false, active = false;
-  bool owes_over = false, owes_active = false;  // FALSE, since it was disabled
-  std::uint32_t wanted = 0;                     // the last look that found it
-  std::uint32_t enabled_in = 0;                 // the press during which it was enabled
-  // Of drag sensors, since activation (4.6.7.4); in the coordinate system that the sensor had then.
-  bool tracks = false;            // that system is no singular one
-  bool sent = false;              // a value, in this drag
-  bool disk = false;              // of a CylinderSensor, rather than its cylinder
-  bool far_side = false;          // of the cylinder or sphere, as seen along the bearing
-  double radius = 0, turned = 0;  // turned: radians about the Y axis of a CylinderSensor, over full turns too
-  glm::dvec3 start{0};            // the point that was pointed at
+  bool owes_over = false, owes_active = false;  // FALSE events owed since it was disabled
+  std::uint32_t wanted = 0;                     // number of the last pointer update that found it
+  std::uint32_t enabled_in = 0;                 // number of the button press during which it was enabled
+  // Drag sensors, since activation (4.6.7.4); in the sensor's coordinate system at activation.
+  bool tracks = false;            // that coordinate system is invertible
+  bool sent = false;              // a value was sent in this drag
+  bool disk = false;              // CylinderSensor: disk mode instead of cylinder mode
+  bool far_side = false;          // drags the far side of the cylinder or sphere
+  double radius = 0, turned = 0;  // turned: rotation about a CylinderSensor's Y axis in radians, counting full turns
+  glm::dvec3 start{0};            // point on the geometry at activation
   glm::dmat4 sensor_from_world{1.0};
 };
 
-/// A Script (6.40).
+/// State of a Script (6.40).
 struct ScriptState {
   static constexpr std::size_t kMostKept = 10'000;
   static constexpr std::size_t kKeptCost = 16;
@@ -73,19 +74,19 @@ struct ScriptState {
     FieldValue value;
     double time = 0;
   };
-  std::deque<Kept> kept;        // events that have come before the program, or before there was time for them
-  bool begins = false;          // its url was set
-  bool owes_processed = false;  // eventsProcessed() is to be called
+  std::deque<Kept> kept;        // events received before the program started or had time to run
+  bool begins = false;          // url was set
+  bool owes_processed = false;  // eventsProcessed() must be called
   double processed_at = -std::numeric_limits<double>::infinity();
 };
 
-/// States of one kind, by number from 1; those of removed nodes are used again.
+/// Pool of states of one kind, numbered from 1. Numbers of removed nodes are reused.
 template <class T>
 class StatePool {
  public:
   [[nodiscard]] T& operator[](std::uint32_t place) { return states_[place]; }
   [[nodiscard]] const T& operator[](std::uint32_t place) const { return states_[place]; }
-  /// Whether `take` needs no new memory.
+  /// Reports whether `take` needs no new memory.
   [[nodiscard]] bool has_spare() const { return !free_.empty(); }
   [[nodiscard]] std::uint32_t take() {
     if (free_.empty()) {
@@ -107,7 +108,7 @@ class StatePool {
   std::vector<std::uint32_t> free_;
 };
 
-/// What behaviours keep of their nodes, by state_of; 0 is none.
+/// State that behaviours keep for their nodes, indexed by state_of; index 0 means none.
 struct Execution::States {
   StatePool<TimeState> times;
   StatePool<ProximityState> proximities;

@@ -10,20 +10,20 @@
 
 namespace gs::vrml {
 
-/// How the values of a Color, Normal or TextureCoordinate node meet the corners of the faces or
-/// polylines of a coordIndex (VRML97 6.23, 6.24).
+/// Assignment of the values of a Color, Normal or TextureCoordinate node to the corners of faces or polylines in a
+/// coordIndex (VRML97 6.23, 6.24).
 enum class Binding : std::uint8_t {
-  none,           // there are no values
-  by_vertex,      // one a coordinate, chosen by coordIndex
-  by_corner,      // chosen by an index that stands where the corner's coordIndex stands
-  by_face,        // one a face, in order
-  by_face_index,  // one a face, chosen by the face's index
+  none,           // no values
+  by_vertex,      // one per coordinate, chosen by coordIndex
+  by_corner,      // chosen by the index at the corner's position in coordIndex
+  by_face,        // one per face, in order
+  by_face_index,  // one per face, chosen by the face's index
 };
 
-/// No value for this corner.
+/// Marks a corner without a value.
 inline constexpr std::uint32_t kMissing = 0xffffffff;
 
-/// Values, the node's index field for them, and what the two mean together.
+/// Values of an attribute, their index field, and the binding of both.
 template <class T>
 struct Attribute {
   Array<T> values;
@@ -31,15 +31,15 @@ struct Attribute {
   Binding binding = Binding::none;
 
   Attribute() = default;
-  /// `per_vertex` is the node's field of that name; `index` its xxxIndex.
+  /// `per_vertex` is the node's field colorPerVertex or normalPerVertex; `index` is its index field.
   Attribute(Array<T> all, bool per_vertex, MFInt32 indices) : values(std::move(all)), index(std::move(indices)) {
     if (values.empty()) return;
     binding = per_vertex ? (index.empty() ? Binding::by_vertex : Binding::by_corner)
                          : (index.empty() ? Binding::by_face : Binding::by_face_index);
   }
 
-  /// Place of the value in `values`, always inside it, or kMissing. `corner` is a place in
-  /// coordIndex, `vertex` what stands there, `face` the ordinal of the face.
+  /// Returns the index of the value in `values`, always valid, or kMissing. `corner` is a position in coordIndex,
+  /// `vertex` the index stored there, `face` the ordinal of the face.
   [[nodiscard]] std::uint32_t find(std::size_t corner, std::uint32_t vertex, std::size_t face) const {
     std::uint32_t wanted = kMissing;
     switch (binding) {
@@ -61,18 +61,19 @@ struct Attribute {
     return wanted < values.size() ? wanted : kMissing;
   }
 
-  /// The same, but where the value is missing the one of the vertex itself or the last one; kMissing
-  /// only when there are none.
+  /// Like find(), but replaces a missing value by that of the vertex, else by the last one. Returns kMissing only if
+  /// there are no values.
   [[nodiscard]] std::uint32_t find_or_nearest(std::size_t corner, std::uint32_t vertex, std::size_t face) const {
     const std::uint32_t found = find(corner, vertex, face);
     if (found != kMissing || values.empty()) return found;
     return vertex < values.size() ? vertex : static_cast<std::uint32_t>(values.size() - 1);
   }
 
-  /// Exporters often write the coordIndex a second time. Says so by the binding, which allows sharing.
+  /// Turns by_corner into by_vertex if the index repeats coordIndex, as many exporters write it. This permits sharing.
   void simplify(std::span<const std::int32_t> coord_index);
 
-  /// Brings a by_vertex attribute to `count` values, sharing them if they are so many already. Adds `filling`.
+  /// Resizes a by_vertex attribute to `count` values and pads with `filling`. Shares storage if the size is already
+  /// right.
   void fit(std::size_t count, T filling) {
     const std::size_t had = values.size();
     if (had == count) return;
@@ -89,7 +90,7 @@ struct Attribute {
 template <class T>
 void Attribute<T>::simplify(std::span<const std::int32_t> coord_index) {
   if (binding != Binding::by_corner || index.size() < coord_index.size()) {
-    // The end marker of the last face may be left out on either side.
+    // Either index may omit the end marker of the last face.
     if (binding != Binding::by_corner || index.size() + 1 != coord_index.size() || coord_index.back() >= 0) return;
     coord_index = coord_index.first(index.size());
   }

@@ -11,16 +11,15 @@
 
 namespace gs::vrml {
 
-/// Unit normal by the right hand rule of a polygon of at least three corners; zero where it has no
-/// area at all. `scratch` is memory to work in.
+/// Returns the unit normal of a polygon of at least three corners by the right-hand rule; zero if its area is zero.
+/// `scratch` is working memory.
 [[nodiscard]] glm::vec3 face_normal(std::span<const std::uint32_t> corners, std::span<const std::int32_t> coord_index,
                                     std::span<const glm::vec3> points, std::vector<glm::vec3>& scratch);
 
-/// Normals for faces that have none of their own (VRML97 4.6.3.5): at each corner the mean, weighted
-/// by area, of the normals of those faces around the vertex whose angle with the corner's own face is
-/// less than `crease_angle` (radians, > 0). One value a coordinate where no edge is sharp (by_vertex),
-/// else with an index (by_corner). About linear in the corners, whatever the input; around vertices of
-/// more than 256 faces the angles are taken between groups of faces that look nearly the same way.
+/// Generates normals for faces without given normals (VRML97 4.6.3.5). Each corner gets the area-weighted mean of the
+/// normals of the faces around the vertex that form an angle below `crease_angle` with the corner's face (radians, >
+/// 0). The result is by_vertex if no edge is sharp, else by_corner with an index. Takes about linear time for any
+/// input: around vertices of more than 256 faces, it compares groups of faces with similar normals.
 [[nodiscard]] Attribute<glm::vec3> crease_normals(std::span<const std::int32_t> coord_index,
                                                   std::span<const glm::vec3> points, const UsableVertices& vertices,
                                                   bool ccw, float crease_angle);

@@ -10,35 +10,34 @@
 
 namespace gs::vrml {
 
-/// Walks the faces of a coordIndex. Any negative number ends a face; the last end may be missing
-/// (VRML97 6.23). Passes over faces that cannot be drawn: fewer than three different vertices, or a
-/// vertex that does not exist or is not finite. Corners that repeat the one before (or the first one
-/// at the end, as exporters write it) are left out.
+/// Iterates over the faces of a coordIndex. Any negative number ends a face; the last end marker is optional (VRML97
+/// 6.23). Skips faces that cannot be drawn: with fewer than three different vertices, or with a vertex that does not
+/// exist or is not finite. Drops corners that repeat the previous one, or the first one at the end of a face.
 class FaceReader {
  public:
-  /// Neither `coord_index` nor `vertices` is copied. With `ccw` FALSE the corners come in reverse.
+  /// Keeps references to `coord_index` and `vertices`. If `ccw` is false, it reverses the corners.
   FaceReader(std::span<const std::int32_t> coord_index, const UsableVertices& vertices, bool ccw)
       : index_(coord_index), vertices_(vertices), ccw_(ccw) {}
 
-  /// Goes to the next face that can be drawn. False at the end.
+  /// Moves to the next drawable face. Returns false at the end.
   bool next() {
     while (next_ < index_.size())
       if (read()) return true;
     return false;
   }
-  /// Reads one face. False when it is passed over. Only while position() is in coordIndex.
+  /// Reads one face; call it only while position() is inside coordIndex. Returns false if it skips the face.
   bool read();
-  /// Place in coordIndex behind the face.
+  /// Returns the position in coordIndex after the face.
   [[nodiscard]] std::size_t position() const { return next_; }
-  /// Passes over `faces` faces that the caller has read itself, up to `position`.
+  /// Skips `faces` faces that the caller has read itself, up to `position`.
   void skip_to(std::size_t position, std::size_t faces) {
     next_ = position;
     next_face_ += faces;
   }
 
-  /// Ordinal of the face, counting every one.
+  /// Returns the ordinal of the face, counting skipped ones.
   [[nodiscard]] std::size_t face() const { return next_face_ - 1; }
-  /// Places in coordIndex, at least three, counter-clockwise.
+  /// Returns at least three positions in coordIndex, counter-clockwise.
   [[nodiscard]] std::span<const std::uint32_t> corners() const { return {corners_.data(), count_}; }
   [[nodiscard]] std::uint32_t vertex(std::uint32_t corner) const { return static_cast<std::uint32_t>(index_[corner]); }
 

@@ -17,7 +17,7 @@ namespace gs::vrml {
 
 class TextShaper;
 
-/// An axis-aligned box; empty when lower > upper.
+/// Axis-aligned box; empty if lower > upper.
 struct Bounds {
   glm::vec3 lower{std::numeric_limits<float>::infinity()};
   glm::vec3 upper{-std::numeric_limits<float>::infinity()};
@@ -36,60 +36,59 @@ struct Bounds {
   [[nodiscard]] glm::vec3 size() const { return upper - lower; }
 };
 
-/// The geometry of one Shape, ready to draw; no GL in it. Node space, metres.
+/// Geometry of one Shape, ready to draw, without GL objects. Node space, metres.
 ///
-/// Arrays share their storage with the fields they came from where the layout allows it.
+/// Arrays share storage with the fields they came from where the layout permits it.
 struct Mesh {
   enum class Primitive : std::uint8_t { triangles, lines, points };
 
   Primitive primitive = Primitive::triangles;
   Array<glm::vec3> positions;
-  Array<glm::vec3> normals;              // empty, or one unit vector a position
-  Array<Color> colors;                   // empty, or one a position; replaces diffuseColor / emissiveColor
-  Array<glm::vec2> texture_coordinates;  // empty, or one (s, t) a position
-  Array<std::uint32_t> indices;          // 3, 2 or 1 a primitive; every one < positions.size()
+  Array<glm::vec3> normals;              // empty, or one unit vector per position
+  Array<Color> colors;                   // empty, or one per position; replaces diffuseColor / emissiveColor
+  Array<glm::vec2> texture_coordinates;  // empty, or one (s, t) per position
+  Array<std::uint32_t> indices;          // 3, 2 or 1 per primitive; all < positions.size()
   bool solid = true;                     // back faces need not be drawn
   bool lit = true;                       // false for lines and points (VRML97 4.14.2)
-  bool convex = false;                   // no front face hides another: they belong to a convex body
-  bool left_out = false;                 // the limit for meshes, or the end of the time, took some or all of it
-  bool pictured = false;                 // texture_coordinates are of the TextShaper's picture of glyphs
-  float font_size = 0;                   // of a Text, in node space; 0 of what MeshOptions::text_level does not change
-  Bounds bounds;                         // of the positions that are used
-  /// The same surface with fewer triangles, for who sees it small; null: there is none. No point of it is farther from
-  /// this one than `coarser_error`, as a part of the radius of the sphere around `bounds`.
+  bool convex = false;                   // no front face hides another: the faces lie on a convex body
+  bool left_out = false;                 // a memory or time limit removed some or all of it
+  bool pictured = false;                 // texture_coordinates refer to the TextShaper's glyph atlas
+  float font_size = 0;                   // of a Text, in node space; 0 if MeshOptions::text_level has no effect
+  Bounds bounds;                         // of the positions in use
+  /// The same surface with fewer triangles, for small projections; null if there is none. Its distance from this mesh
+  /// is at most `coarser_error`, relative to the radius of the sphere around `bounds`.
   std::shared_ptr<const Mesh> coarser;
   float coarser_error = 0;
 
   [[nodiscard]] bool empty() const { return indices.empty(); }
-  /// What it takes of Resource::meshes, with the copy of those who draw it: arrays that it shares with fields once.
+  /// Returns the cost in Resource::meshes, including the renderer's copy. Arrays shared with fields count once.
   [[nodiscard]] std::uint64_t cost() const;
 };
 
-/// How finely curved primitives are cut, and what may be left out.
+/// Level of detail of curved primitives, and optional parts.
 struct MeshOptions {
   int segments = 32;  // around a full circle; at least 3
-  /// Give an IndexedFaceSet without texCoord the default coordinates of VRML97 6.23. False saves
-  /// the work where no texture is drawn.
+  /// Give an IndexedFaceSet without texCoord the default coordinates of VRML97 6.23. Set it to false to save the work
+  /// if no texture is drawn.
   bool texture_coordinates = true;
-  /// Of a Box, Cone, Cylinder or Sphere: the one with the default measures, in the place of its own.
+  /// Box, Cone, Cylinder or Sphere: use the default measures instead of the node's.
   bool default_measures = false;
-  /// Of an OutlineGroup: the one that refines it, whose polygons are drawn with it; null: none.
+  /// OutlineGroup: another one that refines it and is drawn with it; null if there is none.
   NodeId refiner{};
-  /// Who knows fonts; without one, Text is empty. Must outlive the call. At kTextPictures it has a picture of glyphs,
-  /// in whose place no texture of the Shape can be.
+  /// Font access; without it, Text is empty. Must outlive the call. At level kTextPictures it draws text from a glyph
+  /// atlas, which takes the place of the Shape's texture.
   TextShaper* text_shaper = nullptr;
-  std::size_t text_level = 1;  // of kTextTolerances (vrml/mesh/text_shaper.h): how finely glyphs are cut
+  std::size_t text_level = 1;  // index in kTextTolerances (vrml/mesh/text_shaper.h): detail of glyphs
 };
 
-/// The mesh of a geometry node, in counter-clockwise order seen from the front whatever the node's
-/// `ccw` says. Broken input (indices out of range, NaN coordinates, degenerate polygons) loses the
-/// faces it touches and nothing else. Empty for a node that is no geometry or has none.
-/// `geometry` may be a PROTO instance. Memory for the work is drawn from the scene's budget and given back; the mesh's
-/// own is for the caller to draw. Any thread that owns the scene.
+/// Tessellates a geometry node. Triangles are counter-clockwise seen from the front, whatever the node's `ccw` field
+/// says. Broken input (indices out of range, NaN coordinates, degenerate polygons) loses only the affected faces.
+/// Returns an empty mesh for other nodes. `geometry` may be a PROTO instance. Working memory is drawn from the scene's
+/// budget and given back; the caller accounts for the mesh itself. Runs on any thread that owns the scene.
 [[nodiscard]] Mesh tessellate(const SceneGraph& scene, NodeId geometry, const MeshOptions& options = {});
 
-/// What makes a Box, Cone, Cylinder or Sphere of one with the default measures, along its axes: so that worlds of
-/// thousands share one mesh. Nothing for any other node, and for measures that are none.
+/// Returns the axis scale that turns the default Box, Cone, Cylinder or Sphere into this one, so that many nodes share
+/// one mesh. Returns nullopt for other nodes and invalid measures.
 [[nodiscard]] std::optional<glm::vec3> scale_of_primitive(const SceneGraph& scene, NodeId geometry);
 
 }  // namespace gs::vrml

@@ -10,20 +10,20 @@
 
 namespace gs::vrml {
 
-/// Newell's vector of a polygon, its corners relative to the first one: its direction is the normal
-/// by the right hand rule, its length twice the area. Exact to the rounding of doubles.
+/// Returns Newell's vector of a polygon, computed relative to its first corner. The direction is the normal by the
+/// right-hand rule, the length twice the area. Exact up to rounding of doubles.
 [[nodiscard]] glm::dvec3 newell_vector(std::span<const glm::vec3> polygon);
 
-/// Cuts polygons, also concave ones and ones whose holes are reached by a cut (VRML97 6.23,
-/// `convex FALSE`), into triangles by ear clipping. Keeps its memory from one polygon to the next.
+/// Triangulates polygons by ear clipping, including concave ones and ones with holes joined by bridge edges (VRML97
+/// 6.23, `convex FALSE`). Reuses its memory from one polygon to the next.
 ///
-/// Takes any finite coordinates. A simple planar polygon of n corners gives n - 2 triangles that
-/// cover it exactly, fewer where corners coincide; any other gives some triangles between its
-/// corners. Costs about n log n for polygons met in practice; at most 512 n short steps, and few
-/// tries with polygons that cross themselves, after which what is left becomes a fan.
+/// Accepts any finite coordinates. A simple planar polygon of n corners gives n - 2 triangles that cover it exactly, or
+/// fewer if corners coincide. Any other polygon gives some triangles between its corners. Takes about n log n for
+/// practical polygons, and at most 512 n short steps. After a few failed attempts on a self-intersecting polygon, the
+/// rest becomes a fan.
 class PolygonTriangulator {
  public:
-  /// Three indices into `polygon` a triangle, in the winding of the polygon. Valid until the next call.
+  /// Returns three indices into `polygon` per triangle, in the winding of the polygon. Valid until the next call.
   [[nodiscard]] std::span<const std::uint32_t> triangulate(std::span<const glm::vec3> polygon);
 
  private:
@@ -55,23 +55,22 @@ class PolygonTriangulator {
   std::vector<std::uint32_t> triangles_;
   std::vector<glm::dvec2> points_;
   std::vector<std::uint32_t> previous_, next_;
-  // Corners that are not strictly convex, the only ones that can stand in an ear: as a list, each
-  // corner's place in that list, and, when they are many, in the cells of a grid. Cells keep
-  // corners that have left the list since.
+  // Corners that are not strictly convex, the only ones that can lie in an ear: a list, the index of each corner in
+  // that list, and a grid if there are many. Grid cells may contain corners that have since left the list.
   std::vector<std::uint32_t> reflex_, place_;
   std::vector<std::uint32_t> cell_head_, cell_next_;
   std::vector<bool> in_grid_;
-  // Corners to try, in this order; an entry counts only while it is the corner's latest.
+  // Queue of corners to try; an entry is valid only while it is the corner's latest.
   struct Candidate {
     std::uint32_t corner, turn;
   };
   std::vector<Candidate> queue_;
   std::vector<std::uint32_t> turn_;
   std::size_t queue_head_ = 0;
-  std::vector<std::uint32_t> changed_;  // corners that have new neighbours
-  std::uint32_t first_ = 0;             // some corner of the ring
+  std::vector<std::uint32_t> changed_;  // corners with new neighbours
+  std::uint32_t first_ = 0;             // any corner of the ring
   glm::dvec2 grid_origin_{0}, grid_scale_{0};
-  std::size_t columns_ = 0, rows_ = 0;  // 0 while there is no grid
+  std::size_t columns_ = 0, rows_ = 0;  // 0 if there is no grid
   std::size_t grid_filling_ = 0;
   std::size_t remaining_ = 0;
   std::size_t steps_left_ = 0;

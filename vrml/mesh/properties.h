@@ -4,8 +4,8 @@
 
 namespace gs::vrml {
 
-// The values of the geometric property node (VRML97 4.6.3.2), or of a PROTO instance of one, that
-// stands in the field of that name of `geometry`. Shared with the node; empty where there is none.
+// Return the values of the geometric property node (VRML97 4.6.3.2) in the named field of `geometry`, or of a PROTO
+// instance there. Share storage with the node; empty if there is no such node.
 
 [[nodiscard]] inline MFVec3f coordinates_of(const SceneGraph& scene, NodeId geometry) {
   const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "coord"), NodeKind::coordinate);

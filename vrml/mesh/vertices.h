@@ -10,16 +10,16 @@
 
 namespace gs::vrml {
 
-/// More corners than this of one node are not read; their indices must fit into an Int32 all through.
+/// Maximum number of corners read per node, so that indices fit into an Int32.
 inline constexpr std::size_t kMaximumCorners = std::size_t{1} << 28;
 
-/// Which coordinates may be used: those with three finite components.
+/// Set of usable coordinates: those with three finite components.
 class UsableVertices {
  public:
   /// `points` must outlive this.
   explicit UsableVertices(std::span<const glm::vec3> points);
 
-  /// For any `vertex`, also one outside the points.
+  /// Reports whether `vertex` is usable; it may be out of range.
   [[nodiscard]] bool contains(std::uint32_t vertex) const {
     return vertex < count_ && (not_finite_.empty() || !not_finite_[vertex]);
   }
@@ -28,28 +28,28 @@ class UsableVertices {
 
  private:
   std::size_t count_;
-  std::vector<std::uint8_t> not_finite_;  // empty while all are finite
+  std::vector<std::uint8_t> not_finite_;  // empty if all are finite
 };
 
-/// The box of the points whose `used` byte is not zero.
+/// Returns the box of the points with a non-zero `used` byte.
 [[nodiscard]] Bounds bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t> used);
 [[nodiscard]] Bounds bounds_of(std::span<const glm::vec3> points);
 
-/// The mapping by the bounding box that VRML97 6.23 gives to an IndexedFaceSet without texCoord: S along
-/// the longest side (X before Y before Z), T along the next, both divided by the longest.
+/// Returns the bounding-box mapping of an IndexedFaceSet without texCoord (VRML97 6.23): S along the longest side (X
+/// before Y before Z), T along the next; both are divided by the longest.
 [[nodiscard]] MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Bounds& bounds);
 
-/// Coordinates that one node uses out of a much larger Coordinate node, as when many faces USE it.
+/// Subset of a much larger Coordinate node that one node uses, as when many faces USE it.
 struct Compaction {
-  MFInt32 index;                    // coordIndex into `kept`; end markers stay, bad indices stay bad
-  std::vector<std::uint32_t> kept;  // old places of the used coordinates
+  MFInt32 index;                    // coordIndex into `kept`; end markers and invalid indices stay
+  std::vector<std::uint32_t> kept;  // old indices of the used coordinates
 };
 
-/// True when the points are so many more than the corners that they should not be shared.
+/// Reports whether there are so many more points than corners that sharing them would waste memory.
 [[nodiscard]] bool needs_compaction(std::size_t points, std::size_t corners);
 [[nodiscard]] Compaction compact(std::span<const std::int32_t> coord_index, std::size_t points);
 
-/// The kept ones of `values`, `filling` where there is none.
+/// Returns the elements of `values` at the indices `kept`; `filling` if an index is out of range.
 template <class T>
 [[nodiscard]] Array<T> gather(const Array<T>& values, std::span<const std::uint32_t> kept, const T& filling) {
   Array<T> gathered;
@@ -59,7 +59,7 @@ template <class T>
   return gathered;
 }
 
-/// Takes what of `coord_index` may be read at all.
+/// Returns the part of `coord_index` within kMaximumCorners.
 [[nodiscard]] inline std::span<const std::int32_t> readable(const MFInt32& coord_index) {
   const std::span<const std::int32_t> all = coord_index.span();
   return all.size() > kMaximumCorners ? all.first(kMaximumCorners) : all;

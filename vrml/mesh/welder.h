@@ -9,7 +9,7 @@
 
 namespace gs::vrml {
 
-/// What one vertex of a mesh is made of: places in the arrays of the node, or kMissing.
+/// Parts of one mesh vertex: indices in the node's arrays, or kMissing.
 struct VertexParts {
   std::uint32_t position = 0;
   std::uint32_t normal = kMissing;
@@ -18,11 +18,10 @@ struct VertexParts {
   friend bool operator==(const VertexParts&, const VertexParts&) = default;
 };
 
-/// Gives corners that are made of the same parts the same vertex.
+/// Gives corners with the same parts the same vertex.
 ///
-/// Vertices hang on chains, one for each value of some part; a chain is as short as the vertices with
-/// the same value of that part have different looks. One longer than kLongestChain is not searched
-/// further, so that no input is slow.
+/// Vertices are chained by the value of one part; chains are short unless many vertices share that value but differ in
+/// others. The search stops after kLongestChain vertices, so that hostile input is not slow.
 class Welder {
  public:
   explicit Welder(std::size_t chains) : first_(chains, kMissing) {
@@ -30,7 +29,8 @@ class Welder {
     next_.reserve(chains);
   }
 
-  /// `chain` is the value of the part by which the chains go, less than their number.
+  /// Returns the vertex of `parts`, adding it if needed. `chain` is the value of the chaining part, below the number of
+  /// chains.
   [[nodiscard]] std::uint32_t add(const VertexParts& parts, std::size_t chain) {
     std::uint32_t vertex = first_[chain];
     for (int step = 0; vertex != kMissing && step < kLongestChain; ++step) {
@@ -53,7 +53,7 @@ class Welder {
   std::vector<VertexParts> vertices_;
 };
 
-/// One value a vertex out of `values`, at the place that `part` names; `filling` for kMissing.
+/// Returns one value of `values` per vertex, at the index in `part`; `filling` for kMissing.
 template <class T>
 [[nodiscard]] Array<T> gather(const Array<T>& values, std::span<const VertexParts> vertices,
                               std::uint32_t VertexParts::*part, const T& filling) {

@@ -12,13 +12,12 @@
 
 namespace gs::vrml {
 
-/// A growable array that shares its storage between copies until one of them is changed.
+/// Growable array with copy-on-write storage.
 ///
-/// Field values travel through DEF/USE, PROTO instances, events and meshes; sharing makes each of
-/// those a pointer copy. The reference count is atomic, so copies may live on different threads;
-/// one object must not be used from two threads at once. Storage of trivially copyable elements
-/// grows with realloc, which moves pages instead of bytes for large arrays. An empty array owns
-/// nothing. Throws std::bad_alloc when memory ends.
+/// Field values pass through DEF/USE, PROTO instances, events and meshes; sharing makes each copy a pointer copy. The
+/// reference count is atomic: copies may live on different threads, but one object must not be used by two threads at
+/// once. Storage of trivially copyable elements grows with realloc, which moves pages instead of bytes for large
+/// arrays. An empty array owns nothing. Throws std::bad_alloc if memory is exhausted.
 template <class T>
 class Array {
  public:
@@ -48,12 +47,12 @@ class Array {
   [[nodiscard]] const T& back() const { return (*this)[size() - 1]; }
   [[nodiscard]] std::span<const T> span() const { return {data(), size()}; }
 
-  /// True when other arrays use the same storage.
+  /// Reports whether other arrays use the same storage.
   [[nodiscard]] bool shared() const { return block_ && block_->references.load(std::memory_order_acquire) != 1; }
-  /// True when both arrays use the very same storage.
+  /// Reports whether both arrays use the same storage.
   [[nodiscard]] bool shares_with(const Array& other) const { return block_ == other.block_; }
 
-  /// Write access; un-shares first. Null when empty.
+  /// Returns writable elements; un-shares first. Returns null if empty.
   [[nodiscard]] T* mutable_data() {
     if (!block_) return nullptr;
     own(block_->size);
@@ -92,13 +91,13 @@ class Array {
     release();
     block_ = nullptr;
   }
-  /// Gives back the spare capacity of an unshared array.
+  /// Releases the spare capacity of an unshared array.
   void shrink_to_fit() {
     if (block_ && !shared() && block_->capacity > block_->size) reallocate(block_->size);
   }
 
-  /// Room for at least `count` more elements after the last one; trivially copyable types only.
-  /// Write there, then call `commit` with how many were written.
+  /// Returns room for at least `count` more elements after the last one; trivially copyable types only. Write there,
+  /// then call `commit` with the number written.
   [[nodiscard]] T* prepare(std::size_t count) requires std::is_trivially_copyable_v<T> {
     if (size() + count > capacity() || shared()) own(grown(size() + count));
     return block_ ? elements(block_) + block_->size : nullptr;
@@ -128,7 +127,8 @@ class Array {
     if (capacity > (SIZE_MAX / 2 - kHeader) / sizeof(T)) throw std::bad_alloc();
     return kHeader + capacity * sizeof(T);
   }
-  // The room of a copy follows what is in it: that of a copy of a copy of a copy would grow without end.
+  // A copy's capacity grows from its size, not from the source's capacity, or copies of copies would grow without
+  // limit.
   [[nodiscard]] std::size_t grown(std::size_t least) const {
     const std::size_t doubled = (shared() ? size() : capacity()) * 2;
     return least > doubled ? (least < 4 ? 4 : least) : doubled;
@@ -138,7 +138,7 @@ class Array {
     if (!memory) throw std::bad_alloc();
     return new (memory) Block{{1}, 0, capacity};
   }
-  /// Makes this the only owner, with exactly `capacity` >= size() places.
+  /// Makes this the only owner, with exactly `capacity` >= size() elements of room.
   void own(std::size_t capacity) {
     if (!block_) {
       block_ = allocate(capacity);

@@ -12,8 +12,8 @@
 
 namespace gs::vrml {
 
-/// What one world has spent of its limits, and whether work for it should go on. Every allocation whose size a file
-/// chooses is drawn from here first. Any thread, but for `stop_when`.
+/// Amounts that one world has used of its limits, and its cancellation check. Every allocation with a size that a file
+/// determines is drawn from here first. Thread-safe, except for `stop_when`.
 class Budget {
  public:
   explicit Budget(const Limits& limits = {}) : limits_(limits) {}
@@ -21,25 +21,25 @@ class Budget {
   Budget& operator=(const Budget&) = delete;
 
   [[nodiscard]] const Limits& limits() const { return limits_; }
-  /// Draws `amount` units; false, and nothing is drawn, where there are not so many left.
+  /// Draws `amount` units. Returns false and draws nothing if fewer are left.
   [[nodiscard]] bool take(Resource resource, std::uint64_t amount);
   void give_back(Resource resource, std::uint64_t amount);
-  /// Units that can still be drawn; of all, and so far.
+  /// Return the units of a resource that are left, the limit, and the units used.
   [[nodiscard]] std::uint64_t left(Resource resource) const;
   [[nodiscard]] std::uint64_t limit(Resource resource) const;
   [[nodiscard]] std::uint64_t used(Resource resource) const;
-  /// Why more cannot be drawn: "more than the limit for meshes, 1024 MiB of one world (--memory raises it)"; where
-  /// there is enough of that, the limit for all that is held.
+  /// Returns why no more can be drawn: "more than the limit for meshes, 1024 MiB of one world (--memory raises it)". If
+  /// that resource has enough left, the message names the limit for all held memory.
   [[nodiscard]] std::string refusal(Resource resource) const;
 
-  /// The first of `count` numbers that no other node of the world has got, for the generations of NodeIds. They begin
-  /// anew behind 2^32, where only an id that was kept all the while could be taken for another.
+  /// Reserves `count` generations for NodeIds, unique in the world, and returns the first. They wrap at 2^32; only an
+  /// id kept for that long could be mistaken for another.
   [[nodiscard]] std::uint32_t take_generations(std::uint32_t count) {
     return generations_.fetch_add(count, std::memory_order_relaxed);
   }
 
-  /// Work for the world is given up when this says so: the time is over, or somebody has cancelled it. Null: never.
-  /// Not while other threads work for the world. Long loops ask `stopped` at least ten times a second.
+  /// Sets the check that cancels work for the world, for example on timeout; null means never. Do not call it while
+  /// other threads work for the world. Long loops call `stopped` at least ten times a second.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
   [[nodiscard]] bool stopped() const { return stop_ && stop_(); }
 
@@ -51,7 +51,7 @@ class Budget {
   std::function<bool()> stop_;
 };
 
-/// What was drawn from a budget for something, given back with it.
+/// Amount drawn from a budget for one object, given back on destruction.
 class Share {
  public:
   Share() = default;
@@ -68,7 +68,7 @@ class Share {
     if (budget_ && amount_ > 0) budget_->give_back(resource_, amount_);
   }
 
-  /// Draws more; false, and nothing is drawn, where there is not so much left. True where there is no budget.
+  /// Draws more. Returns false and draws nothing if less is left. Without a budget it always succeeds.
   [[nodiscard]] bool grow(std::uint64_t amount) {
     if (budget_ && !budget_->take(resource_, amount)) return false;
     amount_ += amount;

@@ -7,7 +7,7 @@
 
 namespace gs::vrml {
 
-/// A place in a text: line and column count from 1, the column in bytes. {0, 0}: the whole file.
+/// Position in a text. Line and column count from 1; the column counts bytes. {0, 0} means the whole file.
 struct SourceLocation {
   std::uint32_t line = 0;
   std::uint32_t column = 0;
@@ -16,19 +16,19 @@ struct SourceLocation {
 
 enum class Severity : std::uint8_t { note, warning, error };
 
-/// What is wrong, where, and what was expected.
+/// Message about a problem, its position, and the expected input.
 struct Diagnostic {
   Severity severity = Severity::error;
   std::string file;
   SourceLocation location;
   std::string message;
 
-  /// `file:line:col: error: message`, or `file: error: message` when no line is known.
+  /// Returns `file:line:col: error: message`, or `file: error: message` if the line is unknown.
   [[nodiscard]] std::string text() const;
 };
 
-/// The diagnostics of one load. Counts all, keeps the first `capacity` of them, so that a hostile
-/// file cannot fill memory with complaints.
+/// Diagnostics of one load. Counts all but keeps only the first `capacity`, so that a hostile file cannot exhaust
+/// memory.
 class Diagnostics {
  public:
   static constexpr std::size_t kCapacity = 1000;
@@ -41,7 +41,7 @@ class Diagnostics {
   [[nodiscard]] const std::vector<Diagnostic>& entries() const { return entries_; }
   [[nodiscard]] std::size_t errors() const { return errors_; }
   [[nodiscard]] std::size_t warnings() const { return warnings_; }
-  /// How many were counted and not kept.
+  /// Returns the number of diagnostics that were counted but not kept.
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
 
  private:

@@ -13,7 +13,7 @@
 
 namespace gs::vrml {
 
-/// UTF-8 text of an SFString. Shares its bytes between copies.
+/// UTF-8 text of an SFString. Copies share storage.
 class String {
  public:
   String() = default;
@@ -42,9 +42,8 @@ struct Rotation {
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
-/// An SFImage (VRML97 5.5): width, height, components (0..4), then one word a pixel, lower left
-/// first, the components in its low bytes with the first component highest. Kept as the text has
-/// it, so that a value is one pointer.
+/// SFImage (VRML97 5.5): width, height, components (0..4), then one word per pixel from the lower left, first component
+/// in the highest used byte. Stored as the file has it, so that a value is one pointer.
 struct PixelImage {
   Array<std::uint32_t> words;  // empty, or 3 + width * height
 
@@ -57,9 +56,9 @@ struct PixelImage {
   friend bool operator==(const PixelImage& a, const PixelImage& b) { return a.words == b.words; }
 };
 
-/// A node of a SceneGraph: a place in its arena and a generation, which is another one for each node of a world, so
-/// that an id is unique over the root, its Inlines and what is made at run time, and stays so when the place is used
-/// again. {0, 0} is NULL. To be looked up only in the SceneGraph that made it.
+/// Identifier of a node: its index in the arena of a SceneGraph, and a generation that is unique in the world. An id
+/// thus stays unique across the root, its Inlines and run-time nodes, even after its index is reused. {0, 0} is NULL.
+/// Look it up only in the SceneGraph that created it.
 struct NodeId {
   std::uint32_t index = 0;
   std::uint32_t generation = 0;
@@ -129,7 +128,7 @@ static_assert(std::variant_size_v<FieldValue> == kFieldTypeCount);
 [[nodiscard]] std::string_view name_of(FieldType type);
 [[nodiscard]] std::optional<FieldType> field_type_named(std::string_view name);
 
-/// The value a field has before anything is said of it: zero, FALSE, empty, NULL; 0 0 1 0 for SFRotation.
+/// Returns the value of a field without an explicit default: zero, FALSE, empty, NULL; 0 0 1 0 for SFRotation.
 [[nodiscard]] FieldValue initial_value(FieldType type);
 
 }  // namespace gs::vrml

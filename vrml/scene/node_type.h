@@ -19,21 +19,21 @@ struct Mesh;
 struct MeshOptions;
 struct Prototype;
 
-/// VRML97 4.7: how an interface may be used.
+/// Access type of an interface (VRML97 4.7).
 enum class AccessType : std::uint8_t { eventIn, eventOut, field, exposedField };
 [[nodiscard]] std::string_view name_of(AccessType access);
 
-/// One line of a node's interface.
+/// One declaration of a node's interface.
 struct InterfaceDeclaration {
   AccessType access = AccessType::field;
   FieldType type = FieldType::SFBool;
   std::string name;
-  FieldValue initial;  // fields and exposedFields only
-  std::string range;   // "[0,1]" as the standard writes it; built-in nodes only
-  int slot = -1;       // place of the stored value in a node; -1 for eventIn and eventOut
+  FieldValue initial;  // only for fields and exposedFields
+  std::string range;   // "[0,1]" as the standard writes it; only for built-in nodes
+  int slot = -1;       // index of the stored value in a node; -1 for eventIn and eventOut
 };
 
-/// What a node is for; a set of bits. From it follow where a node may stand and who looks at it.
+/// Set of bits for the purposes of a node. It determines where a node may stand and which code handles it.
 enum class Role : std::uint32_t {
   none = 0,
   child = 1 << 0,               // may stand in `children` and at top level (VRML97 4.6.5)
@@ -52,7 +52,7 @@ enum class Role : std::uint32_t {
   time_dependent = 1 << 13,  // 4.6.9
   sound_source = 1 << 14,
   script = 1 << 15,
-  viewer_dependent = 1 << 16,  // what it shows depends on where the viewer is
+  viewer_dependent = 1 << 16,  // appearance depends on the viewer's position
 };
 [[nodiscard]] constexpr Role operator|(Role a, Role b) {
   return static_cast<Role>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -61,9 +61,9 @@ enum class Role : std::uint32_t {
   return (static_cast<std::uint32_t>(set) & static_cast<std::uint32_t>(bit)) != 0;
 }
 
-/// How the program reads a node of this type where it does so field by field: the nodes of one kind have the fields
-/// that the kind is read by, of the same types. Of kinds that it makes nodes of, there is one type. `other`: the
-/// program knows of the node what the other columns say.
+/// Set of fields by which the program reads a node. All node types of one kind have the fields, with the same types,
+/// that the program reads. Kinds that the program creates have exactly one type. For `other`, the program uses only the
+/// remaining columns.
 enum class NodeKind : std::uint8_t {
   other,
   shape,
@@ -103,18 +103,18 @@ enum class NodeKind : std::uint8_t {
   sound,
 };
 
-/// What the file holds that a node's `url` names, and so what is fetched for it.
+/// Content of the file that a node's `url` names; decides what is fetched.
 enum class UrlContent : std::uint8_t { none, scene, image, vectors, outlines, sound, movie };
 
-/// Makes the mesh of a geometry node. `geometry` is a node of `scene` of the row's own type.
+/// Tessellates a geometry node. `geometry` is a node of `scene` of the row's own type.
 using Tessellate = Mesh (*)(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 
-/// How much larger the node is than one with the default measures of its type, along each axis.
+/// Returns the node's size relative to the default measures of its type, along each axis.
 using MeasuredScale = glm::vec3 (*)(const SceneGraph& scene, NodeId geometry);
-/// About how much work the mesh is, in elements of the lists of an IndexedFaceSet (vrml/mesh/geometry_copy.h).
+/// Estimates the work for the mesh in elements of the lists of an IndexedFaceSet (vrml/mesh/geometry_copy.h).
 using TessellationCost = std::size_t (*)(const SceneGraph& scene, NodeId geometry);
-/// What makes the mesh of a geometry node; where all of its nodes are one mesh at different scales, the scale; and where
-/// the work is not in proportion to the lists of the node, the work.
+/// Tessellation functions of a geometry node type. `scale` exists if all its nodes are one mesh at different scales;
+/// `cost` exists if the work is not proportional to the node's lists.
 struct Tessellator {
   Tessellate tessellate = nullptr;
   MeasuredScale scale = nullptr;
@@ -125,28 +125,28 @@ struct Tessellator {
       : tessellate(function), scale(measured), cost(measured_cost) {}
 };
 
-/// The clause of the nodes that are our own (docs/formats.md), and of those of the standard's amendment.
+/// Clauses of GhostSpace's own nodes (docs/formats.md) and of those in the standard's amendment.
 inline constexpr std::string_view kOwnClause = "GhostSpace", kAmendmentClause = "VRML97 Amendment 1";
-/// Whether browsers need not know the node: files may bring a PROTO or EXTERNPROTO of its name along.
+/// Reports whether other browsers may lack the node. Files may then contain a PROTO or EXTERNPROTO of its name.
 [[nodiscard]] constexpr bool is_extension(std::string_view clause) {
   return clause == kOwnClause || clause == kAmendmentClause;
 }
 
-/// One built-in node type, as the standard prints it: the row from which everything else (parsing,
-/// defaults, IS and ROUTE checks, printing, documentation) is derived.
+/// One built-in node type as the standard prints it: the row from which parsing, defaults, IS and ROUTE checks,
+/// printing and documentation are derived.
 struct NodeRow {
   std::string_view name;
-  std::string_view clause;  // "6.7"; kOwnClause for our own nodes
+  std::string_view clause;  // "6.7"; kOwnClause for GhostSpace's own nodes
   Role role;
   NodeKind read_as;
-  std::string_view interface_text;       // one declaration a line, the range in a comment behind it
-  Tessellator tessellator{};             // geometry only
-  const Behaviour* behaviour = nullptr;  // where events and time do more than set fields (vrml/events/behaviour.h)
+  std::string_view interface_text;       // one declaration per line, with the range in a trailing comment
+  Tessellator tessellator{};             // geometry nodes only
+  const Behaviour* behaviour = nullptr;  // if events and time do more than set fields (vrml/events/behaviour.h)
   UrlContent url_content = UrlContent::none;
 };
 
-/// The type of a node: built in, declared by PROTO or EXTERNPROTO, or one Script's own.
-/// Immutable once the first node of it exists, so any thread may read it.
+/// Type of a node: built in, declared by PROTO or EXTERNPROTO, or private to one Script. Immutable once its first node
+/// exists, so any thread may read it.
 struct NodeType {
   enum class Kind : std::uint8_t { built_in, script, prototype, external_prototype };
 
@@ -154,51 +154,52 @@ struct NodeType {
   std::string clause;  // built-in only
   Kind kind = Kind::built_in;
   Role role = Role::none;
-  NodeKind read_as = NodeKind::other;           // built in and Scripts; `other` of PROTOs
-  std::deque<InterfaceDeclaration> interfaces;  // in declaration order; places never move
-  std::vector<FieldValue> defaults;             // by slot
+  NodeKind read_as = NodeKind::other;           // set for built-in types and Scripts; `other` for PROTOs
+  std::deque<InterfaceDeclaration> interfaces;  // in declaration order; addresses are stable
+  std::vector<FieldValue> defaults;             // indexed by slot
   Tessellator tessellator;
   const Behaviour* behaviour = nullptr;
   UrlContent url_content = UrlContent::none;
-  bool stands_in = false;     // for a type of other browsers (vrml/syntax/stand_ins.h), of which it has a part
-  std::vector<int> measures;  // slots of a built-in geometry's lengths: fields whose range is (0,inf)
+  bool stands_in = false;     // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
+  std::vector<int> measures;  // slots of lengths of a built-in geometry: fields with range (0,inf)
   std::unique_ptr<Prototype> prototype;    // body of a PROTO
   MFString url;                            // of an EXTERNPROTO
-  bool asked_for = false;                  // of an EXTERNPROTO of a text read at run time: the body is being fetched
+  bool asked_for = false;                  // EXTERNPROTO of a run-time text: the body is being fetched
   SourceLocation location;                 // of the name in a PROTO or EXTERNPROTO
-  std::vector<SourceLocation> url_places;  // of a Script: where the strings of its url begin in its text
+  std::vector<SourceLocation> url_places;  // Scripts: start of each string of its url in its text
 
   NodeType();
   ~NodeType();
   NodeType(const NodeType&) = delete;
   NodeType& operator=(const NodeType&) = delete;
 
-  /// Adds a declaration, giving it a slot if it stores a value.
+  /// Adds a declaration and assigns a slot if it stores a value.
   void declare(InterfaceDeclaration declaration);
-  /// The MFString fields that name files: `url`, or those whose names end with `Url` (VRML97 6.5), as they are
-  /// declared.
+  /// Returns the MFString fields that name files, in declaration order: `url`, or those with names ending in `Url`
+  /// (VRML97 6.5).
   [[nodiscard]] std::vector<const InterfaceDeclaration*> url_fields() const;
-  /// The declaration of exactly this name, or null.
+  /// Returns the declaration with exactly this name, or null.
   [[nodiscard]] const InterfaceDeclaration* find(std::string_view name) const;
-  /// The field or exposedField of this name, or null.
+  /// Returns the field or exposedField with this name, or null.
   [[nodiscard]] const InterfaceDeclaration* find_field(std::string_view name) const;
-  /// The source of a ROUTE: an eventOut or exposedField `name`, or an exposedField x of `x_changed` (4.7).
+  /// Returns the source of a ROUTE, or null: the eventOut or exposedField `name`, or exposedField x for `x_changed`
+  /// (4.7).
   [[nodiscard]] const InterfaceDeclaration* find_event_out(std::string_view name) const;
-  /// The target of a ROUTE: an eventIn or exposedField `name`, or an exposedField x of `set_x` (4.7).
+  /// Returns the target of a ROUTE, or null: the eventIn or exposedField `name`, or exposedField x for `set_x` (4.7).
   [[nodiscard]] const InterfaceDeclaration* find_event_in(std::string_view name) const;
 
  private:
-  std::vector<std::uint32_t> keys_;  // a short digest of each name, so that a search rarely compares text
+  std::vector<std::uint32_t> keys_;  // short hash of each name, so that searches rarely compare text
 };
 
-/// The table of built-in node types. Built once, thread-safe, then constant.
+/// Returns the table of built-in node types. Built at first use, thread-safe, then constant.
 [[nodiscard]] std::span<const std::unique_ptr<NodeType>> built_in_node_types();
-/// The built-in type of this name, or null.
+/// Returns the built-in type with this name, or null.
 [[nodiscard]] const NodeType* built_in_node_type(std::string_view name);
-/// The built-in type of this kind, the first one by name where there are several.
+/// Returns the built-in type of this kind; if there are several, the first by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
-/// The extension that a PROTO or EXTERNPROTO stands for in browsers that do not know it: of the same name, with no
-/// other interface than the node's, and made of its fields alone. Null for any other.
+/// Returns the extension node for which a PROTO or EXTERNPROTO is the fallback in other browsers, or null. It has the
+/// same name and all interfaces of the PROTO. Nodes with streamed vectors are excluded.
 [[nodiscard]] const NodeType* stood_for(const NodeType& prototype);
 
 }  // namespace gs::vrml

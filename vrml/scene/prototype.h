@@ -4,42 +4,41 @@
 
 namespace gs::vrml {
 
-/// Gives a PROTO instance the nodes of its body: copies them into the instance's scene, hands the
-/// instance's values to the fields that IS names (VRML97 4.8.2, 4.8.3), copies the body's ROUTEs, and
-/// goes on with the instances inside. Does nothing for a node that is no PROTO instance, is part of a
-/// PROTO's declaration or has content already. False when limits stopped it; what is missing stays empty. An instance
-/// that cannot have all its nodes gets none.
+/// Expands a PROTO instance: copies the body's nodes into the instance's scene, passes the instance's values through IS
+/// (VRML97 4.8.2, 4.8.3), copies the body's ROUTEs, and expands nested instances. Does nothing for other nodes, for
+/// nodes in a PROTO declaration, and for expanded instances. Returns false if limits or cancellation stopped it. An
+/// instance gets either all of its nodes or none; nested instances without room stay empty.
 bool instantiate(SceneGraph& scene, NodeId instance);
 
-/// The text in which the value of an instance's field was written: that of the instance, where it gives
-/// one, else that of the PROTO, whose default it is.
+/// Returns the text in which the value of an instance's field was written: the instance's text if it sets the field,
+/// else the PROTO's, for its default.
 [[nodiscard]] const SourceText& text_of_field(const SceneGraph& scene, NodeId instance,
                                               const InterfaceDeclaration& field);
 
-/// Gives an EXTERNPROTO of `scene` the body of PROTO `source` (VRML97 4.9), whose scene must be attached
-/// to `scene` as a library or live as long. Fields that an instance does not set get `source`'s defaults,
-/// and all instances that the scene has are instantiated. False when limits stopped it.
+/// Gives an EXTERNPROTO of `scene` the body of PROTO `source` (VRML97 4.9) and expands all instances in the scene. The
+/// scene of `source` must be attached to `scene` as a library, or live as long. Fields that an instance does not set
+/// get the defaults of `source`. Returns false if limits stopped it.
 bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& source);
 
-/// The first declaration of an EXTERNPROTO that PROTO `source` lacks, or has of another type or for other use, which
-/// 4.9.2 forbids; null: there is none. What is an exposedField of the PROTO may be declared as each part of it.
+/// Returns the first declaration of an EXTERNPROTO that PROTO `source` lacks or declares with another type or access,
+/// which 4.9.2 forbids; null if there is none. An exposedField of the PROTO may be declared as any of its parts.
 [[nodiscard]] const InterfaceDeclaration* unlike_prototype(const NodeType& external, const NodeType& source);
 
-/// Counts what one instance of a PROTO, whose body is complete, makes with all the instances in it.
+/// Counts the nodes and bytes of one instance of a complete PROTO, including nested instances.
 void count_instance_nodes(const SceneGraph& scene, Prototype& prototype);
 
-/// Why an instance of this type has no content, or not all of it.
+/// Returns the reason why an instance of this type has no content, or only a part.
 [[nodiscard]] std::string why_not_expanded(const SceneGraph& scene, const NodeType& type);
 
-/// The PROTO of `text` that `#name` of an EXTERNPROTO url means: the one of that name, or, without a
-/// name, the first (VRML97 4.9.2). Null where there is none.
+/// Returns the PROTO of `text` for `#name` in an EXTERNPROTO url: the one of that name, or the first if `name` is empty
+/// (VRML97 4.9.2). Null if there is none.
 [[nodiscard]] const NodeType* find_prototype(const SourceText& text, std::string_view name);
 
-/// The PROTO that a url list of an EXTERNPROTO means which names the file it stands in: the complete one of that name,
-/// or, without a name, the first that is no EXTERNPROTO itself. Null where there is none (yet).
+/// Returns the PROTO for an EXTERNPROTO url that refers to its own file: the complete one of that name, or the first
+/// that is no EXTERNPROTO if `name` is empty. Null if there is none yet.
 [[nodiscard]] const NodeType* find_own_prototype(const SourceText& text, std::string_view name);
 
-/// Whether a node of `type` stands in the body of PROTO `source`, or in that of one whose instance does.
+/// Reports whether the body of PROTO `source` contains a node of `type`, directly or through nested instances.
 [[nodiscard]] bool stands_inside(const NodeType& type, const NodeType& source);
 
 }  // namespace gs::vrml

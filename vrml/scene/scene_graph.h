@@ -19,7 +19,7 @@
 
 namespace gs::vrml {
 
-/// One node: its type and one value for each slot of the type.
+/// Node: its type and one value for each slot of the type.
 struct Node {
   const NodeType* type = nullptr;
   FieldValue* values = nullptr;      // type->defaults.size() of them, owned by the scene
@@ -40,24 +40,24 @@ struct Node {
   std::uint32_t instance = 0;  // of a copy of such a node: index of the instance
 };
 
-/// `field IS name` in a PROTO body (VRML97 4.8.2).
+/// Mapping `field IS name` in a PROTO body (VRML97 4.8.2).
 struct IsMapping {
   NodeId node;
   const InterfaceDeclaration* inner = nullptr;  // of node's type
   const InterfaceDeclaration* outer = nullptr;  // of the PROTO's interface
 };
 
-/// The body of a PROTO: the nodes that each instance gets copies of.
+/// Body of a PROTO; each instance gets copies of its nodes.
 struct Prototype {
   std::vector<Statement> statements;
-  std::vector<NodeId> nodes;  // all, in the order in which they were made; see SceneGraph::put_in_body
+  std::vector<NodeId> nodes;  // all nodes in order of creation; see SceneGraph::put_in_body
   std::vector<IsMapping> mappings;
-  const SceneGraph* scene = nullptr;  // whose arena holds the nodes
+  const SceneGraph* scene = nullptr;  // scene with the nodes in its arena
   const SourceText* text = nullptr;   // that declares it
-  bool complete = false;              // the closing brace was seen
-  // What one instance makes, with the instances in it; known when complete.
+  bool complete = false;              // the closing brace was read
+  // Cost of one instance, including nested instances; set when complete.
   std::uint64_t instance_nodes = 0, instance_bytes = 0;
-  std::uint64_t body_bytes = 0;  // of this: without the instances in it
+  std::uint64_t body_bytes = 0;  // without nested instances
 };
 
 /// A world or a part of it: the arena of its nodes, its PROTOs, its ROUTEs; and the text of its file.
@@ -68,25 +68,25 @@ struct Prototype {
 /// types and libraries, and what they have drawn from the budget.
 class SceneGraph : public SourceText {
  public:
-  /// `file_name` is what diagnostics call this text. Its nodes are drawn from `budget`, which the scenes of a world
-  /// share.
+  /// `file_name` identifies this text in diagnostics. Memory for nodes is drawn from `budget`, which the scenes of a
+  /// world share.
   SceneGraph(std::string file_name, std::shared_ptr<Budget> budget);
-  /// A world of its own.
+  /// Makes a scene with a budget of its own.
   explicit SceneGraph(std::string file_name = {}, const Limits& limits = {});
   ~SceneGraph();
 
-  /// A new node with its type's default values. Null NodeId when `limits.nodes` is reached or the budget spent.
-  /// `type` must live as long as the node: built in, or owned by its text or by an attached library.
+  /// Creates a node with its type's default values. Returns a null NodeId if `limits.nodes` or the budget is exhausted.
+  /// `type` must outlive the node: built in, or owned by its text or by an attached library.
   NodeId create(const NodeType& type, SourceLocation location = {});
-  /// Places for `count` nodes one behind the other, for `create_at`; 0 where there is no room.
+  /// Reserves `count` consecutive node indices for `create_at` and returns the first; 0 if there is no room.
   [[nodiscard]] std::uint32_t take_places(std::uint32_t count);
   void give_back_places(std::uint32_t first, std::uint32_t count);
-  /// `create` in a place that was taken. Null where there is no room for the values.
+  /// Creates a node at a reserved index. Returns null if there is no room for its values.
   NodeId create_at(std::uint32_t place, const NodeType& type, SourceLocation location);
-  /// The node is a part of this PROTO's declaration, the last one so far.
+  /// Appends the node to the declaration of this PROTO.
   void put_in_body(NodeId id, Prototype& prototype);
-  /// Frees nodes, with the bodies of PROTO instances and the content of Inlines. The ids mean nothing from then on;
-  /// values that have them are not looked for. Names and types of a run-time text go with its last node.
+  /// Frees nodes, including the bodies of PROTO instances and the content of Inlines. Their ids become invalid; values
+  /// that contain them are not updated. The last node of a run-time text takes its names and types with it.
   void remove(std::span<const NodeId> ids);
 
   [[nodiscard]] Node& node(NodeId id) {
@@ -112,7 +112,7 @@ class SceneGraph : public SourceText {
   /// Nodes made since the last call that the order of places does not tell of: at run time, or in used places.
   [[nodiscard]] std::vector<NodeId> take_made() { return std::exchange(made_, {}); }
 
-  /// The value of a field that the node's type declares with C++ type T; asserts that it does.
+  /// Returns the value of a field with C++ type T; asserts that the type declares it so.
   template <class T>
   [[nodiscard]] const T& get(NodeId id, std::string_view field) const {
     const Node& n = node(id);
@@ -120,7 +120,7 @@ class SceneGraph : public SourceText {
     assert(declaration && std::holds_alternative<T>(n.values[declaration->slot]));
     return *std::get_if<T>(&n.values[declaration->slot]);
   }
-  /// Sets a field, also of a type the importers build; asserts that the type declares it so.
+  /// Sets a field, including one of a type that an importer built; asserts that the type declares it so.
   template <class T>
   void set(NodeId id, std::string_view field, T value) {
     Node& n = node(id);
@@ -129,10 +129,10 @@ class SceneGraph : public SourceText {
     *std::get_if<T>(&n.values[declaration->slot]) = std::move(value);
   }
 
-  /// The node that `id` stands for: a PROTO instance's first body node, through nested instances
-  /// (VRML97 4.8.3); `id` itself for any other; null when the instance has no content (yet).
+  /// Returns the node that represents `id`: for a PROTO instance its first body node, through nested instances (VRML97
+  /// 4.8.3), or null if the instance has no content yet; for others `id` itself.
   [[nodiscard]] NodeId resolve(NodeId id) const;
-  /// `resolve(id)` if that node is of a built-in type of this kind, else null.
+  /// Returns `resolve(id)` if that node is of a built-in type of this kind, else null.
   [[nodiscard]] NodeId resolve_as(NodeId id, NodeKind kind) const;
 
   /// The text in which the value of a slot was written: that of the node, unless IS handed the value on
@@ -159,27 +159,28 @@ class SceneGraph : public SourceText {
   /// Run-time texts that are in memory.
   [[nodiscard]] std::size_t run_time_texts() const { return texts_.size() - 1 - free_texts_.size(); }
 
-  /// In place of those of the file: the world is another one.
+  /// Replaces the top-level nodes of the file, for replaceWorld.
   void set_roots(MFNode roots) { roots_ = std::move(roots); }
-  /// ROUTEs of the world as it was read: top-level ones and those of PROTO instances.
+  /// Returns the ROUTEs of the world as loaded: top-level ones and those of PROTO instances.
   [[nodiscard]] std::vector<Route>& routes() { return routes_; }
   [[nodiscard]] const std::vector<Route>& routes() const { return routes_; }
 
-  /// Content of an Inline node; it has a name scope of its own (VRML97 4.4.3). Null: none any more.
+  /// Sets the content of an Inline node, which has its own name scope (VRML97 4.4.3). Null removes it.
   void attach_inline(NodeId inline_node, std::shared_ptr<SceneGraph> content);
-  /// Null while nothing has been attached.
+  /// Returns the content of an Inline; null if there is none.
   [[nodiscard]] SceneGraph* inlined(NodeId inline_node) const;
   [[nodiscard]] const std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>>& inlines() const {
     return inlines_;
   }
 
-  /// Counts `count` more nodes of `bytes` as copies for PROTO instances; false when the limit is reached.
+  /// Counts `count` more nodes of `bytes` bytes as copies for PROTO instances. Returns false if the limit is reached.
   [[nodiscard]] bool reserve_expansion(std::size_t count, std::size_t bytes);
-  /// Draws memory for names, lists and the like from the budget. False when it is spent, and from then on.
+  /// Draws memory for names, lists and the like from the budget. Returns false if the budget is exhausted; it then
+  /// stays exhausted.
   [[nodiscard]] bool charge(std::size_t bytes);
-  /// Bytes of the budget that are drawn.
+  /// Returns the bytes drawn from the budget.
   [[nodiscard]] std::size_t charged() const { return charged_; }
-  /// Whether something was left out because the budget for nodes is spent.
+  /// Reports whether something was omitted because the budget for nodes is exhausted.
   [[nodiscard]] bool exhausted() const { return exhausted_; }
 
   [[nodiscard]] const Limits& limits() const { return budget_->limits(); }
@@ -216,8 +217,8 @@ class SceneGraph : public SourceText {
   std::vector<std::unique_ptr<std::byte[]>> value_blocks_;
   std::size_t block_left_ = 0;
   std::byte* block_next_ = nullptr;
-  std::unordered_map<std::size_t, std::vector<FieldValue*>> free_values_;      // by how many there is room for
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> free_places_;  // by how many there are in a row
+  std::unordered_map<std::size_t, std::vector<FieldValue*>> free_values_;      // by capacity
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> free_places_;  // by number of consecutive indices
   std::vector<NodeId> made_;
   std::vector<OwnedText> texts_{1};
   std::vector<std::uint32_t> free_texts_;
@@ -260,7 +261,7 @@ class RunTimeText {
   std::optional<WritingFor> writing_;
 };
 
-/// The place of a node in the body of a PROTO, whose scene has it; nothing: it is not in it.
+/// Returns the index of a node in the body of a PROTO of the same scene; nullopt if it is not in the body.
 [[nodiscard]] std::optional<std::uint32_t> place_in_body(const Prototype& prototype, NodeId id);
 
 }  // namespace gs::vrml

@@ -14,7 +14,7 @@ namespace gs::vrml {
 
 class SceneGraph;
 
-/// ROUTE from.event_out TO to.event_in (VRML97 4.10.2). The declarations belong to the nodes' types.
+/// ROUTE from.event_out TO to.event_in (VRML97 4.10.2). The types of the nodes own the declarations.
 struct Route {
   NodeId from, to;
   const InterfaceDeclaration* event_out = nullptr;
@@ -22,7 +22,7 @@ struct Route {
   friend bool operator==(const Route&, const Route&) = default;
 };
 
-/// Statements in the order of the file, which printing keeps.
+/// Statement of a file; printing keeps their order.
 struct Statement {
   enum class Kind : std::uint8_t { node, prototype, route };
   Kind kind;
@@ -63,7 +63,7 @@ class SourceText {
   [[nodiscard]] const std::vector<Statement>& statements() const { return statements_; }
   /// Appends a top-level node: to `roots` and to the statements.
   void add_root(NodeId id);
-  /// A PROTO, EXTERNPROTO or Script type that lives as long as the text.
+  /// Adds a PROTO, EXTERNPROTO or Script type that lives as long as the text.
   NodeType& add_type(std::unique_ptr<NodeType> type);
   [[nodiscard]] const std::vector<std::unique_ptr<NodeType>>& types() const { return types_; }
   /// Keeps a scene alive whose PROTOs are used here through EXTERNPROTO.

@@ -10,52 +10,51 @@
 namespace gs::vrml {
 
 enum class TokenKind : std::uint8_t {
-  need_more,  // the token may go on behind the bytes that are here
-  end,        // of the text
-  word,       // a run of characters that are no delimiters: a keyword, an Id, a number, `node.event`
-  string,     // text without its quotes, escapes still in it
+  need_more,  // the token may continue after the available bytes
+  end,        // end of the text
+  word,       // run of characters without delimiters: a keyword, an Id, a number, `node.event`
+  string,     // text without its quotes, escapes still encoded
   open_brace,
   close_brace,
   open_bracket,
   close_bracket,
-  unterminated_string,  // one that the end of the text cuts short
-  bad,                  // one byte that VRML97 has no use for
+  unterminated_string,  // string that the end of the text truncates
+  bad,                  // one byte that VRML97 does not allow
 };
 
 struct Token {
   TokenKind kind = TokenKind::end;
   std::string_view text;  // points into the lexer's buffer
   SourceLocation location;
-  bool has_escapes = false;  // string: holds a backslash
+  bool has_escapes = false;  // string: contains a backslash
 };
 
-/// Cuts VRML97 text (Annex A.2) into tokens. Commas are blanks, comments run to the end of the line;
-/// CR, LF and CRLF end lines. Works on a window of the text: where the window ends inside a token and
-/// the text does not, it answers need_more, and the caller goes back to a position it kept, gets a
-/// longer window and tries again.
+/// Splits VRML97 text (Annex A.2) into tokens. Commas are blanks; comments extend to the end of the line; CR, LF and
+/// CRLF end lines. Works on a window of the text. If a token reaches the end of a window that is not the last, the
+/// result is need_more: the caller returns to a saved position and retries with a longer window.
 class Lexer {
  public:
-  /// A place to go back to, inside the present window.
+  /// Position inside the present window, for go_back().
   struct Position {
     const char* next;
     std::uint32_t line;
-    std::ptrdiff_t line_start;  // offset in the window; negative when the line began before it
+    std::ptrdiff_t line_start;  // offset in the window; negative if the line began before it
   };
 
-  /// Sets the window. The text goes on at the place where the last window was left. `last`: the text
+  /// Sets the window. The text continues at the byte where the previous window was left. `last` means that the text
   /// ends with this window.
   void set_window(const char* begin, const char* end, bool last);
 
   [[nodiscard]] Token next();
-  /// Passes blanks and comments; the byte behind them, or NUL where there is none (yet).
+  /// Skips blanks and comments and returns the next byte, or NUL if none is available.
   [[nodiscard]] char peek();
 
   [[nodiscard]] Position position() const { return {next_, line_, line_start_}; }
   void go_back(const Position& position);
-  /// The place of the next byte.
+  /// Returns the source location of the next byte.
   [[nodiscard]] SourceLocation location() const { return location_of(next_); }
 
-  /// For bulk readers: the unread part of the window, and how to say what was read of it.
+  /// Access for bulk readers: the unread part of the window, and a way to report the bytes read.
   [[nodiscard]] const char* unread() const { return next_; }
   [[nodiscard]] const char* window_end() const { return end_; }
   [[nodiscard]] bool is_last_window() const { return last_; }
@@ -76,18 +75,17 @@ class Lexer {
   std::ptrdiff_t line_start_ = 0;
 };
 
-/// An SFString from the text between its quotes: `\"` and `\\` are unescaped, other backslashes stay
-/// (old files hold Windows paths). Bytes that are no UTF-8 are taken for Latin-1; `was_latin1` then
-/// becomes true.
+/// Decodes an SFString from the text between its quotes. `\"` and `\\` are unescaped; other backslashes stay, since old
+/// files contain Windows paths. Bytes that are not UTF-8 are read as Latin-1, which sets `was_latin1`.
 [[nodiscard]] std::string decode_string(std::string_view raw, bool has_escapes, bool& was_latin1);
 
-/// True where `word` can only be meant as a number: starts with a digit, a sign or a point.
+/// Reports whether `word` starts like a number: with a digit, a sign or a point.
 [[nodiscard]] bool looks_like_number(std::string_view word);
 
-/// True for an Id of Annex A.2: its first character and the rest are legal.
+/// Reports whether `word` is an Id of Annex A.2.
 [[nodiscard]] bool is_id(std::string_view word);
 
-/// Which of the reserved words of 4.3.1 it is, which are no names: from 0; -1 for none.
+/// Returns the index of a reserved word of 4.3.1, which cannot be a name; -1 for other words.
 [[nodiscard]] int reserved_word(std::string_view word);
 
 }  // namespace gs::vrml

@@ -10,17 +10,17 @@
 
 namespace gs::vrml {
 
-/// Nodes by their names: a flat table with open addressing. Each look-up of one with a list a bucket would wait for
-/// memory three times, and worlds of many ROUTEs look up little else. Names must outlive it. One thread.
+/// Hash table of nodes by name, flat with open addressing. A table with bucket lists would wait for memory three times
+/// per look-up, and look-ups dominate in worlds with many ROUTEs. Names must outlive it. Single-threaded.
 class NameTable {
  public:
-  /// The node of a name; null: no such name. Until the next insertion.
+  /// Returns the node of a name; null if there is none. Valid until the next insertion.
   [[nodiscard]] NodeId* find(std::string_view name) {
     if (entries_.empty()) return nullptr;
     const std::uint32_t index = slots_[slot_of(name, hash_of(name))].index;
     return index == 0 ? nullptr : &entries_[index - 1].node;
   }
-  /// The node of a name, which is put in, null, where it was not there.
+  /// Returns the node of a name; inserts a null node if the name is new.
   NodeId& insert(std::string_view name) {
     if (entries_.size() * 2 >= slots_.size()) grow();
     const std::uint32_t hash = hash_of(name);
@@ -38,14 +38,14 @@ class NameTable {
     NodeId node;
   };
   struct Slot {
-    std::uint32_t hash = 0, index = 0;  // 0: free, else 1 + that of the entry
+    std::uint32_t hash = 0, index = 0;  // index: 0 means free, else 1 + index of the entry
   };
 
   static std::uint32_t hash_of(std::string_view name) {
     const std::size_t hash = std::hash<std::string_view>{}(name);
     return static_cast<std::uint32_t>(hash ^ hash >> 32);
   }
-  /// Where it is, or would be.
+  /// Returns the slot of the name, or the free slot where it belongs.
   [[nodiscard]] std::size_t slot_of(std::string_view name, std::uint32_t hash) const {
     const std::size_t mask = slots_.size() - 1;
     std::size_t at = hash & mask;

@@ -6,31 +6,30 @@
 
 namespace gs::vrml {
 
-/// Reads the whole of `text` as a number of VRML97 clause 5 (5.5 `sffloatValue`, 5.6 `sfint32Value`):
-/// decimal with optional sign, fraction and exponent, correctly rounded; integers also as 0x hex,
-/// whose 32 bits are taken as they are. False, and `value` untouched, where it is none. A float too
-/// large becomes an infinity, one too small zero. Safe for untrusted input.
+/// Parses all of `text` as a number of VRML97 clause 5 (5.5 `sffloatValue`, 5.6 `sfint32Value`): decimal with optional
+/// sign, fraction and exponent, correctly rounded. Integers may be 0x hex, whose 32 bits are taken unchanged. Returns
+/// false and leaves `value` unchanged for other text. Floats that are too large become infinity, those too small zero.
+/// Accepts untrusted input.
 [[nodiscard]] bool parse_number(std::string_view text, float& value);
 [[nodiscard]] bool parse_number(std::string_view text, double& value);
 [[nodiscard]] bool parse_number(std::string_view text, std::int32_t& value);
 
-/// The length of the longest number that `text` begins with; 0 where it begins with none.
+/// Returns the length of the longest number at the start of `text`; 0 if there is none.
 [[nodiscard]] std::size_t number_length(std::string_view text);
 
-/// Where a bulk read has come to.
+/// Position of a bulk read.
 struct NumberRun {
-  const char* next;        // first byte that was not used; never inside a number
+  const char* next;        // first unused byte; never inside a number
   std::size_t count;       // numbers written
-  std::size_t lines;       // line feeds passed
-  const char* line_start;  // behind the last of them; null when there was none
+  std::size_t lines;       // line feeds consumed
+  const char* line_start;  // after the last line feed; null if there was none
 };
 
-/// Reads decimal numbers parted by blanks, tabs, commas and line ends (LF or CRLF), writing at most
-/// `capacity` of them to `out`; what is behind the last number there, up to `capacity`, may be overwritten.
-/// Stops, without an error, in front of anything else: the slow path knows what to do with comments, bare
-/// carriage returns, hexadecimal integers, brackets and rubbish. Looks at no byte at or after `end`, and
-/// leaves a number there of which it cannot see the end. Correctly rounded; the speed of the parser is the
-/// speed of these loops. Safe for untrusted input.
+/// Parse decimal numbers separated by blanks, tabs, commas and line ends (LF or CRLF), at most `capacity` of them, into
+/// `out`; elements after the last number, up to `capacity`, may be overwritten. Stop without an error before anything
+/// else: the slow path handles comments, bare carriage returns, hexadecimal integers, brackets and invalid text. Never
+/// read at or after `end`, and stop before a number that may continue there. Correctly rounded. These loops determine
+/// the speed of the parser. Accept untrusted input.
 [[nodiscard]] NumberRun parse_floats(const char* begin, const char* end, float* out, std::size_t capacity);
 [[nodiscard]] NumberRun parse_integers(const char* begin, const char* end, std::int32_t* out, std::size_t capacity);
 

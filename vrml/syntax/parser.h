@@ -10,38 +10,38 @@
 
 namespace gs::vrml {
 
-/// How a text ended.
+/// End state of a parse.
 enum class ParseOutcome : std::uint8_t {
-  complete,   // the whole text was read, maybe with errors
-  truncated,  // it ended inside a statement; what came before stands in the scene
-  refused,    // it is no VRML97: another format or version, binary, empty; the scene is empty
+  complete,   // the whole text was read, possibly with errors
+  truncated,  // the text ended inside a statement; the scene contains the part before
+  refused,    // the text is not VRML97 (other format or version, binary, empty); the scene is empty
 };
 
 /// Reads VRML97 text (ISO/IEC 14772-1 Annex A) into a SceneGraph.
 ///
-/// A push parser with an explicit stack: bytes may come whole or in pieces of any size, and the scene
-/// and the diagnostics are the same either way; what has arrived stands in the scene at once, number
-/// lists that are still open included. Never recurses, so nesting costs no stack.
+/// Push parser with an explicit stack. Bytes may come whole or in pieces of any size; the scene and the diagnostics are
+/// the same. The scene contains all received data at once, even of open number lists. Without recursion, so that
+/// nesting needs no call stack.
 ///
-/// Errors are recovered from at the next field, node or statement, so that the rest of the world still
-/// shows. Safe for untrusted input. One thread.
+/// After an error it continues at the next field, node or statement, so that the rest of the world is shown. Accepts
+/// untrusted input. Single-threaded.
 class Parser {
  public:
-  /// Both must outlive the parser. Diagnostics carry `scene.file_name()`.
+  /// `scene` and `diagnostics` must outlive the parser. Diagnostics carry `scene.file_name()`.
   Parser(SceneGraph& scene, Diagnostics& diagnostics);
   ~Parser();
   Parser(const Parser&) = delete;
   Parser& operator=(const Parser&) = delete;
 
-  /// The next bytes of the text. Copies only what it cannot use yet.
+  /// Parses the next bytes of the text. Copies only bytes that it cannot use yet.
   void push(std::string_view piece);
-  /// The nodes whose bodies have begun and not ended, the outermost first: what will come changes them.
+  /// Returns the nodes with an open body, outermost first; later bytes may change them.
   [[nodiscard]] std::vector<NodeId> open_nodes() const;
-  /// The text is over. Call once.
+  /// Ends the text. Call once.
   ParseOutcome finish();
-  /// A whole text in place of `push` and `finish`; copies nothing.
+  /// Parses a whole text instead of `push` and `finish`; copies nothing.
   ParseOutcome parse_whole(std::string_view text);
-  /// The same for a text that needs no header, as scripts give it.
+  /// Like parse_whole(), for text of scripts, which needs no header.
   ParseOutcome parse_fragment(std::string_view text);
   /// See `parse_interface`.
   [[nodiscard]] bool read_interface(std::string_view text, NodeType& type);

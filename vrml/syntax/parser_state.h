@@ -14,15 +14,15 @@
 
 namespace gs::vrml {
 
-/// What one step of the parser came to.
+/// Result of one step of the parser.
 enum class Step : std::uint8_t {
   done,            // something was read
-  need_more,       // nothing was read: more bytes are needed first
-  need_more_kept,  // likewise, but what was read before of this list counts
-  finished,        // there is no more to read
+  need_more,       // nothing was read; more bytes are needed
+  need_more_kept,  // more bytes are needed; the part of this list read so far counts
+  finished,        // nothing is left to read
 };
 
-/// One open construct. The stack of these is the parser's whole memory of where it is.
+/// One open construct. The stack of frames is the parser's complete state.
 struct Frame {
   enum class Kind : std::uint8_t {
     statements,           // top level of a file
@@ -33,42 +33,42 @@ struct Frame {
     node_list,            // [ here ] of an MFNode
     values,               // [ here ] of any other MF type
     image,                // the pixels of an SFImage
-    skip,                 // something that can't be used
+    skip,                 // something unusable, being skipped
   };
   Kind kind = Kind::statements;
   SourceLocation start;
   NodeId node;                                    // node_body
   const NodeType* type = nullptr;                 // node_body
-  NodeType* declaring = nullptr;                  // interfaces and Script bodies: the type that grows
+  NodeType* declaring = nullptr;                  // interfaces and Script bodies: the type being declared
   FieldValue* into = nullptr;                     // node_list, values, image
-  std::string_view name;                          // of the field that `into` belongs to
-  std::unique_ptr<InterfaceDeclaration> pending;  // a declaration whose value is being read
-  std::uint64_t fields_seen = 0;                  // node_body: a bit for each slot below 64
-  std::array<double, 4> partial{};                // values: numbers of an element that is not whole yet
+  std::string_view name;                          // of the field that contains `into`
+  std::unique_ptr<InterfaceDeclaration> pending;  // declaration with a value still to read
+  std::uint64_t fields_seen = 0;                  // node_body: bit mask of the slots below 64
+  std::array<double, 4> partial{};                // values: numbers of an incomplete element
   std::uint8_t partial_count = 0;
   std::uint64_t pixels_left = 0;  // image
-  std::size_t charged = 0;        // values, image: bytes of `into` that were drawn from the budget
+  std::size_t charged = 0;        // values, image: bytes of `into` drawn from the budget
   std::size_t depth = 0;          // skip: open brackets
   bool skipped_value = false;     // skip: something was skipped already
-  bool value_unexpected = false;  // skip: there should be nothing to skip
+  bool value_unexpected = false;  // skip: any content is unexpected
 };
 
-/// A name scope (VRML97 4.4.3): the file, or the body of a PROTO.
+/// Name scope (VRML97 4.4.3): the file, or the body of a PROTO.
 struct Scope {
   struct UnresolvedRoute {
     std::string from, event_out, to, event_in;
     SourceLocation location;
   };
-  NameTable names;  // a null node: one that was skipped
+  NameTable names;  // a null node marks a skipped one
   std::unordered_map<std::string_view, const NodeType*> types;
   std::vector<UnresolvedRoute> unresolved_routes;
-  NodeType* prototype = nullptr;  // whose body this is
+  NodeType* prototype = nullptr;  // PROTO of this body; null for the file
 };
 
 struct Parser::State {
   State(SceneGraph& scene_graph, Diagnostics& diagnostic_list);
 
-  // parser.cpp: the driver
+  // Driver, in parser.cpp.
   void run(const char* begin, const char* end, bool last);
   Step step();
   Step read_header();
@@ -77,21 +77,20 @@ struct Parser::State {
   void report(Severity severity, SourceLocation location, std::string message);
   void error(SourceLocation location, std::string message) { report(Severity::error, location, std::move(message)); }
   void warn(SourceLocation location, std::string message) { report(Severity::warning, location, std::move(message)); }
-  /// "expected `what`, found ..."; of the end of the text only where nothing is open, since the open
-  /// construct that it cuts short is reported anyway.
+  /// Reports "expected `what`, found ...". At the end of the text it reports only if nothing is open, because the
+  /// truncated construct is reported anyway.
   void unexpected(const Token& found, const std::string& what);
-  /// Complains of the first of several tokens in a row that have no use here, and passes over a list or node
-  /// body that nobody asked for.
+  /// Reports only the first of several consecutive unusable tokens, and skips an unexpected list or node body.
   void rubbish_token(const Token& token, const std::string& what);
   void warn_once(bool& said, SourceLocation location, std::string message);
   bool open(Frame frame);
   void report_end_inside(const Frame& frame);
-  /// The budget for nodes is spent: says so, once. What follows is left out.
+  /// Reports once that the budget for nodes is exhausted. The rest of the text is omitted.
   bool out_of_budget();
-  /// Draws what the list or image of a frame has grown by, in steps; `all`: to the last byte.
+  /// Draws the growth of a frame's list or image from the budget, in steps; to the last byte if `all`.
   void charge_growth(Frame& frame, bool all);
 
-  // parser_statements.cpp: statements, node heads, ROUTE, PROTO
+  // Statements, node heads, ROUTE, PROTO, in parser_statements.cpp.
   Step statement_step();
   Step statement(const Token& keyword, bool& was_statement);
   Step other_statement(const Token& keyword);
@@ -115,7 +114,7 @@ struct Parser::State {
   [[nodiscard]] const NodeType* find_stand_in(const Token& name);
   [[nodiscard]] bool in_prototype_body() const { return scopes.back().prototype && interfaces_open == 0; }
 
-  // parser_fields.cpp: node bodies, interface declarations, IS, recovery
+  // Node bodies, interface declarations, IS and recovery, in parser_fields.cpp.
   Step node_body_step();
   Step field(Token name);
   Step is_mapping(const Token& name);
@@ -125,7 +124,7 @@ struct Parser::State {
   void skip_value();
   void skip_interface_value();
 
-  // parser_values.cpp: field values
+  // Field values, in parser_values.cpp.
   Step value(FieldType type, FieldValue& into, std::string_view name);
   void note_url_place(const Frame* node, std::string_view name, const Token& token);
   bool plain_floats(FieldType type, FieldValue& into);
@@ -143,34 +142,34 @@ struct Parser::State {
   String string_of(const Token& token);
 
   SceneGraph& scene;
-  SourceText& source;  // what is read: of the scene's file, or one of its run-time texts
+  SourceText& source;  // text being read: the scene's file or a run-time text
   Diagnostics& diagnostics;
   Lexer lexer;
   std::vector<Frame> frames;
   std::vector<Scope> scopes;
-  std::string carry;           // bytes that came and could not be used yet
-  std::size_t retry_size = 0;  // try again when `carry` has grown to this
-  int interfaces_open = 0;     // PROTO interfaces that are being read, whose default nodes are live
+  std::string carry;           // received bytes that cannot be used yet
+  std::size_t retry_size = 0;  // size of `carry` at which to retry
+  int interfaces_open = 0;     // open PROTO interfaces, whose default nodes are live
   bool header_read = false;
   bool headerless = false;
   bool anything_read = false;
-  bool table_text = false;  // interface text of our own: no header, no scene
-  bool rubbish = false;     // the last token was rubbish and has been complained about
+  bool table_text = false;  // text of the node table: no header, no scene
+  bool rubbish = false;     // the last token was unusable and has been reported
   bool end_reported = false;
-  std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;   // of declarations that don't count
-  std::unordered_set<std::string_view> said_types;                  // names that were declared twice
-  std::unordered_map<std::string_view, const NodeType*> stand_ins;  // that were needed
-  std::unordered_set<std::string> unknown_types;                    // that were told of
-  std::unordered_set<std::uint64_t> said_measures;                  // places of nodes whose measures are none
-  std::uint32_t said_reserved = 0;                                  // a bit for each of reserved_word()
-  FieldValue discarded = MFNode{};             // takes named nodes that stand where nothing can be used
-  FieldType number_type = FieldType::SFFloat;  // of the value that is being read
+  std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;   // values of invalid declarations
+  std::unordered_set<std::string_view> said_types;                  // names reported as declared twice
+  std::unordered_map<std::string_view, const NodeType*> stand_ins;  // stand-ins that were needed
+  std::unordered_set<std::string> unknown_types;                    // types reported as unknown
+  std::unordered_set<std::uint64_t> said_measures;                  // nodes reported for invalid measures
+  std::uint32_t said_reserved = 0;             // bit mask of reserved_word() results that were reported
+  FieldValue discarded = MFNode{};             // receives named nodes that cannot be used
+  FieldType number_type = FieldType::SFFloat;  // of the value being read
   bool said_bool_form = false, said_external_value = false, said_latin1 = false, said_route_in_list = false,
        said_bad_id = false, said_number_form = false, said_limit = false, said_budget = false;
   ParseOutcome outcome = ParseOutcome::complete;
 };
 
-/// `'text'` as an error shows it, shortened; "the end of the file"; ...
+/// Returns the token as an error shows it: `'text'`, shortened; "the end of the file"; ...
 [[nodiscard]] std::string describe(const Token& token);
 
 }  // namespace gs::vrml

@@ -8,20 +8,19 @@
 
 namespace gs::vrml {
 
-/// The scene as VRML97 text that parses to the same scene: PROTO and EXTERNPROTO declarations, nodes with
-/// the fields that differ from their defaults, ROUTEs, in the order of the file. Printing what this text
-/// parses to gives the same text again. Floats are printed with the fewest digits that give the same
-/// float. Nodes that several places use get a DEF name if they have none, and names that were given
-/// twice are told apart.
+/// Returns the scene as VRML97 text that parses to the same scene: PROTO and EXTERNPROTO declarations, nodes with
+/// non-default fields, and ROUTEs, in the order of the file. Printing the parsed text gives the same text again. Floats
+/// have the fewest digits that give the same float. Shared nodes without a name get a DEF name; duplicate names are
+/// made unique.
 [[nodiscard]] std::string print(const SceneGraph& scene);
-/// The same in pieces of about a megabyte, which `write` gets: the whole may be larger than the scene. False ends it.
+/// Prints in pieces of about one megabyte, since the text may be larger than the scene. `write` returns false to stop.
 void print(const SceneGraph& scene, const std::function<bool(std::string_view)>& write);
 
-/// Appends one value as VRML97 text (clause 5), on one line; node values as their DEF names or types.
+/// Appends one value as VRML97 text (clause 5) on one line; node values as DEF names or types.
 void print_value(std::string& out, const FieldValue& value, const SceneGraph& scene);
 
-/// The interface of a node type as a PROTO declares it, one declaration a line, indented, the range in a
-/// comment behind it.
+/// Returns the interface of a node type as a PROTO declares it: one declaration per line, indented, with the range in a
+/// trailing comment.
 [[nodiscard]] std::string print_interface(const NodeType& type);
 
 }  // namespace gs::vrml
