@@ -9,19 +9,19 @@ struct BindableEvents {
 };
 
 void tell_bound(Execution& execution, EventNode node, bool bound) {
-  // Bound and unbound with one timestamp: each eventOut sends once in it (4.10.4), so the rest is told with the next
-  // one.
+  // If the node was bound and unbound with one timestamp, the second event waits for the next one, since each eventOut
+  // sends once per timestamp (4.10.4).
   if (execution.has_sent(node, BindableEvents::is_bound)) {
     execution.call_at(node, execution.now());
     return;
   }
   execution.send(node, BindableEvents::is_bound, SFBool{bound});
-  // A Viewpoint tells the time of both (6.53).
+  // A Viewpoint sends bindTime in both cases (6.53).
   execution.send(node, BindableEvents::bind_time, SFTime{execution.now()});
 }
 
-// 4.6.10: TRUE moves the node to the top of its stack, FALSE takes it off; whoever comes to the top, or leaves it, says
-// so with the same timestamp. Where nothing changes nothing is sent.
+// Handles set_bind (4.6.10): TRUE moves the node to the top of its stack, FALSE removes it. Nodes that become or cease
+// to be the top send isBound with the same timestamp. Sends nothing if nothing changes.
 bool set_bind(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != BindableEvents::set_bind) return true;
   const NodeType& type = execution.type_of(node);

@@ -13,7 +13,7 @@ struct GroupingEvents {
   enum : int { collide = children + 1, collide_time };  // of Collision
 };
 
-// 4.6.5: children that are there already are not added again; those that are not there are not removed.
+// Handles addChildren and removeChildren (4.6.5): ignores added children that exist and removed ones that do not.
 bool change_children(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event >= GroupingEvents::children) return true;
   const MFNode given = std::get<MFNode>(value);
@@ -57,7 +57,7 @@ glm::dmat4 billboard_of(const Node& node, const glm::dvec3& viewer, const glm::d
   return billboard_matrix(std::get<SFVec3f>(node.values[axis]), viewer, up);
 }
 
-// An Anchor is activated by a click on what is below it (6.2).
+// A click on an Anchor's descendants activates it (6.2).
 constexpr PointingSensor kAnchorSensor = {
     .description = GroupingEvents::description,
     .of_children = true,

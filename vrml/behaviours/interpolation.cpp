@@ -41,7 +41,7 @@ SFColor color_of(const Hsv& c) {
 
 glm::dvec4 four_of(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
 
-// A way from `a` to `b`, both of length 1, on the sphere; `cosine` of the angle between them.
+// Interpolates from `a` to `b`, both unit vectors, along the sphere; `cosine` is that of the angle between them.
 template <class Vector>
 Vector along_arc(const Vector& a, const Vector& b, double cosine, double part) {
   constexpr double kNearlyOne = 0.9999999;
@@ -89,7 +89,7 @@ SFVec3f between_normals(const SFVec3f& a, const SFVec3f& b, float part) {
   if (!(lengths > 0) || !std::isfinite(lengths)) return between_points(a, b, part);
   const glm::dvec3 first = glm::normalize(from), second = glm::normalize(to);
   const double cosine = glm::dot(first, second);
-  // Of opposite ones no way is the shortest, and any will do.
+  // Opposite directions have no unique shortest path; any will do.
   constexpr double kOpposite = -0.9999999;
   if (cosine < kOpposite) return SFVec3f(part < 0.5F ? first : second);
   return SFVec3f(along_arc(first, second, cosine, part));
@@ -99,7 +99,7 @@ SFRotation between_rotations(const SFRotation& a, const SFRotation& b, float par
   const glm::dvec4 from = four_of(quaternion_of(a));
   glm::dvec4 to = four_of(quaternion_of(b));
   double cosine = glm::dot(from, to);
-  if (cosine < 0) {  // two quaternions stand for each orientation: the nearer one
+  if (cosine < 0) {  // two quaternions represent each orientation; take the nearer one
     to = -to;
     cosine = -cosine;
   }

@@ -13,7 +13,7 @@ struct InterpolatorEvents {
   enum : int { set_fraction, key_value, value_changed, key };
 };
 
-// Interpolators of one value (6.10, 6.32, 6.37, 6.39).
+// Evaluates an interpolator with one value per key (6.10, 6.32, 6.37, 6.39).
 template <class T, T (*between)(const T&, const T&, float)>
 bool set_fraction(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != InterpolatorEvents::set_fraction) return true;
@@ -28,7 +28,7 @@ bool set_fraction(Execution& execution, EventNode node, int event, const FieldVa
   return false;
 }
 
-// What is read before any fraction came is the first of keyValue (4.6.8).
+// Returns the value before the first fraction: the first element of keyValue (4.6.8).
 template <class T>
 bool first_value(Execution& execution, EventNode node, FieldValue& value) {
   const Array<T>& values = execution.get<Array<T>>(node, InterpolatorEvents::key_value);
@@ -46,8 +46,8 @@ bool first_list(Execution& execution, EventNode node, FieldValue& value) {
   return true;
 }
 
-// Interpolators of as many values as there are for each key (6.13, 6.31). Two arrays take turns: the one that was sent
-// last may be shared with the fields that it was sent to, the one before no longer.
+// Evaluates an interpolator with a list of values per key (6.13, 6.31). It alternates between two arrays: the array
+// sent last may share storage with the fields that received it; the one before no longer does.
 template <SFVec3f (*between)(const SFVec3f&, const SFVec3f&, float)>
 bool set_fraction_of_list(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != InterpolatorEvents::set_fraction) return true;
@@ -77,7 +77,8 @@ void list_is_removed(Execution& execution, EventNode node) {
   execution.states().spares.give_back(execution.state_of(node));
 }
 
-// A place on a curve (Amendment 1). The first `dimension` values are its control points; all are where it says nothing.
+// Interface of an interpolator along a NURBS curve (Amendment 1). `dimension` is the number of control points; 0 means
+// all values.
 struct NurbsEvents {
   enum : int { set_fraction, key_value, value_changed, key_weight, knot, order, dimension };
 };

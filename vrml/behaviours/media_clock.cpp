@@ -9,7 +9,7 @@
 namespace gs::vrml {
 namespace {
 
-// Of AudioClip and MovieTexture; `rate`: pitch or speed.
+// Interface of AudioClip and MovieTexture; `rate` is pitch or speed.
 struct Media {
   enum : int { loop, rate, start_time, stop_time, duration_changed, is_active, url };
 };
@@ -28,7 +28,7 @@ struct MediaFields {
 MediaFields media_fields(const Execution& execution, EventNode node, bool backwards) {
   MediaFields f{execution.get<SFTime>(node, Media::start_time), execution.get<SFTime>(node, Media::stop_time),
                 execution.get<SFFloat>(node, Media::rate), execution.get<SFBool>(node, Media::loop)};
-  // Against the standard, which wants a pitch of (0,inf), and numbers: as by default.
+  // Replaces values that the standard forbids (a pitch outside (0,inf), non-finite numbers) by the default.
   if (!std::isfinite(f.rate) || (!backwards && !(f.rate > 0))) f.rate = 1;
   return f;
 }
@@ -37,12 +37,12 @@ MediaFields media_fields(const Execution& execution, EventNode node) {
   return media_fields(execution, node, execution.behaviour_of(node).media_backwards);
 }
 
-// The length of one playing (6.4, 6.28); never ends where that is not known, or nothing moves.
+// Returns the duration of one cycle (6.4, 6.28); infinite if unknown or if the rate is 0.
 double cycle_of(const MediaFields& f, const MediaState& state) {
   return state.duration >= 0 && f.rate != 0 ? state.duration / std::abs(f.rate) : kUnending;
 }
 
-// Whether a sound or movie may still come; what never comes has no cycle.
+// Reports whether the sound or movie may still load. If it cannot, it has no cycle.
 bool may_come(const Execution& execution, EventNode node, const MediaState& state) {
   return !state.told && !execution.get<MFString>(node, Media::url).empty();
 }
@@ -52,7 +52,7 @@ double end_of(const MediaFields& f, const MediaState& state) {
   return f.loop ? stop : std::min(stop, f.start + (state.cycle + 1) * cycle_of(f, state));
 }
 
-// Of the sound or movie, in its own seconds: t of 6.4 and 6.28.
+// Returns the media time in seconds: t of 6.4 and 6.28.
 double position_at(const MediaFields& f, const MediaState& state, double time, bool end_of_cycle) {
   const bool known = state.duration >= 0;
   if (f.rate == 0) return 0;
@@ -74,7 +74,7 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
   const bool stopped = f.stop > f.start && now >= f.stop;
   if (!(f.start <= now) || (stopped && !since_last_step)) return;
   if (!f.loop) {
-    // What is still to come may be over when it has.
+    // Media with unknown duration starts only if it may still load and if its start is recent.
     if (state.duration < 0 && (!may_come(execution, node, state) || !since_last_step)) return;
     if (state.duration >= 0 && now >= f.start + cycle_of(f, state) && !since_last_step) return;
   }
@@ -91,12 +91,12 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
 
 void media_stop(Execution& execution, EventNode node, MediaState& state, const MediaFields& f, double end) {
   const bool end_of_cycle = !f.loop && end >= f.start + (state.cycle + 1) * cycle_of(f, state);
-  // A stopTime that was set to what has passed means the present.
+  // A stopTime in the past, set while active, means now.
   state.held = position_at(f, state, std::max(end, state.stop_set), end_of_cycle);
   state.holds = true;
   state.active = false;
   execution.send(node, Media::is_active, SFBool{false});
-  // Stopped and started anew at one time: the stop counts first (4.6.9).
+  // On a stop and restart at the same time, the stop comes first (4.6.9).
   if (state.new_start_at == execution.now()) {
     execution.send(node, Media::start_time, SFTime{state.new_start});
     media_start_if_due(execution, node, state);
@@ -115,14 +115,14 @@ void media_time(Execution& execution, EventNode node) {
   if (execution.now() < end) {
     execution.call_at(node, end);
   } else if (execution.has_sent(node, Media::is_active)) {
-    execution.call_at(node, execution.now());  // it has begun with this timestamp, and ends with the next one
+    execution.call_at(node, execution.now());  // already started with this timestamp; stops with the next one
   } else {
     media_stop(execution, node, state, f, end);
   }
 }
 
-// 4.6.9, 6.4, 6.28: while active, set_startTime, set_pitch and set_speed are ignored, and set_stopTime to what is not
-// after startTime.
+// Handles events while active (4.6.9, 6.4, 6.28): ignores set_startTime, set_pitch and set_speed, and a set_stopTime
+// that is not after startTime.
 bool media_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
   MediaState& state = state_of_media(execution, node);
   execution.look_again(node);
@@ -140,7 +140,7 @@ bool media_event(Execution& execution, EventNode node, int event, const FieldVal
       state.new_start_at = execution.now();
       return false;
     case Media::loop: {
-      // The cycle that runs is the last one where it does not loop any more.
+      // If looping is turned off, the current cycle is the last one.
       const double cycles = (execution.now() - f.start) / cycle_of(f, state);
       state.cycle = f.loop && std::isfinite(cycles) ? std::max(0.0, std::floor(cycles)) : state.cycle;
       return true;
@@ -161,7 +161,7 @@ void media_removed(Execution& execution, EventNode node) {
   execution.states().media.give_back(execution.state_of(node));
 }
 
-// False: something was sent with this timestamp already.
+// Returns false if an event was already sent with this timestamp.
 bool media_came(Execution& execution, EventNode node, double duration) {
   if (execution.has_sent(node, Media::duration_changed)) return false;
   MediaState& state = state_of_media(execution, node);

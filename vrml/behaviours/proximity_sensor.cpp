@@ -15,7 +15,7 @@ struct Proximity {
   enum : int { center, size, enabled, is_active, position, orientation, enter_time, exit_time };
 };
 
-// The columns made perpendicular and of length 1; false where they have no direction.
+// Orthonormalizes the columns; returns false if one has no direction.
 bool orthonormal(glm::dmat3& m) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < i; ++k) m[i] -= m[k] * glm::dot(m[k], m[i]);
@@ -27,16 +27,16 @@ bool orthonormal(glm::dmat3& m) {
   return true;
 }
 
-// What the viewer has done since the last look. Between two looks he goes in a straight line.
+// Movement of the viewer since the last evaluation, assumed to be a straight line.
 struct Look {
-  bool inside = false;    // he is in the box of one of the sensor's places
-  bool passed = false;    // he is not, and went through one of them on his way
-  double entered_at = 0;  // inside: maybe before the last look; passed
-  double left_at = 0;     // not inside: he left the box that he was in; passed
+  bool inside = false;    // inside the box of one instance of the sensor
+  bool passed = false;    // outside, but crossed a box on the way
+  double entered_at = 0;  // valid if inside or passed; may precede the last evaluation if inside
+  double left_at = 0;     // valid if not inside: exit from the last box; or if passed
   glm::dmat4 sensor_from_viewer{1.0}, sensor_from_entered{1.0}, sensor_from_left{1.0};
 };
 
-// The part of the way that is within the box, 0 to 1; false where there is none.
+// Computes the part of the path inside the box, as 0 to 1. Returns false if there is none.
 bool clip(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& center, const glm::dvec3& size, double& first,
           double& last) {
   first = 0, last = 1;
@@ -59,8 +59,8 @@ glm::dmat4 moved_to(glm::dmat4 matrix, const glm::dvec3& place) {
   return matrix;
 }
 
-// Times are those at which the viewer crossed the box (6.38). Who jumps has no way (6.53), and where the sensor itself
-// came over him the time is the present one.
+// Evaluates the movement; times are those at which the viewer crossed the box (6.38). After a jump there is no path
+// (6.53). If the sensor moved over the viewer, the time is the present.
 Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   const glm::dvec3 size(execution.get<SFVec3f>(node, Proximity::size));
   const glm::dvec3 center(execution.get<SFVec3f>(node, Proximity::center));
@@ -78,7 +78,7 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
     const glm::dmat4 sensor_from_world = glm::inverse(places[i]);
     const glm::dmat4 sensor_from_viewer = sensor_from_world * viewer;
     const glm::dvec3 to(sensor_from_viewer[3]), from(sensor_from_world * glm::dvec4(state.viewer, 1));
-    look.inside = true;  // false for what is no number
+    look.inside = true;  // false for NaN
     for (int k = 0; k < 3; ++k) look.inside = look.inside && std::abs(to[k] - center[k]) <= size[k] / 2;
     double first = 0, last = 0;
     const bool met = way_known && clip(from, to, center, size, first, last);
@@ -104,7 +104,7 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   return look;
 }
 
-// Values that have not changed are not sent, but on entry and exit.
+// Sends position and orientation if they changed, or always on entry and exit.
 void send_place(Execution& execution, EventNode node, const glm::dmat4& sensor_from_viewer, bool always) {
   const SFVec3f position(sensor_from_viewer[3]);
   if (always || position != execution.get<SFVec3f>(node, Proximity::position))
@@ -128,13 +128,13 @@ void leave(Execution& execution, EventNode node, double time) {
 
 void proximity_time(Execution& execution, EventNode node) {
   const std::uint32_t place = execution.state_of(node);
-  if (place == 0) return;  // it found no room
+  if (place == 0) return;  // no memory for a state
   ProximityState& state = execution.states().proximities[place];
   const auto& size = execution.get<SFVec3f>(node, Proximity::size);
   // A box without volume is never entered.
   const bool on = execution.get<SFBool>(node, Proximity::enabled) && size.x > 0 && size.y > 0 && size.z > 0;
   const bool active = execution.get<SFBool>(node, Proximity::is_active);
-  // isActive sends once with a timestamp (4.10.4): what else it has to say comes with the next one.
+  // isActive sends once per timestamp (4.10.4); a second change waits for the next one.
   const bool said = execution.has_sent(node, Proximity::is_active);
   execution.run(node, on || (active && said));
   if (!on) {

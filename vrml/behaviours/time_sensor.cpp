@@ -26,16 +26,16 @@ TimeFields fields_of(const Execution& execution, EventNode node) {
   TimeFields f{execution.get<SFTime>(node, Clock::cycle_interval), execution.get<SFTime>(node, Clock::start_time),
                execution.get<SFTime>(node, Clock::stop_time), execution.get<SFBool>(node, Clock::loop),
                execution.get<SFBool>(node, Clock::enabled)};
-  // Against the standard, which wants (0,inf): as by default.
+  // Replaces intervals that the standard forbids, outside (0,inf), by the default.
   if (!(f.interval > 0) || !std::isfinite(f.interval)) f.interval = 1;
   return f;
 }
 
-// What ends at the time of outputs: nothing, the activity inside a cycle, or with its last cycle.
+// Period that ends at the time of the outputs: none, the activity within a cycle, or the activity with its last cycle.
 enum class Ending : std::uint8_t { none, inside_cycle, cycle };
 
-// What the sensor sends at a time while it is active (6.50): that of the step, or the one at which its activity ends
-// between two steps. That the last cycle ends is not left to rounding.
+// Sends the outputs of an active sensor (6.50) for time `at`: that of the step, or the end of its activity between two
+// steps. `ending` marks the end of the last cycle exactly, regardless of rounding.
 void send_outputs(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at,
                   Ending ending) {
   const double cycles = (at - f.start) / f.interval;
@@ -61,7 +61,7 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
     return;
   }
   const bool stopped = f.stop > f.start && now >= f.stop, over = !f.loop && now >= f.start + f.interval;
-  // Steps may be longer than the whole of its activity: it is not passed over for that.
+  // A step may be longer than the whole active period, which must still occur.
   const bool since_last_step = delayed || f.start > execution.previous();
   if (!(f.start <= now) || ((stopped || over) && !since_last_step)) return;
   if (execution.has_sent(node, Clock::is_active)) {
@@ -73,7 +73,7 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
   state.cycle_sent = false;
   state.sent_at = -std::numeric_limits<double>::infinity();
   execution.send(node, Clock::is_active, SFBool{true});
-  if (over) {  // the end of its only cycle
+  if (over) {  // end of its only cycle
     state.cycle_sent = true;
     state.cycle = 0;
     execution.send(node, Clock::cycle_time, SFTime{f.start});
@@ -88,13 +88,13 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
 }
 
 void stop(Execution& execution, EventNode node, TimeState& state, double at, Ending ending) {
-  // Times grow from event to event (4.11.1): what is up to date is not sent again, and a stopTime that was set to what
-  // has passed means the present (6.50).
+  // Timestamps increase (4.11.1): outputs that are up to date are not sent again. A stopTime in the past means now
+  // (6.50).
   if (at > state.sent_at) send_outputs(execution, node, state, fields_of(execution, node), at, ending);
   execution.send(node, Clock::is_active, SFBool{false});
   state.active = false;
   execution.run(node, false);
-  // Stopped and started anew at one time: the stop counts first (4.6.9).
+  // On a stop and restart at the same time, the stop comes first (4.6.9).
   if (state.new_start_at == execution.now()) {
     execution.send(node, Clock::start_time, SFTime{state.new_start});
     start_if_due(execution, node, state, fields_of(execution, node));
@@ -114,7 +114,7 @@ void time_sensor_time(Execution& execution, EventNode node) {
   const double cycle_end = f.loop ? kNever : f.start + (state.cycle + 1) * f.interval;
   const double end = std::min(stop_time, cycle_end);
   if (execution.has_sent(node, Clock::is_active) && (!f.enabled || now >= end)) {
-    execution.run(node, true);  // it has begun with this timestamp, and ends with the next one
+    execution.run(node, true);  // already started with this timestamp; stops with the next one
     return;
   }
   if (now >= end) {
@@ -126,8 +126,8 @@ void time_sensor_time(Execution& execution, EventNode node) {
   }
 }
 
-// 4.6.9: while active, set_startTime and set_cycleInterval are ignored, and set_stopTime to what is not after
-// startTime.
+// Handles events while active (4.6.9): ignores set_startTime and set_cycleInterval, and a set_stopTime that is not
+// after startTime.
 bool time_sensor_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
   TimeState& state = state_of_sensor(execution, node);
   execution.look_again(node);

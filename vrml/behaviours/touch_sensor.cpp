@@ -9,11 +9,11 @@ struct Touch {
   enum : int { enabled = kSensorEnabled, is_over, is_active, touch_time, hit_point, hit_normal, hit_tex_coord };
 };
 
-// In the coordinate system of the sensor (6.51). What has no place in it, since that is a singular one, is not sent.
+// Sends the hit in the sensor's coordinate system (6.51). If that system is singular, undefined values are not sent.
 void touch_hover(Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& world_from_sensor) {
   const SFVec3f point(glm::inverse(world_from_sensor) * glm::dvec4(bearing.point, 1));
   send_finite(execution, node, Touch::hit_point, point);
-  // Normals go with the inverse of the transpose of what points go with.
+  // Normals transform by the inverse transpose of the matrix for points.
   const glm::dvec3 normal = glm::transpose(glm::dmat3(world_from_sensor)) * bearing.normal;
   const SFVec3f direction(normal / glm::length(normal));
   send_finite(execution, node, Touch::hit_normal, direction);

@@ -11,7 +11,7 @@
 namespace gs::vrml {
 namespace {
 
-// Elements of one timestamp: about 4 million deliveries, some tenths of a second.
+// Limit of work elements per timestamp: about 4 million deliveries, some tenths of a second.
 constexpr std::size_t kMostWork = std::size_t{1} << 26;
 constexpr std::size_t kFewAlarms = 1024;
 constexpr int kLastChangeBit = 63;
@@ -20,7 +20,7 @@ constexpr int kLastChangeBit = 63;
 
 Execution::~Execution() = default;
 
-// ---- Values and what behaviours ask for
+// ---- Values, and services for behaviours
 
 FieldValue& Execution::stored(const Member& at, const EventSchema::Interface& interface) {
   return interface.out >= 0 ? out_values_[at.first_out + static_cast<std::uint32_t>(interface.out)]
@@ -48,7 +48,7 @@ FieldValue* Execution::place_to_send(EventNode node, int event) {
   const std::uint32_t place = at.schema->events[static_cast<std::size_t>(event)];
   if (place == EventSchema::kNone) return nullptr;
   const EventSchema::Interface& interface = at.schema->interfaces[place];
-  // The value of an exposedField changes, whether that can be told or not.
+  // The value of an exposedField changes even if the event cannot be sent.
   if (interface.out >= 0 && slots_[at.first_slot + place].sent == stamp_) return nullptr;
   if (interface.out < 0) mark_changed(node, interface.slot);
   if (interface.out >= 0 && holds_nodes(interface.declaration->type)) note_referring(node);
@@ -95,7 +95,7 @@ bool Execution::spend(std::size_t elements) {
 }
 
 bool Execution::afford(std::size_t bytes) {
-  constexpr std::size_t kStep = std::size_t{64} << 10;  // drawn at a time
+  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes drawn at a time
   if (afforded_ + bytes > share_.amount() && !share_.grow(std::max(bytes, kStep)) && !share_.grow(bytes)) {
     if (problem_.empty()) problem_ = "events take " + root_.budget()->refusal(Resource::nodes);
     return false;
@@ -142,7 +142,7 @@ std::optional<double> Execution::next_time() const {
   return alarms_.empty() ? std::nullopt : std::optional<double>(alarms_.front().time);
 }
 
-// ---- Bindable nodes (4.6.10): a stack a type, as a list through its nodes, so that any of them can leave it at once.
+// ---- Bindable nodes (4.6.10): one stack per type, as a linked list of nodes, so that any node can leave in O(1).
 
 Execution::Stack& Execution::stack_of(const NodeType& type) {
   for (Stack& stack : stacks_)
@@ -186,7 +186,7 @@ void Execution::bind(EventNode node, bool to_top) {
   stack.top = node;
 }
 
-// Those below others first.
+// Returns all nodes on stacks, lower ones first.
 std::vector<EventNode> Execution::bindables_on_stacks() {
   std::vector<EventNode> nodes;
   for (const Stack& stack : stacks_)
@@ -200,12 +200,12 @@ std::vector<EventNode> Execution::bindables_on_stacks() {
 void Execution::nodes_leave() {
   if (nodes_leave_ || !spend(placement_.visits())) return;
   nodes_leave_ = true;
-  // Who is bound without ever having stood in the hierarchy does not leave it.
+  // A bound node that was never in the hierarchy cannot leave it.
   for (const EventNode node : bindables_on_stacks())
     if (!nodes_[node].placed) nodes_[node].placed = !places_of(node).empty();
 }
 
-// A bound node that is deleted behaves as if it got set_bind FALSE (4.6.10).
+// Unbinds bound nodes that left the hierarchy, as with set_bind FALSE (4.6.10).
 void Execution::unbind_what_left() {
   if (!std::exchange(nodes_leave_, false)) return;
   for (const EventNode node : bindables_on_stacks())
@@ -225,7 +225,7 @@ glm::dmat4 Execution::viewer() {
   for (const Stack& stack : stacks_) {
     if (stack.top == 0 || !stack.type->behaviour->parent_from_local) continue;
     glm::dmat4 matrix = stack.type->behaviour->parent_from_local(node_of(stack.top));
-    // A Billboard above the Viewpoint would face itself; it counts as if it did not turn.
+    // A Billboard above the Viewpoint would face itself; it counts as unrotated.
     const Member& top = nodes_[stack.top];
     if (const auto places = placement_.places_of(*top.scene, top.id); !places.empty()) matrix = places.front() * matrix;
     return matrix;
@@ -258,7 +258,7 @@ EventNode Execution::event_node(const SceneGraph& scene, NodeId node) {
   return place == scene_places_.end() || !scene.contains(node) ? 0 : member(scenes_[place->second], node);
 }
 
-// ---- What the viewer does
+// ---- Actions of the user
 
 void Execution::point(const Pointer& pointer) {
   pointing_->point(pointer);
@@ -284,10 +284,10 @@ bool Execution::collide(std::span<const PathStep> path) {
   return true;
 }
 
-// ---- What the browser does
+// ---- Actions of the browser
 
 bool Execution::progress(const SceneGraph& scene, NodeId id, double fraction) {
-  constexpr float kLeast = 0.00999f;  // 1/100, but for rounding
+  constexpr float kLeast = 0.00999f;  // 1/100, with a margin for rounding
   if (std::isnan(fraction) || !scene.contains(id)) return true;
   const NodeType& type = *scene.node(id).type;
   const InterfaceDeclaration* progress = type.find("progress_changed");

@@ -9,7 +9,7 @@
 namespace gs::vrml {
 namespace {
 
-// What a ROUTE costs in the table of them, about.
+// Approximate bytes per ROUTE in the route table.
 constexpr std::size_t kRouteEntry = 48;
 
 std::uint64_t key_of(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
@@ -61,7 +61,7 @@ void Execution::attach(SceneGraph& scene) {
   if (const auto place = scene_places_.find(&scene); place != scene_places_.end()) attach_all({place->second});
 }
 
-// Inlines inside Inlines stand behind those that hold them.
+// Attaches scenes; nested Inlines come after the Inlines that contain them.
 void Execution::attach_all(std::vector<std::size_t> order) {
   placement_.forget();
   pointing_->forget();
@@ -85,12 +85,12 @@ void Execution::attach_node(SceneState& state, NodeId id) {
   }
   has_pointing_sensors_ = has_pointing_sensors_ || (node.type->behaviour && node.type->behaviour->pointing);
   if (node.type->behaviour && node.type->behaviour->initialize) (void)member(state, id);
-  // What its url names is to be fetched like that of a set_url.
+  // New nodes fetch their URLs as on a set_url event.
   if ((node.owner != 0 || state.lives) && node.type->url_content != UrlContent::none)
     for (const InterfaceDeclaration* url : node.type->url_fields())
       if (const EventNode made = member(state, id)) mark_changed(made, url->slot);
   if (node.type->prototype || node.type->kind == NodeType::Kind::external_prototype) (void)attach_instance(state, id);
-  // So is the body of an EXTERNPROTO.
+  // The body of an EXTERNPROTO is fetched as well.
   if (node.owner != 0 && !node.type->prototype && node.type->kind == NodeType::Kind::external_prototype)
     content_changed(*state.scene, id);
 }
@@ -117,7 +117,7 @@ void Execution::attach_scene(std::size_t index) {
   state.lives = true;
 }
 
-// The ways between the interface of a PROTO instance and the nodes of its body, as IS says.
+// Connects the interface of a PROTO instance to the nodes of its body, according to IS.
 bool Execution::attach_instance(SceneState& state, NodeId id) {
   SceneGraph& scene = *state.scene;
   const Node& node = scene.node(id);
@@ -131,7 +131,7 @@ bool Execution::attach_instance(SceneState& state, NodeId id) {
     const std::optional<std::uint32_t> place = place_in_body(prototype, mapping.node);
     if (!place) continue;
     const NodeId inner_id = scene.id_at(node.expansion_first + *place);
-    // An EXTERNPROTO has declarations of its own, maybe fewer.
+    // An EXTERNPROTO has its own declarations, possibly fewer.
     const InterfaceDeclaration* outer = node.type->find(mapping.outer->name);
     if (!scene.contains(inner_id) || !outer || outer->type != mapping.inner->type) continue;
     const EventNode instance = member(state, id), inner = member(state, inner_id);
@@ -166,7 +166,7 @@ EventNode Execution::member(SceneState& state, NodeId id) {
   Node& node = state.scene->node(id);
   EventSchema& schema = schema_of(*node.type);
   const std::size_t slots = schema.interfaces.size() * (schema.instance ? 2 : 1);
-  // What removed nodes have left is drawn from the budget already.
+  // Entries left by removed nodes are already drawn from the budget.
   const auto place_of = [](auto& free, std::size_t count) -> std::optional<std::uint32_t> {
     const auto places = free.find(count);
     if (places == free.end() || places->second.empty()) return {};
@@ -175,7 +175,7 @@ EventNode Execution::member(SceneState& state, NodeId id) {
     return place;
   };
   const auto free_slots = place_of(free_slots_, slots), free_outs = place_of(free_outs_, schema.outs.size());
-  constexpr std::size_t kBuffers = 2;  // vectors have about so much room as they grow
+  constexpr std::size_t kBuffers = 2;  // factor for the spare capacity of growing vectors
   const std::size_t fresh = (free_members_.empty() ? sizeof(Member) : 0) + (free_slots ? 0 : slots * sizeof(Slot)) +
                             (free_outs ? 0 : schema.outs.size() * sizeof(FieldValue));
   if (!afford(kBuffers * fresh)) {
@@ -227,7 +227,7 @@ std::uint32_t Execution::connect(EventNode source, std::uint32_t from, EventNode
   return made;
 }
 
-// A cascade may stand on it; it can be used again when that is over.
+// Removes a connection. A cascade may still traverse its entry, which becomes free when the cascade ends.
 void Execution::disconnect(std::uint32_t place) {
   Connection& removed = connections_[place];
   Slot& slot = slots_[removed.from];
@@ -324,8 +324,8 @@ void Execution::bind_what_came() {
   drain();
 }
 
-// In the order of the file, through what is shown, without Inlines (4.6.10). The standard does not say whether what a
-// Switch does not show is a candidate; other browsers pass over it, and worlds choose their Background with one.
+// Binds the first visible nodes in file order, without Inlines (4.6.10). The standard does not say whether hidden
+// children of a Switch are candidates. Other browsers skip them, and worlds use a Switch to choose their Background.
 void Execution::bind_first_nodes(SceneState& state, bool of_fresh_types) {
   SceneGraph& scene = *state.scene;
   std::vector<bool> seen(scene.node_count() + 1);

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-// Cascades (VRML97 4.10.3, 4.10.4): time goes on, and events lead to others.
+// Event cascades (VRML97 4.10.3, 4.10.4): advances time and delivers events.
 namespace gs::vrml {
 
 void Execution::begin(double now) {
@@ -36,7 +36,7 @@ void Execution::step(double now) {
     --live_alarms_;
     look_again(alarm.node);
   }
-  // Those that begin to run meanwhile stand behind the others, and have had their turn.
+  // Nodes that start running meanwhile come after the others and have already been called.
   const std::size_t count = running_.size();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -83,7 +83,7 @@ void Execution::drain() {
     queue_.clear();
     posted_.clear();
     queue_next_ = 0;
-    // What they send goes on in this cascade; each eventOut can be the cause of no more than one look.
+    // Events that these nodes send join this cascade. Each eventOut causes at most one evaluation.
     for (std::size_t i = 0; i < looking_.size(); ++i) {
       const EventNode node = looking_[i];
       nodes_[node].looking = false;
@@ -95,7 +95,7 @@ void Execution::drain() {
   } while (!queue_.empty());
   free_connections_.insert(free_connections_.end(), removed_connections_.begin(), removed_connections_.end());
   removed_connections_.clear();
-  // A world that replaces itself as soon as it begins does so once in each moment.
+  // A world that replaces itself at once does so only once per timestamp.
   if (next_world_ && replaced_at_ != stamp_) do_replace_world();
   remove_if_many();
 }
@@ -112,8 +112,8 @@ void Execution::deliver(Sent sent) {
   walk(slots_[at.first_slot + sent.interface].first, value);
 }
 
-// All that one event leads to directly: a list of connections, and, where these enter PROTO instances, the lists of
-// those. The standing places are kept on a path of our own, since files choose how deep instances nest.
+// Delivers one event along all connections: a list of them, with nested lists where they enter PROTO instances. Uses an
+// explicit stack of list positions, since files determine the nesting depth of instances.
 void Execution::walk(std::uint32_t first, const FieldValue& value) {
   assert(path_.empty());
   if (first != 0) path_.push_back(first);
@@ -151,11 +151,11 @@ void Execution::receive(EventNode node, std::uint32_t place, const FieldValue& v
   const EventSchema::Interface& interface = schema.interfaces[place];
   if (schema.instance) {
     const std::size_t ways_down = at.first_slot + schema.interfaces.size() + place;
-    if (slots_[ways_down].first != 0) {  // only from outside: walk goes there by itself
+    if (slots_[ways_down].first != 0) {  // only from outside; walk() handles its own
       walk(slots_[ways_down].first, value);
       return;
     }
-    // There is nobody yet who could take it (4.9.1).
+    // An EXTERNPROTO without a body has no receiver yet (4.9.1).
     if (schema.type->kind == NodeType::Kind::external_prototype && !schema.type->prototype) return;
   }
   if (interface.event >= 0 && schema.behaviour->on_event &&
@@ -169,12 +169,12 @@ void Execution::receive(EventNode node, std::uint32_t place, const FieldValue& v
     mark_changed(node, interface.slot);
     if (interface.declaration->access == AccessType::exposedField) queue(node, place);
   }
-  // Last, since it may make nodes.
+  // Called last, since it may create nodes.
   if (interface.event < 0 && schema.behaviour && schema.behaviour->on_own_event)
     schema.behaviour->on_own_event(*this, node, place, value);
 }
 
-// IS of an eventOut: it goes on as an event of the instance (4.8.2).
+// Passes an eventOut up through IS: it continues as an event of the instance (4.8.2).
 void Execution::pass_up(EventNode node, std::uint32_t place, const FieldValue& value) {
   const Member& at = nodes_[node];
   const EventSchema::Interface& interface = at.schema->interfaces[place];

@@ -4,12 +4,12 @@
 #include <unordered_set>
 #include <utility>
 
-// Nodes made at run time, Inlines and worlds that go again.
+// Removal of run-time nodes, of Inlines and of whole worlds.
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kFewNodes = 256;  // made at run time, before it is worth looking for those that nothing holds
-// So many fields and nodes may be looked at for each node that was made.
+constexpr std::size_t kFewNodes = 256;  // run-time nodes created before a search for unheld nodes pays
+// Fields and nodes that a search may visit per created node.
 constexpr std::size_t kLooksPerNode = 16;
 
 bool is_script(const Node& node) { return node.type->kind == NodeType::Kind::script; }
@@ -20,14 +20,14 @@ void Execution::note_referring(EventNode node) {
   if (!std::exchange(nodes_[node].refers, true)) referring_.push_back(node);
 }
 
-// Which nodes of a scene are held. Nodes of its file need no look as long as they are: what they refer to beside each
-// other they have got by events, and are listed in referring_.
+// Marks the held nodes of a scene. Nodes of the file are skipped while they are held: their references to run-time
+// nodes came by events and are listed in referring_.
 class Execution::Marking {
  public:
   Marking(Execution& execution, SceneState& state)
       : execution_(execution), state_(state), scene_(*state.scene), marked_(scene_.node_count() + 1) {}
 
-  /// The nodes that nothing holds.
+  /// Returns the nodes that nothing holds.
   std::vector<NodeId> find_unheld() {
     mark_held();
     while (!waiting_.empty()) {
@@ -96,7 +96,7 @@ class Execution::Marking {
     for (const EventNode member : execution_.referring_)
       if (const Member& at = execution_.nodes_[member]; at.scene == &scene_ && of_file(*at.node))
         mark_values(*at.node, member);
-    // By ROUTEs to and from nodes of the file.
+    // Held through ROUTEs to and from nodes of the file.
     for (const NodeId id : state_.at_run_time) {
       const EventNode member = scene_.contains(id) ? member_of(id) : 0;
       if (member == 0) continue;
@@ -117,7 +117,7 @@ class Execution::Marking {
       for (std::uint32_t i = 0; i < node.type->prototype->nodes.size(); ++i)
         mark(scene_.id_at(node.expansion_first + i));
     if (node.instance != 0) mark(scene_.id_at(node.instance));
-    // Values that instances may yet get.
+    // Default values that future instances may get.
     if (marked_texts_.insert(node.owner).second && node.owner != 0)
       for (const auto& type : scene_.text_at(node.owner).types())
         for (const FieldValue& value : type->defaults) mark(value);
@@ -149,7 +149,7 @@ void Execution::release(const SceneGraph& scene, NodeId node) {
   if (count != held->second.end() && --count->second == 0) held->second.erase(count);
 }
 
-// What looking costs is paid for by the nodes that were made.
+// Amortizes the cost of searches over the created nodes.
 void Execution::remove_if_many() {
   if (!removing_ && made_since_ >= std::max(kFewNodes, next_removal_)) (void)remove_unheld();
 }
@@ -180,7 +180,7 @@ void Execution::remove_nodes(SceneState& state, const std::vector<NodeId>& nodes
   for (const NodeId id : nodes)
     if (const EventNode member = member_of(id)) members.push_back(member);
   end_scripts(members);
-  // As if they got set_bind FALSE (4.6.10); what comes to the top in their places says so.
+  // Unbinds them as with set_bind FALSE (4.6.10); the next nodes on the stacks send isBound.
   for (const NodeId id : nodes)
     if (const EventNode member = member_of(id); member != 0 && nodes_[member].on_stack)
       (void)nodes_[member].schema->behaviour->on_event(*this, member, kSetBind, FieldValue(false));
@@ -251,7 +251,7 @@ void Execution::remove_content(SceneGraph& scene, NodeId inline_node) {
   const bool was_removing = std::exchange(removing_, true);
   for (const EventNode node : bindables_on_stacks()) {
     const SceneGraph* inside = nodes_[node].scene;
-    // The nodes of Inlines inside it go as well.
+    // The nodes of nested Inlines are removed as well.
     std::vector<const SceneGraph*> scenes{content};
     for (std::size_t i = 0; i < scenes.size() && inside; ++i) {
       if (scenes[i] == inside) {
@@ -286,7 +286,7 @@ void Execution::content_changed(SceneGraph& scene, NodeId inline_node) {
   if (const EventNode node = event_node(scene, inline_node)) change_of(node).slots |= kNoField;
 }
 
-// Nobody stands on removed connections now: no cascade goes on.
+// Reuses removed connections; safe here, since no cascade is running.
 void Execution::drop_removed() {
   free_connections_.insert(free_connections_.end(), removed_connections_.begin(), removed_connections_.end());
   removed_connections_.clear();
@@ -325,7 +325,7 @@ bool Execution::replace_world(SceneGraph& scene, const MFNode& nodes) {
   return true;
 }
 
-// What shows an Inline's scene is an Inline of the root that nobody else has.
+// Makes the scene's content an Inline of the root, as the root's only content.
 bool Execution::move_to_root(SceneGraph& scene) {
   std::shared_ptr<SceneGraph> content;
   for (const SceneState& state : scenes_) {

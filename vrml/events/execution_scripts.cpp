@@ -3,7 +3,7 @@
 
 #include <utility>
 
-// What programs of Scripts do to their world (VRML97 4.12).
+// Effects of Script programs on their world (VRML97 4.12).
 namespace gs::vrml {
 
 void Execution::note_script(EventNode node) {
@@ -11,8 +11,8 @@ void Execution::note_script(EventNode node) {
   new_scripts_.push_back(node);
 }
 
-// Before any event for them (4.12.3). A program may make Scripts, whose programs make others: of those that come to a
-// world that has begun, 64 begin in each moment, and the others later.
+// Starts new Scripts before they receive any event (4.12.3). A program may create Scripts whose programs create more:
+// in a running world, at most 64 start per timestamp.
 void Execution::begin_scripts() {
   constexpr std::size_t kBegin = std::size_t{1} << 20;  // elements of work
   if (!started_) return;

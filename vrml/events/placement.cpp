@@ -12,17 +12,17 @@ constexpr std::size_t kDeepest = 100'000;
 
 }  // namespace
 
-// Through all children, also those that are not shown: what is inside a Switch or LOD goes on sending events
-// (6.26, 6.46).
+// Searches all children, including hidden ones, since the content of a Switch or LOD continues to send events (6.26,
+// 6.46).
 void Placement::search() {
   known_ = true;
   for (auto& [node, paths] : paths_) paths.clear();
   struct Open {
     const SceneGraph* scene;
     std::vector<bool>* on_path;
-    NodeId node;        // that is open; null: the roots of a scene
-    int slot;           // of its children
-    std::size_t child;  // the next one
+    NodeId node;        // open node; null for the roots of a scene
+    int slot;           // slot of its children
+    std::size_t child;  // next child
     bool mover;
   };
   std::unordered_map<const SceneGraph*, std::vector<bool>> on_paths;

@@ -10,7 +10,7 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kLongList = 64;  // children from which on it is remembered which of them are sensors
+constexpr std::size_t kLongList = 64;  // length from which a list of children gets a cache of its sensors
 constexpr std::size_t kMostLists = 256;
 constexpr std::size_t kMostWaiting = 64;
 
@@ -20,10 +20,10 @@ const PointingSensor* pointing_sensor_of(const Node& node) {
 
 }  // namespace
 
-// ---- Which sensors (4.6.7.3)
+// ---- Finding sensors (4.6.7.3)
 
-// The levels of a path are the lists of children on it: of its grouping nodes, and the roots of each scene. Of a Switch
-// or LOD only the choice that is on the path is in the transformation hierarchy, and that is no sensor.
+// Finds the sensors of the lowest level. The levels of a path are its lists of children: those of its grouping nodes,
+// and the roots of each scene. A Switch or LOD contributes only its choice on the path, which is no sensor.
 void Pointing::find_sensors(std::span<const PathStep> path, std::vector<Sensed>& sensed) {
   for (std::size_t i = path.size(); i-- > 0 && sensed.empty();) {
     const PathStep& step = path[i];
@@ -91,14 +91,14 @@ bool Pointing::make_state(EventNode node) {
   return true;
 }
 
-// A sensor that is enabled while the button is down hears nothing before that is released (4.6.7.3).
+// Reports whether a sensor may act. One that was enabled while the button is down must wait for the release (4.6.7.3).
 bool Pointing::usable(EventNode node) const {
   const int enabled = execution_.behaviour_of(node).pointing->enabled;
   if (enabled >= 0 && !execution_.get<SFBool>(node, enabled)) return false;
   return !down_ || execution_.states().pointing[execution_.state_of(node)].enabled_in != press_;
 }
 
-// ---- What they hear
+// ---- Sending events
 
 void Pointing::point(const Pointer& pointer) {
   Look look{pointer.bearing, pointer.down, {}};
@@ -109,7 +109,7 @@ void Pointing::point(const Pointer& pointer) {
   } else if (waiting_.size() < kMostWaiting) {
     waiting_.push_back(std::move(look));
   } else {
-    waiting_.pop_back();  // a press and a release that nobody could follow
+    waiting_.pop_back();  // drops a press and release that could not be sent
   }
 }
 
@@ -117,7 +117,7 @@ void Pointing::go_on() {
   while (!waiting_.empty() && change(waiting_.front())) waiting_.pop_front();
 }
 
-// Whether all that would change its state can say so with this timestamp.
+// Reports whether all sensors that would change state can send events with this timestamp.
 bool Pointing::has_room(const Look& look, bool press, bool release) const {
   const auto& states = execution_.states().pointing;
   const auto sent = [&](EventNode node, int event) { return event >= 0 && execution_.has_sent(node, event); };
@@ -140,11 +140,11 @@ bool Pointing::has_room(const Look& look, bool press, bool release) const {
   return true;
 }
 
-// False: there is no room for it with this timestamp, and nothing has changed.
+// Applies an update. Returns false, without changes, if events cannot be sent with this timestamp.
 bool Pointing::change(const Look& look) {
   const bool pressed = look.down && !down_, released = !look.down && down_;
   const bool moved = !pointed_ || look.bearing.origin != last_.origin || look.bearing.direction != last_.direction;
-  // Geometry that moves under the pointer is no reason for events (6.51).
+  // Geometry that moves under a still pointer causes no events (6.51).
   if (!pressed && !released && !moved) return true;
   auto& states = execution_.states().pointing;
   ++look_;
@@ -182,7 +182,8 @@ void Pointing::leave() {
   });
 }
 
-// `moved`: sensors that it is over already hear of that. Not `all`: only those that have the pointer.
+// Updates sensors under the pointer. `moved`: those already under it get hover events. If `all` is false, only sensors
+// that hold the pointer are updated.
 void Pointing::enter(const Look& look, bool moved, bool all) {
   auto& states = execution_.states().pointing;
   for (const Sensed& one : look.sensed) {

@@ -13,18 +13,18 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kMostPairs = 256;    // faces around a vertex that are compared one by one
-constexpr std::size_t kMostSearched = 32;  // values of a vertex that are compared with a new one
-constexpr glm::vec3 kNoNormal{0, 0, 1};    // where nothing says better
-constexpr int kGroupsAcross = 16;          // directions are grouped on a map of the sphere of 16 x 16
+constexpr std::size_t kMostPairs = 256;    // faces around a vertex that are compared pairwise
+constexpr std::size_t kMostSearched = 32;  // existing values of a vertex that a new one is compared with
+constexpr glm::vec3 kNoNormal{0, 0, 1};    // fallback
+constexpr int kGroupsAcross = 16;          // directions are grouped on a 16 x 16 octahedron map
 
-/// A face of no area has weight 0 and no say.
+/// Normal of a face; a face without area has weight 0.
 struct FaceNormal {
   glm::vec3 unit{0};
   float weight = 0;
 };
 
-/// The faces around the vertex at hand, laid out for loops over all of them.
+/// Faces around the current vertex, as structure of arrays for vector loops.
 struct Neighbours {
   std::vector<float> x, y, z, weight, chosen;
 
@@ -40,8 +40,8 @@ struct Neighbours {
   }
   [[nodiscard]] glm::vec3 unit(std::size_t i) const { return {x[i], y[i], z[i]}; }
 
-  /// Weighted sum of those of the first `count` whose angle with number `own` has a cosine above
-  /// `cosine`; its own is always one of them. No branches: which ones are chosen is hard to foretell.
+  /// Returns the weighted sum of the first `count` normals at an angle to number `own` with a cosine above `cosine`;
+  /// always includes `own`. Branchless, since the selection is hard to predict.
   [[nodiscard]] glm::vec3 sum_near(std::size_t own, std::size_t count, float cosine) {
     const glm::vec3 axis = unit(own);
     for (std::size_t i = 0; i < count; ++i)
@@ -54,11 +54,12 @@ struct Neighbours {
 };
 
 struct FaceCorner {
-  std::uint32_t corner;  // place in coordIndex
-  std::uint32_t face;    // place in the list of FaceNormals
+  std::uint32_t corner;  // position in coordIndex
+  std::uint32_t face;    // index in the list of FaceNormals
 };
 
-/// Area vector of the face; where that vanishes (it crosses itself or turns back) that of its largest triangle.
+/// Returns the area vector of the face. If it is zero (self-intersecting or folded face), returns that of its largest
+/// triangle.
 [[nodiscard]] glm::dvec3 area_vector(std::span<const glm::vec3> polygon) {
   const glm::dvec3 sum = newell_vector(polygon);
   if (glm::dot(sum, sum) > 0 || polygon.size() == 3) return sum;
@@ -85,7 +86,7 @@ struct FaceCorner {
   return area_vector(scratch);
 }
 
-/// The unit vector along `v`; `other` where v has no direction.
+/// Returns the unit vector along `v`, or `other` if v has no direction.
 [[nodiscard]] glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& other) {
   const float square = glm::dot(v, v);
   return square > 1e-30f && std::isfinite(square) ? v / std::sqrt(square) : other;
@@ -137,13 +138,13 @@ class CreaseSmoother {
   float cosine_ = 1, half_cosine_ = 1;
 
   std::vector<FaceNormal> faces_;
-  std::vector<FaceCorner> corners_;  // in the order of the vertices
-  std::vector<std::uint32_t> ends_;  // those of vertex v are [ends_[v], ends_[v + 1])
+  std::vector<FaceCorner> corners_;  // sorted by vertex
+  std::vector<std::uint32_t> ends_;  // corners of vertex v are [ends_[v], ends_[v + 1])
   Neighbours near_;
-  std::vector<Value> own_;       // values made for the vertex at hand
-  Array<glm::vec3> values_;      // the first one of each vertex, at the vertex's place
+  std::vector<Value> own_;       // values made for the current vertex
+  Array<glm::vec3> values_;      // first value of each vertex, by vertex
   glm::vec3* first_ = nullptr;   // into values_
-  std::vector<glm::vec3> more_;  // go behind them
+  std::vector<glm::vec3> more_;  // further values, appended later
   MFInt32 index_;
 };
 
@@ -172,7 +173,7 @@ void CreaseSmoother::read_faces(const UsableVertices& vertices, bool ccw) {
   }
 }
 
-/// Sorts the corners by vertex. Reads the faces again, which is cheaper than to keep their corners.
+/// Sorts the corners by vertex. Reading the faces again is cheaper than storing their corners.
 void CreaseSmoother::sort_corners(const UsableVertices& vertices, bool ccw) {
   for (std::size_t i = 1; i < ends_.size(); ++i) ends_[i] += ends_[i - 1];
   corners_.resize(ends_.back());
@@ -211,7 +212,7 @@ void CreaseSmoother::smooth(std::uint32_t vertex, std::span<const FaceCorner> ar
     smooth_groups(vertex, around);
 }
 
-/// The usual case: all faces lie within half the crease angle of their mean, so any two are within the whole.
+/// Handles the usual case: all faces lie within half the crease angle of their mean, so any two lie within the whole.
 bool CreaseSmoother::smooth_all(std::uint32_t vertex, std::span<const FaceCorner> around) {
   glm::vec3 sum(0);
   for (const FaceCorner& corner : around) sum += faces_[corner.face].unit * faces_[corner.face].weight;
@@ -234,7 +235,7 @@ void CreaseSmoother::smooth_pairs(std::uint32_t vertex, std::span<const FaceCorn
   }
 }
 
-/// Faces that take the same others come to the same sum: one value for them.
+/// Returns an existing equal value, or adds one. Faces with the same neighbours get the same sum.
 std::uint32_t CreaseSmoother::find_or_add(std::uint32_t vertex, const glm::vec3& normal) {
   const std::size_t start = own_.size() > kMostSearched ? own_.size() - kMostSearched : 0;
   for (std::size_t i = start; i < own_.size(); ++i) {
@@ -244,7 +245,7 @@ std::uint32_t CreaseSmoother::find_or_add(std::uint32_t vertex, const glm::vec3&
   return add(vertex, normal);
 }
 
-/// Where the octahedron map of the sphere puts a direction.
+/// Returns the cell of a direction on the octahedron map.
 [[nodiscard]] std::size_t group_of(const glm::vec3& unit) {
   const float sum = std::abs(unit.x) + std::abs(unit.y) + std::abs(unit.z);
   if (!(sum > 0)) return 0;
@@ -267,12 +268,12 @@ void CreaseSmoother::smooth_groups(std::uint32_t vertex, std::span<const FaceCor
     const FaceNormal& face = faces_[around[i].face];
     sums[group_of(face.unit)] += face.unit * face.weight;
   }
-  std::array<std::size_t, kGroups> groups{};  // those that are not empty
+  std::array<std::size_t, kGroups> groups{};  // non-empty groups
   std::size_t count = 0;
   for (std::size_t i = 0; i < kGroups; ++i) {
     const float length = glm::length(sums[i]);
     if (!(length > 0)) continue;
-    near_.set(count, {sums[i] / length, length});  // has room: there are more faces than groups
+    near_.set(count, {sums[i] / length, length});  // fits, since there are more faces than groups
     groups[count++] = i;
   }
   std::array<std::uint32_t, kGroups> values{};

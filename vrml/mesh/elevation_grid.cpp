@@ -9,12 +9,12 @@
 namespace gs::vrml {
 namespace {
 
-/// columns x rows vertices; columns and rows >= 2.
+/// Grid of columns x rows vertices, both >= 2.
 struct Grid {
   std::uint32_t columns, rows;
 };
 
-/// One quadrilateral a cell, counter-clockwise seen from +Y, in the order of QuadColor[i, j] (VRML97 6.17).
+/// Returns one quadrilateral per cell, counter-clockwise seen from +Y, in the order of QuadColor[i, j] (VRML97 6.17).
 [[nodiscard]] MFInt32 quadrilaterals(Grid grid) {
   MFInt32 index;
   const std::size_t size = std::size_t{5} * (grid.columns - 1) * (grid.rows - 1);
@@ -33,7 +33,8 @@ struct Grid {
   return index;
 }
 
-/// (0, 0) at the first vertex to (1, 1) at the last one of all `rows` that the node claims to have.
+/// Returns texture coordinates from (0, 0) at the first vertex to (1, 1) at the last one of all `rows` that the node
+/// declares.
 [[nodiscard]] MFVec2f unit_square(Grid grid, std::int32_t rows) {
   MFVec2f coordinates;
   const std::size_t size = std::size_t{grid.columns} * grid.rows;
@@ -48,7 +49,7 @@ struct Grid {
 
 }  // namespace
 
-// A quadrilateral for each, with normals of its corners.
+// One quadrilateral with corner normals per height.
 std::size_t cost_of_elevation_grid(const SceneGraph& scene, NodeId geometry) {
   constexpr std::size_t kOfHeight = 8;
   return scene.get<MFFloat>(geometry, "height").size() * kOfHeight;
@@ -65,10 +66,10 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
   faces.solid = scene.get<SFBool>(geometry, "solid");
   Mesh nothing;
   nothing.solid = faces.solid;
-  // Against the ranges of the node table, a spacing of 0 is drawn flat.
+  // Draws a spacing of 0 flat, although the node table's ranges exclude it.
   const auto is_spacing = [](float spacing) { return spacing >= 0 && std::isfinite(spacing); };
   if (x_dimension < 2 || z_dimension < 2 || !is_spacing(x_spacing) || !is_spacing(z_spacing)) return nothing;
-  // Rows of which heights are missing are left out; so the heights bound what is allocated.
+  // Omits rows with missing heights, so that the heights bound the allocation.
   const auto columns = static_cast<std::size_t>(x_dimension);
   const std::size_t rows = std::min(
       {static_cast<std::size_t>(z_dimension), height.size() / columns, kMaximumCorners / 5 / (columns - 1) + 1});

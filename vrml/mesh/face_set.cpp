@@ -15,12 +15,12 @@
 namespace gs::vrml {
 namespace {
 
-constexpr float kUnitTolerance = 0.01f;  // of the squared length; texts give three or four digits
+constexpr float kUnitTolerance = 0.01f;  // of the squared length; files often give three or four digits
 constexpr float kShortestSquare = 1e-24f;
 constexpr std::size_t kStretch =
     4096;  // entries of a coordIndex that are read between two looks at the room for output
 
-/// Indices that so many entries of a coordIndex make when all are triangles, and a bit to spare.
+/// Returns the number of indices for `entries` entries of a coordIndex if all faces are triangles, plus a margin.
 [[nodiscard]] std::size_t expected_indices(std::size_t entries) {
   return entries / 4 * 3 + std::min(entries, kStretch) / 2 + 12;
 }
@@ -30,7 +30,7 @@ constexpr std::size_t kStretch =
   return square > kShortestSquare && square < std::numeric_limits<float>::infinity();
 }
 
-/// Appends indices, making room as it goes.
+/// Appends indices and grows the array as needed.
 class IndexWriter {
  public:
   explicit IndexWriter(std::size_t expected) { grow(expected); }
@@ -42,7 +42,7 @@ class IndexWriter {
     next[2] = c;
     next_ = next + 3;
   }
-  /// Room for `count` indices, for loops that keep the place themselves; release() says where they ended.
+  /// Returns room for `count` indices, for loops that keep the position themselves; release() takes the end position.
   [[nodiscard]] std::uint32_t* claim(std::size_t count) {
     if (static_cast<std::size_t>(end_ - next_) < count) grow(static_cast<std::size_t>(next_ - begin_) + count);
     return next_;
@@ -66,12 +66,12 @@ class IndexWriter {
   std::uint32_t *begin_ = nullptr, *next_ = nullptr, *end_ = nullptr;
 };
 
-/// Cuts faces into triangles.
+/// Triangulates faces.
 class FaceCutter {
  public:
   FaceCutter(const FaceSet& faces, std::span<const std::int32_t> coord_index) : faces_(faces), index_(coord_index) {}
 
-  /// Calls emit(i, j, k), places in `corners`, for each triangle.
+  /// Calls emit(i, j, k) for each triangle, with indices in `corners`.
   template <class Emit>
   void cut(std::span<const std::uint32_t> corners, const Emit& emit) {
     const auto count = static_cast<std::uint32_t>(corners.size());
@@ -92,7 +92,7 @@ class FaceCutter {
   PolygonTriangulator triangulator_;
 };
 
-/// The mesh when every corner takes all its attributes by its vertex: the arrays as they are, and indices.
+/// Builds the mesh if every corner takes all attributes by its vertex: unchanged arrays, plus indices.
 class SharedBuilder {
  public:
   SharedBuilder(const FaceSet& faces, std::span<const std::int32_t> coord_index, const UsableVertices& vertices)
@@ -141,8 +141,8 @@ class SharedBuilder {
     });
   }
 
-  /// Reads triangles and convex quadrilaterals up to the first face that is something else or has
-  /// something wrong; returns its place. Large meshes are made of these.
+  /// Reads triangles and convex quadrilaterals up to the first other or invalid face; returns its position. Large
+  /// meshes consist of these.
   [[nodiscard]] std::size_t read_plain_faces(std::size_t position, std::size_t& faces);
 
   const FaceSet& faces_;
@@ -196,7 +196,7 @@ std::size_t SharedBuilder::read_plain_faces(std::size_t position, std::size_t& f
 /// Writes vertices into the arrays of a mesh.
 class VertexWriter {
  public:
-  /// Room for at most `count` vertices.
+  /// Reserves room for at most `count` vertices.
   VertexWriter(const FaceSet& faces, std::size_t count) : faces_(&faces) {
     position_ = mesh_.positions.prepare(count);
     normal_ = mesh_.normals.prepare(count);
@@ -241,10 +241,10 @@ class VertexWriter {
   std::uint32_t count_ = 0;
 };
 
-/// The mesh in all other cases: a vertex for each different corner.
+/// Builds the mesh in all other cases: one vertex per distinct corner.
 class CornerBuilder {
  public:
-  /// `own_normals`: no two vertices share a normal, so that it says more of a corner than the vertex does.
+  /// If `own_normals` is set, no two vertices share a normal, so the normal identifies a corner better than the vertex.
   CornerBuilder(const FaceSet& faces, std::span<const std::int32_t> coord_index, const UsableVertices& vertices,
                 bool own_normals)
       : faces_(faces),
@@ -288,7 +288,7 @@ class CornerBuilder {
   }
 
  private:
-  /// Corners of different faces differ for certain where something belongs to one face only.
+  /// Returns false if every face has an attribute of its own, so that corners of different faces always differ.
   [[nodiscard]] static bool can_weld(const FaceSet& faces) {
     return faces.normal.binding != Binding::none && faces.normal.binding != Binding::by_face &&
            faces.color.binding != Binding::by_face;
@@ -308,10 +308,10 @@ class CornerBuilder {
   Welder welder_;
   VertexWriter writer_;
   IndexWriter out_;
-  // Made for faces that lack some; named by places behind the given ones. Only the last one is kept
-  // where vertices are written at once.
+  // Generated normals of faces that lack some; their indices follow those of the given ones. Where vertices are written
+  // at once, only the last one is kept.
   std::vector<glm::vec3> face_normals_;
-  std::uint32_t face_normal_ = kMissing;  // that of the face at hand, once made
+  std::uint32_t face_normal_ = kMissing;  // normal of the current face, once generated
   std::vector<glm::vec3> scratch_;
 };
 
@@ -348,12 +348,12 @@ bool CornerBuilder::set_normal(const FaceReader& reader, std::uint32_t corner, V
   return true;
 }
 
-/// Makes a copy of the used coordinates where one node uses few out of many.
+/// Copies the used coordinates if the node uses few out of many.
 void compact_points(FaceSet& faces) {
   const std::span<const std::int32_t> index = readable(faces.coord_index);
   if (!needs_compaction(faces.points.size(), index.size())) return;
   Compaction compaction = compact(index, faces.points.size());
-  // Before the points, whose number says which colour is the last one.
+  // Colours come first: the number of points determines the last colour.
   if (faces.color.binding == Binding::by_vertex)
     faces.color.values = gather(faces.color.values, compaction.kept, faces.color.values.back());
   if (faces.normal.binding == Binding::by_vertex)
@@ -364,8 +364,8 @@ void compact_points(FaceSet& faces) {
   faces.coord_index = std::move(compaction.index);
 }
 
-/// Makes by_vertex normals as many as the points and of unit length, without a copy where they are so
-/// already. False when some used one is missing or has no direction.
+/// Matches by_vertex normals to the number of points and normalizes them, without a copy if possible. Returns false if
+/// a used normal is missing or has no direction.
 [[nodiscard]] bool fit_normals(FaceSet& faces) {
   const std::size_t points = faces.points.size();
   if (faces.normal.values.size() < points) {
@@ -373,7 +373,7 @@ void compact_points(FaceSet& faces) {
     for (const std::int32_t vertex : readable(faces.coord_index)) largest = std::max(largest, vertex);
     if (largest >= 0 && static_cast<std::size_t>(largest) >= faces.normal.values.size()) return false;
   }
-  std::uint32_t other = 0;  // no bool: so the loop vectorises
+  std::uint32_t other = 0;  // not bool, so that the loop vectorizes
   for (const glm::vec3& normal : faces.normal.values)
     other |= static_cast<std::uint32_t>(!(std::abs(glm::dot(normal, normal) - 1) < kUnitTolerance));
   const bool unit = other == 0;
@@ -389,7 +389,7 @@ void compact_points(FaceSet& faces) {
   return binding == Binding::by_vertex || binding == Binding::none;
 }
 
-// Bytes that each way takes at its worst, an entry of coordIndex and a point.
+// Worst-case bytes of each method, per entry of coordIndex and per point.
 struct Cost {
   std::uint64_t entry, point;
 };

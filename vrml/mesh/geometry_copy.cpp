@@ -5,7 +5,7 @@
 namespace gs::vrml {
 namespace {
 
-/// What its lists hold; 1 for any other field.
+/// Returns the number of elements of a list; 1 for other fields.
 std::size_t elements_of(const FieldValue& value) {
   return std::visit(
       [](const auto& one) -> std::size_t {
@@ -23,7 +23,7 @@ std::size_t elements_of(const Node& node) {
   return sum;
 }
 
-/// The nodes in the node's own SFNode fields go with it, and no others: those are what meshes are made of.
+/// Copies a node with the nodes in its own SFNode fields, the only ones that meshes depend on.
 NodeId copy_node(const SceneGraph& from, NodeId id, SceneGraph& to, bool with_parts) {
   const Node& node = from.node(id);
   const NodeId copy = to.create(*node.type, node.location);

@@ -9,12 +9,12 @@
 #include <unordered_map>
 #include <vector>
 
-// OutlineGroup (docs/formats.md): polygons of which each stands alone, and outlines that stand for them until they have
-// come. Which of the two a group shows is decided here.
+// OutlineGroup (docs/formats.md): independent polygons, and outlines that represent them until they are received. This
+// file selects which of the two is drawn per group.
 namespace gs::vrml {
 namespace {
 
-/// Calls each(polygon, first, last) for every polygon of an index list: places of its corners.
+/// Calls each(polygon, first, last) for every polygon of an index list, with the range of its corners.
 template <class Each>
 void for_each_polygon(const MFInt32& index, const Each& each) {
   std::size_t polygon = 0;
@@ -30,7 +30,7 @@ std::int32_t at(const MFInt32& list, std::size_t i, std::int32_t otherwise) {
   return i < list.size() ? list[i] : otherwise;
 }
 
-/// What has come of the groups of a node and of the one that refines it.
+/// Received parts of the groups of a node and of its refiner.
 class Groups {
  public:
   Groups(const SceneGraph& scene, NodeId base, NodeId refiner)
@@ -67,7 +67,8 @@ class Groups {
   [[nodiscard]] bool knows(std::int32_t group) const {
     return group >= 0 && static_cast<std::size_t>(group) < sizes_.size();
   }
-  /// All polygons of a group are there; or those are that will ever come, so that one that was lost costs itself only.
+  /// Reports whether all polygons of a group have been received, or all that will be; a lost polygon thus affects only
+  /// itself.
   [[nodiscard]] bool done(std::int32_t group) const {
     const auto i = static_cast<std::size_t>(group);
     return sizes_[i] > 0 && present_[i] > 0 && (complete_ || present_[i] >= static_cast<std::uint32_t>(sizes_[i]));
@@ -79,13 +80,13 @@ class Groups {
   bool complete_ = false;
 };
 
-/// Positions that are equal get one number, so that polygons that stand alone shade smoothly where they meet.
+/// Maps equal positions to one index, so that independent polygons shade smoothly where they meet.
 class PositionWelder {
  public:
   explicit PositionWelder(const MFVec3f& points) : points_(points) { first_.reserve(points.size()); }
   [[nodiscard]] std::int32_t operator()(std::int32_t point) {
     if (static_cast<std::size_t>(point) >= points_.size()) return point;
-    const glm::vec3 p = points_[static_cast<std::size_t>(point)] + 0.0f;  // of both zeros the same one
+    const glm::vec3 p = points_[static_cast<std::size_t>(point)] + 0.0f;  // turns -0 into +0
     return first_
         .try_emplace(
             {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y), std::bit_cast<std::uint32_t>(p.z)},
@@ -106,7 +107,7 @@ class PositionWelder {
   std::unordered_map<Key, std::int32_t, Hash> first_;
 };
 
-/// Gathers what is shown of one node after the other.
+/// Collects the drawn parts of one node after the other.
 class Gatherer {
  public:
   Gatherer(const SceneGraph& scene, const Groups& groups) : scene_(scene), groups_(groups) {}
@@ -120,7 +121,7 @@ class Gatherer {
     add(node, "outline", "outlineIndex", "outlineTexCoord",
         [&](std::size_t polygon) { return groups_.shows_outline(polygon); });
   }
-  /// Positions, their polygons and their texture coordinates; the rest is the caller's.
+  /// Returns positions, polygons and texture coordinates; the caller fills in the rest.
   [[nodiscard]] FaceSet take(float crease_angle, bool textured) {
     faces_.crease_angle = crease_angle;
     const MFInt32 own_index = faces_.coord_index;
@@ -155,7 +156,7 @@ class Gatherer {
       faces_.coord_index.push_back(-1);
     });
     if (!any) return;
-    // The first list, wholly shown, need not be copied.
+    // The first list, if drawn completely, needs no copy.
     if (before == 0) {
       faces_.points = points;
       if (all && faces_.coord_index.size() == index.size()) faces_.coord_index = index;
@@ -177,7 +178,7 @@ class Gatherer {
 }  // namespace
 
 Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  // What refines another node is drawn with that, so that both shade as one.
+  // A node that refines another is drawn with that one, so that both shade as one.
   if (scene.resolve_as(scene.get<SFNode>(geometry, "refines"), NodeKind::outline_group)) return {};
   const Groups groups(scene, geometry, options.refiner);
   const auto entries = [&](NodeId node) {

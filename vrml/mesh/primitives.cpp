@@ -14,10 +14,10 @@ namespace {
 constexpr int kMaximumSegments = 4096;
 
 [[nodiscard]] bool is_size(float value) { return std::isfinite(value) && value > 0; }
-/// Against the ranges of the node table, what is 0 is drawn flat.
+/// Accepts 0, drawn flat, although the node table's ranges exclude it.
 [[nodiscard]] bool is_size_or_flat(float value) { return std::isfinite(value) && value >= 0; }
 
-/// A measure of the node, or of its type.
+/// Returns a measure of the node, or its type's default.
 template <class T>
 [[nodiscard]] T measure(const SceneGraph& scene, NodeId geometry, std::string_view field, const MeshOptions& options) {
   if (!options.default_measures) return scene.get<T>(geometry, field);
@@ -25,19 +25,19 @@ template <class T>
   return std::get<T>(type.defaults[static_cast<std::size_t>(type.find_field(field)->slot)]);
 }
 
-/// A measure of the node as a part of its type's.
+/// Returns a measure of the node divided by its type's default.
 template <class T>
 [[nodiscard]] T relative(const SceneGraph& scene, NodeId geometry, std::string_view field) {
   return scene.get<T>(geometry, field) / measure<T>(scene, geometry, field, {.default_measures = true});
 }
 
-/// A unit vector in the XZ plane.
+/// Unit vector in the XZ plane.
 struct Direction {
   float x, z;
 };
 
-/// segments + 1 directions once around the Y axis: from the back (-Z), where every texture has its
-/// seam (VRML97 6.11, 6.14, 6.43), counter-clockwise seen from above, to the back again.
+/// Returns segments + 1 directions once around the Y axis, from the back (-Z), where the texture seam lies (VRML97
+/// 6.11, 6.14, 6.43), counter-clockwise seen from above.
 [[nodiscard]] std::vector<Direction> turn(int segments) {
   std::vector<Direction> directions(static_cast<std::size_t>(segments) + 1);
   for (int i = 0; i < segments; ++i) {
@@ -51,10 +51,10 @@ struct Direction {
 
 [[nodiscard]] int segments_of(const MeshOptions& options) { return std::clamp(options.segments, 3, kMaximumSegments); }
 
-/// Collects the parts of a primitive, of which the size is known before.
+/// Collects the parts of a primitive with known size.
 class Builder {
  public:
-  /// At most so many.
+  /// Reserves room for at most this many vertices and triangles.
   Builder(std::size_t vertices, std::size_t triangles)
       : position_(mesh_.positions.prepare(vertices)),
         normal_(mesh_.normals.prepare(vertices)),
@@ -94,8 +94,8 @@ class Builder {
   std::size_t triangles_ = 0;
 };
 
-/// The disc at height `y` that looks up or down. Seen from outside its texture is upright when the
-/// top of the body is tilted towards +Z (`up`) or towards -Z (VRML97 6.11, 6.14).
+/// Adds the disc at height `y` that faces up or down. Seen from outside, its texture is upright when the top of the
+/// body is tilted towards +Z (`up`) or towards -Z (VRML97 6.11, 6.14).
 void add_disc(Builder& builder, const std::vector<Direction>& around, float radius, float y, bool up) {
   const float sign = up ? 1.0f : -1.0f;
   const glm::vec3 normal(0, sign, 0);
@@ -117,7 +117,7 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
   if (!is_size_or_flat(size.x) || !is_size_or_flat(size.y) || !is_size_or_flat(size.z)) return {};
   const glm::vec3 half = size * 0.5f;
 
-  // Normal, and the directions in which s and t grow on that face (VRML97 6.7).
+  // Normal of the face, and the directions of s and t on it (VRML97 6.7).
   struct Face {
     glm::vec3 normal, right, up;
   };
@@ -152,7 +152,7 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
     const double slant = std::hypot(static_cast<double>(radius), static_cast<double>(height));
     const auto outwards = static_cast<float>(height / slant);
     const auto upwards = static_cast<float>(radius / slant);
-    // Two vertices a segment: the rim, and the apex with the normal of the segment's middle.
+    // Two vertices per segment: one on the rim, and the apex with the normal at the segment's middle.
     for (int i = 0; i <= segments; ++i) {
       const Direction rim = around[static_cast<std::size_t>(i)];
       const float s = static_cast<float>(i) / static_cast<float>(segments);
@@ -203,7 +203,8 @@ Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptio
   const std::vector<Direction> around = turn(segments);
   const auto columns = static_cast<std::uint32_t>(segments) + 1;
 
-  // Rows from the south pole up. A pole is one vertex a segment, each with the texture of its middle.
+  // Rows from the south pole up. A pole has one vertex per segment, with the texture coordinate of the segment's
+  // middle.
   Builder builder(columns * (static_cast<std::size_t>(stacks) + 1), 2 * columns * static_cast<std::size_t>(stacks));
   for (int row = 0; row <= stacks; ++row) {
     const bool pole = row == 0 || row == stacks;

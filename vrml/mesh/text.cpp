@@ -32,7 +32,8 @@ Alignment alignment(const MFString& justify, std::size_t place, Alignment otherw
   return otherwise;
 }
 
-constexpr std::size_t kMostFamilies = 16, kMostName = 256;  // tried, bytes: USE could multiply long ones
+// Limits of families tried and of bytes per name; USE could multiply long names.
+constexpr std::size_t kMostFamilies = 16, kMostName = 256;
 
 FontStyle font_style_of(const SceneGraph& scene, NodeId geometry) {
   FontStyle style;

@@ -11,9 +11,9 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::uint32_t kInfinity = 0x7f800000;  // bits of a float from which it is not finite
+constexpr std::uint32_t kInfinity = 0x7f800000;  // float bits from which a value is not finite
 
-/// Bits of the largest absolute value; any NaN is larger than infinity. Written so that it vectorises.
+/// Returns the bits of the largest absolute value; NaN exceeds infinity. Written to vectorize.
 [[nodiscard]] std::uint32_t largest_bits(std::span<const glm::vec3> points) {
   std::int32_t x = 0, y = 0, z = 0;
   for (const glm::vec3& p : points) {
@@ -42,7 +42,7 @@ Bounds bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t
 }
 
 Bounds bounds_of(std::span<const glm::vec3> points) {
-  // Four points at a time are three registers of four floats.
+  // Four points are three registers of four floats.
   constexpr std::size_t kFloats = 12;
   Bounds bounds;
   const std::size_t blocks = points.size() / 4;
@@ -82,7 +82,7 @@ MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Bou
   const double scale = size[s] > 0 ? 1 / size[s] : 0;
   for (const glm::vec3& p : points) {
     const glm::dvec2 st((p[s] - lower[s]) * scale, (p[t] - lower[t]) * scale);
-    *next++ = glm::vec2(glm::clamp(st, -1e6, 1e6));  // points outside the box are not used
+    *next++ = glm::vec2(glm::clamp(st, -1e6, 1e6));  // points outside the box are unused
   }
   return coordinates;
 }
@@ -92,7 +92,7 @@ bool needs_compaction(std::size_t points, std::size_t corners) { return points >
 Compaction compact(std::span<const std::int32_t> coord_index, std::size_t points) {
   Compaction result;
   const std::size_t size = std::bit_ceil(2 * coord_index.size() + 16);
-  std::vector<std::uint64_t> table(size, 0);  // old place + 1, new place
+  std::vector<std::uint64_t> table(size, 0);  // old index + 1, new index
   result.index.resize(coord_index.size());
   std::int32_t* out = result.index.mutable_data();
   for (const std::int32_t vertex : coord_index) {

@@ -12,7 +12,7 @@
 namespace gs::vrml {
 namespace {
 
-// The range is the comment behind a declaration, as the standard prints it.
+// Reads the range from the comment after a declaration, as the standard prints it.
 void read_ranges(std::string_view text, NodeType& type) {
   std::size_t declaration = 0;
   while (!text.empty()) {

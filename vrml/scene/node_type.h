@@ -160,8 +160,8 @@ struct NodeType {
   Tessellator tessellator;
   const Behaviour* behaviour = nullptr;
   UrlContent url_content = UrlContent::none;
-  bool stands_in = false;     // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
-  std::vector<int> measures;  // slots of lengths of a built-in geometry: fields with range (0,inf)
+  bool stands_in = false;                  // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
+  std::vector<int> measures;               // slots of lengths of a built-in geometry: fields with range (0,inf)
   std::unique_ptr<Prototype> prototype;    // body of a PROTO
   MFString url;                            // of an EXTERNPROTO
   bool asked_for = false;                  // EXTERNPROTO of a run-time text: the body is being fetched

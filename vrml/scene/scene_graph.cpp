@@ -10,7 +10,7 @@ namespace gs::vrml {
 namespace {
 
 constexpr std::size_t kValuesPerBlock = 4096;
-// A PROTO cannot contain itself, but a chain of PROTOs whose first node is an instance can be long.
+// A PROTO cannot contain itself, but a chain of PROTOs with an instance as first node can be long.
 constexpr int kMaxResolveSteps = 100'000;
 
 std::uint64_t slot_key(NodeId id, int slot) { return std::uint64_t{id.index} << 32 | static_cast<std::uint32_t>(slot); }
@@ -45,9 +45,9 @@ SceneGraph::~SceneGraph() {
     if (n.values) std::destroy_n(n.values, n.type->defaults.size());
 }
 
-// ---- Nodes: places and values are used again, and stay drawn from the budget.
+// ---- Nodes: indices and values are reused and stay drawn from the budget.
 
-// Null where the budget is spent, unless they are needed all the same.
+// Returns null if the budget is exhausted, unless `needed` is set.
 FieldValue* SceneGraph::allocate_values(std::size_t count, bool needed) {
   if (!free_values_.empty())
     if (const auto free = free_values_.find(count); free != free_values_.end() && !free->second.empty()) {
@@ -82,7 +82,7 @@ std::uint32_t SceneGraph::next_generation() {
       generations_left_ = kAtATime;
     }
     --generations_left_;
-  } while (++generation_ == 1);  // 0 is no generation
+  } while (++generation_ == 1);  // 0 is not a valid generation
   return generation_ - 1;
 }
 
@@ -165,7 +165,7 @@ void SceneGraph::remove(std::span<const NodeId> ids) {
   for (const std::uint32_t owner : owners) end_text_if_unused(owner);
 }
 
-// `more`: what goes with it.
+// Frees a node; appends the nodes that go with it to `more`.
 void SceneGraph::free_node(NodeId id, std::vector<NodeId>& more) {
   Node& n = nodes_[id.index];
   const auto count = n.type->defaults.size();
@@ -177,7 +177,7 @@ void SceneGraph::free_node(NodeId id, std::vector<NodeId>& more) {
     for (std::uint32_t i = 0; i < copies; ++i) more.push_back(id_at(n.expansion_first + i));
     give_back_places(n.expansion_first, copies);
   }
-  // The places of copies go back together, with those of their instance.
+  // Indices of copies are returned together, with those of their instance.
   if (n.instance == 0) give_back_places(id.index, 1);
   free_values(n.values, count, n.value_capacity);
   n = {};
@@ -214,7 +214,7 @@ RunTimeText::~RunTimeText() {
   scene_.end_text_if_unused(owner_);
 }
 
-// The nodes of PROTO bodies go with the types, of which there are no instances any more.
+// Frees a text without nodes. Nodes of PROTO bodies go with the types, which have no instances any more.
 void SceneGraph::end_text_if_unused(std::uint32_t owner) {
   OwnedText& ended = texts_[owner];
   if (!ended.text || ended.nodes != 0 || ended.open) return;
@@ -310,7 +310,7 @@ void SceneGraph::set_text(NodeId id, int slot, const SourceText& text) {
 void SceneGraph::set_name(NodeId id, std::string_view name) { node(id).name = *keep_name(name); }
 
 const std::string* SceneGraph::keep_name(std::string_view name) {
-  constexpr std::size_t kEntry = 96;  // of it here, and of the scope that finds it
+  constexpr std::size_t kEntry = 96;  // bytes of the entry here and in the scope that finds it
   (void)charge(name.size() + kEntry);
   return &writing().names_.emplace_front(name);
 }
@@ -321,7 +321,7 @@ void SceneGraph::declare(NodeId id, NodeType& type, InterfaceDeclaration declara
   const std::size_t count = type.defaults.size();
   type.declare(std::move(declaration));
   if (type.defaults.size() == count) return;
-  // Places for values double, so that n declarations cost n moves.
+  // Capacity doubles, so that n declarations cost O(n) moves.
   if (count >= n.value_capacity) {
     const std::size_t capacity = std::max<std::size_t>(8, count * 2);
     FieldValue* values = allocate_values(capacity, true);

@@ -22,7 +22,7 @@ constexpr std::array<std::uint8_t, 256> kLexicalClass = [] {
 
 std::uint8_t lexical_class(char c) { return kLexicalClass[static_cast<unsigned char>(c)]; }
 
-// Length of the UTF-8 sequence at `p`, or 0 where there is none (overlong forms and surrogates included).
+// Returns the length of the UTF-8 sequence at `p`, or 0 if it is invalid (including overlong forms and surrogates).
 std::size_t utf8_length(const unsigned char* p, const unsigned char* end) {
   const auto follows = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xbf) {
     return p + i < end && p[i] >= low && p[i] <= high;
@@ -159,7 +159,7 @@ Token Lexer::next() {
   const char* p = next_;
   for (; p != end_; ++p) {
     if (lexical_class(*p) == word_byte) continue;
-    // What some programs print for no number (1.#QNAN, -1.#IND) is no comment.
+    // NaN and infinity as some programs print them (1.#QNAN, -1.#IND) do not start a comment.
     if (*p != '#' || p == next_ || p[-1] != '.') break;
     if (p + 1 == end_) {
       if (!last_) p = end_;

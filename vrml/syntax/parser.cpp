@@ -11,11 +11,11 @@ namespace gs::vrml {
 namespace {
 
 constexpr std::size_t kHeaderWindow = 1024;
-// A statement that does not fit into what has arrived is tried again when this part more has come, so
-// that a hostile sender of single bytes costs a bounded multiple of the text.
+// A statement that exceeds the received bytes is retried only after this fraction more was received. A hostile sender
+// of single bytes thus costs a bounded multiple of the text.
 constexpr std::size_t kEagerRetry = 64 * 1024;
 constexpr std::size_t kRetryGrowth = 8;
-// How much of a new piece is joined to what the last one left.
+// Bytes of a new piece that are joined to the rest of the previous one.
 constexpr std::size_t kJoin = 4096;
 
 bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
@@ -24,7 +24,7 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
          });
 }
 
-// `nul_tells`: a single NUL byte is proof, as it is where no header vouches for the text.
+// Detects binary data. With `nul_tells`, a single NUL byte suffices; used if no header identifies the text.
 bool looks_binary(std::string_view text, bool nul_tells) {
   std::size_t odd = 0;
   for (const char c : text) {
@@ -35,7 +35,7 @@ bool looks_binary(std::string_view text, bool nul_tells) {
   return odd * 20 > text.size();
 }
 
-// The header as its author meant it: blanks squeezed, lower case.
+// Normalizes the header: collapses blanks and converts to lower case.
 std::string normalised(std::string_view line) {
   std::string out;
   for (const char c : line) {
@@ -118,7 +118,7 @@ bool Parser::State::open(Frame frame) {
     Frame skip;
     skip.kind = Frame::Kind::skip;
     skip.start = frame.start;
-    // Every construct but the pixels of an image has just read its opening bracket.
+    // Every construct except the pixels of an image has just read its opening bracket.
     skip.depth = frame.kind == Frame::Kind::image || frame.kind == Frame::Kind::external_url ? 0 : 1;
     frames.push_back(std::move(skip));
     return false;
@@ -132,7 +132,7 @@ Step Parser::State::read_header() {
   const char* end = lexer.window_end();
   if (end - begin >= 3 && std::string_view(begin, 3) == "\xef\xbb\xbf") begin += 3;
   const std::string_view text(begin, std::min<std::size_t>(static_cast<std::size_t>(end - begin), kHeaderWindow));
-  // Always judged by the same bytes, whatever pieces they come in.
+  // Always examines the same bytes, whatever the sizes of the pieces.
   if (text.size() < kHeaderWindow && !lexer.is_last_window()) return Step::need_more;
   header_read = true;
   if (text.empty()) {
@@ -230,7 +230,7 @@ void Parser::State::run(const char* begin, const char* end, bool last) {
   }
 }
 
-// Reports what the end of the text cuts short, once.
+// Reports once the construct that the end of the text truncates.
 void Parser::State::report_end_inside(const Frame& frame) {
   if (std::exchange(end_reported, true)) return;
   std::string what = "a statement";
@@ -277,8 +277,7 @@ ParseOutcome Parser::State::close() {
 Parser::Parser(SceneGraph& scene, Diagnostics& diagnostics) : state_(std::make_unique<State>(scene, diagnostics)) {}
 Parser::~Parser() = default;
 
-// The bytes that could not be used are joined with just enough of the next piece to use them; from there
-// on the piece is read in place.
+// Joins the unused bytes with just enough of the next piece to use them; reads the rest of the piece in place.
 void Parser::push(std::string_view piece) {
   State& s = *state_;
   while (!piece.empty() && s.outcome != ParseOutcome::refused) {
@@ -307,7 +306,7 @@ void Parser::push(std::string_view piece) {
         s.carry = window.substr(used);
         piece.remove_prefix(joined);
       }
-      // The window goes; the lexer takes its place in the text over to the next one.
+      // The window becomes invalid; the lexer continues at the same text position in the next one.
       s.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
       s.retry_size = s.carry.size() < kEagerRetry ? 0 : s.carry.size() + s.carry.size() / kRetryGrowth;
       continue;
@@ -338,7 +337,7 @@ ParseOutcome Parser::parse_whole(std::string_view text) {
   return state_->close();
 }
 
-// The header is no more than a comment there.
+// Here the header is just a comment.
 ParseOutcome Parser::parse_fragment(std::string_view text) {
   state_->header_read = true;
   return parse_whole(text);

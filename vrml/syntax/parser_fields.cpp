@@ -13,11 +13,10 @@ std::optional<AccessType> access_named(std::string_view word) {
   return std::nullopt;
 }
 
-// VRML97 Table 4.4: may `inner` of a node in a PROTO body be IS `outer` of the PROTO's interface?
+// Checks VRML97 Table 4.4: may `inner` of a node in a PROTO body be IS `outer` of the PROTO's interface?
 bool may_be_mapped(AccessType inner, AccessType outer) { return inner == outer || inner == AccessType::exposedField; }
 
-// The role that a node must have to stand in a field of this name of a built-in node (VRML97 4.6.3,
-// 4.6.5); none: any node.
+// Returns the role that a node in this field of a built-in node must have (VRML97 4.6.3, 4.6.5); none means any node.
 Role role_for(std::string_view field) {
   struct Row {
     std::string_view field;
@@ -47,7 +46,7 @@ Role role_for(std::string_view field) {
 
 }  // namespace
 
-// Annex A.1: `nodeBodyElement`.
+// Parses `nodeBodyElement` of Annex A.1.
 Step Parser::State::node_body_step() {
   finish_pending();
   const Token token = lexer.next();
@@ -79,10 +78,10 @@ Step Parser::State::node_body_step() {
   return step;
 }
 
-// `fieldName value`, `fieldName IS name` or `eventName IS name`.
+// Parses `fieldName value`, `fieldName IS name` or `eventName IS name`.
 Step Parser::State::field(Token name) {
   const NodeType& type = *frames.back().type;
-  // No name holds a point (Annex A.2), so that a number may follow one at once.
+  // Names contain no point (Annex A.2), so a number may follow one directly.
   const std::string_view before_point = name.text.substr(0, name.text.find('.'));
   if (before_point.size() < name.text.size() && !type.find_field(name.text) && type.find_field(before_point)) {
     name.text = before_point;
@@ -128,7 +127,7 @@ Step Parser::State::field(Token name) {
     frames[index].fields_seen |= bit;
     scene.node(frames[index].node).fields_set |= bit;
   }
-  // A single node is checked here, the nodes of a list where they are read.
+  // Checks a single node here; the nodes of a list are checked where they are read.
   if (frames.size() > frames_before && frames.back().kind == Frame::Kind::node_body &&
       type.kind == NodeType::Kind::built_in)
     check_role(frames.back().node, declaration->name);
@@ -142,7 +141,7 @@ void Parser::State::check_role(NodeId node, std::string_view field) {
   error(scene.node(node).location, "a " + type.name + " cannot stand in '" + std::string(field) + "' (VRML97 4.6)");
 }
 
-// `name` of the node on top IS an interface of the PROTO whose body this is (VRML97 4.8.2). IS has been read.
+// Parses the rest of `name IS outer` for the node on top, in a PROTO body (VRML97 4.8.2). IS has been read.
 Step Parser::State::is_mapping(const Token& name) {
   const Token outer_name = lexer.next();
   if (outer_name.kind == TokenKind::need_more) return Step::need_more;
@@ -179,8 +178,8 @@ Step Parser::State::is_mapping(const Token& name) {
   return Step::done;
 }
 
-// `access type name [value]`, the access having been read. `values`: fields have them here, which is
-// not so in EXTERNPROTO. `is_allowed`: this is a Script, whose fields may be IS.
+// Parses `access type name [value]` after the access. `values` tells whether fields have values here, which EXTERNPROTO
+// lacks. `is_allowed` is set for a Script, whose fields may use IS.
 Step Parser::State::interface_declaration(AccessType access, NodeType& type, bool values, bool is_allowed) {
   const Lexer::Position behind_access = lexer.position();
   const Token type_name = lexer.next();
@@ -242,13 +241,13 @@ Step Parser::State::interface_declaration(AccessType access, NodeType& type, boo
     return is_mapping(name);
   }
   if (stored && !values) {
-    // Some EXTERNPROTOs repeat the values of the PROTO: passed over.
+    // Some EXTERNPROTOs repeat the values of the PROTO; skip them.
     skip_interface_value();
   }
   return Step::done;
 }
 
-// EXTERNPROTO declarations have no values; one that is there all the same is passed over.
+// Skips a value in an EXTERNPROTO declaration, where values are not allowed.
 void Parser::State::skip_interface_value() {
   finish_pending();
   skip_value();
@@ -262,8 +261,8 @@ void Parser::State::skip_value() {
   frames.push_back(std::move(frame));
 }
 
-// Passes over a value of unknown type: numbers and strings in a row, one word, a list, or a node; or
-// over the rest of an open construct.
+// Skips a value of unknown type (consecutive numbers and strings, one word, a list, or a node) or the rest of an open
+// construct.
 Step Parser::State::skip_step() {
   const Lexer::Position before = lexer.position();
   const Token token = lexer.next();
@@ -309,7 +308,7 @@ Step Parser::State::skip_step() {
   }
   if (token.text == "DEF") {
     if (frame.depth == 0 && frame.skipped_value) return leave();
-    // A node that has a name is read after all: a USE elsewhere may mean it.
+    // A named node is read nevertheless, since a later USE may refer to it.
     discarded = MFNode{};
     const bool whole_value = frame.depth == 0;
     const std::size_t index = frames.size() - 1;

@@ -7,7 +7,7 @@
 
 namespace gs::vrml {
 
-// `width height components`, after which the pixels come.
+// Parses `width height components`; the pixels follow.
 Step Parser::State::image_head(FieldValue& into, Token token, std::string_view name) {
   std::array<double, 3> head{};
   number_type = FieldType::SFInt32;
@@ -60,7 +60,7 @@ Step Parser::State::image_step() {
     if (token.kind == TokenKind::word) cut_number(token);
     if (token.kind == TokenKind::need_more) {
       charge_growth(frame, false);
-      // Whole pixels have been taken: the next window begins behind them.
+      // Whole pixels were taken; the next window begins after them.
       lexer.go_back(before);
       return Step::need_more_kept;
     }
@@ -73,7 +73,7 @@ Step Parser::State::image_step() {
       error(token.location, std::to_string(frame.pixels_left) +
                                 " pixels of an image are missing; expected a pixel, found " + describe(token));
       lexer.go_back(before);
-      // A few numbers may claim many pixels.
+      // A few numbers may declare many pixels.
       if (frame.pixels_left * sizeof(std::uint32_t) > scene.budget()->left(Resource::nodes) / 4)
         words.clear();
       else

@@ -9,7 +9,7 @@
 // PROTO and EXTERNPROTO: their interfaces, bodies and names.
 namespace gs::vrml {
 
-// Annex A.1: `protoStatement`, `externprotoStatement`, up to the bracket that opens the interface.
+// Parses `protoStatement` or `externprotoStatement` of Annex A.1, up to the opening bracket of the interface.
 Step Parser::State::prototype_head(bool external) {
   const Lexer::Position before = lexer.position();
   const Token name = lexer.next();
@@ -54,7 +54,7 @@ void Parser::State::finish_pending() {
   frame.pending.reset();
 }
 
-// Inside the brackets of PROTO name [ ... ] or EXTERNPROTO name [ ... ].
+// Parses the content of the brackets in PROTO name [ ... ] or EXTERNPROTO name [ ... ].
 Step Parser::State::interface_step() {
   finish_pending();
   NodeType& type = *frames.back().declaring;
@@ -109,7 +109,7 @@ Step Parser::State::interface_step() {
 
 Step Parser::State::external_url_step() {
   Frame& frame = frames.back();
-  if (frame.into) {  // the url list has been read
+  if (frame.into) {  // the url list is complete
     NodeType& type = *frame.declaring;
     type.url = std::get<MFString>(frame.pending->initial);
     frames.pop_back();
@@ -119,7 +119,7 @@ Step Parser::State::external_url_step() {
   auto pending = std::make_unique<InterfaceDeclaration>();
   pending->initial = MFString{};
   FieldValue& url = pending->initial;
-  // Set only when the value has begun, so that a need for more bytes leaves no trace.
+  // Set only after the value has begun, so that need_more leaves no trace.
   const std::size_t index = frames.size() - 1;
   const Step step = value(FieldType::MFString, url, "the url of EXTERNPROTO");
   if (step == Step::need_more) return step;
@@ -128,7 +128,7 @@ Step Parser::State::external_url_step() {
   return Step::done;
 }
 
-// The scope on top, of a PROTO body or of the file, is complete; the frame of a body is closed.
+// Ends the top scope, of a PROTO body or of the file, and closes the frame of a body.
 void Parser::State::end_scope() {
   const std::vector<Scope::UnresolvedRoute> routes = std::exchange(scopes.back().unresolved_routes, {});
   for (const Scope::UnresolvedRoute& route : routes) add_route(route, true);
@@ -137,7 +137,7 @@ void Parser::State::end_scope() {
   scopes.pop_back();
   type->prototype->complete = true;
   count_instance_nodes(scene, *type->prototype);
-  // The first node of the body says where instances may stand (VRML97 4.8.3).
+  // The first node of the body determines where instances may stand (VRML97 4.8.3).
   for (const Statement& statement : type->prototype->statements) {
     if (statement.kind != Statement::Kind::node) continue;
     type->role = scene.node(statement.node).type->role;
@@ -147,8 +147,8 @@ void Parser::State::end_scope() {
   add_type(*type);
 }
 
-// The declaration is complete: nodes of its name are of this type from here on. Names of types are one of a kind (4.8);
-// extensions have fallbacks of their names for other browsers.
+// Adds a complete declaration: from here on, nodes of its name have this type. Names of types must be unique (4.8),
+// except that extensions may have fallbacks with their names for other browsers.
 void Parser::State::add_type(NodeType& type) {
   const NodeType* built_in = built_in_node_type(type.name);
   const NodeType*& known = scopes.back().types[type.name];
@@ -161,7 +161,7 @@ void Parser::State::add_type(NodeType& type) {
   add_type_statement(type);
 }
 
-// A PROTO may be declared inside a node (Annex A.1); it is printed in front of the node that it stands in.
+// Adds the statement of a PROTO. If it is declared inside a node (Annex A.1), it is printed before that node.
 void Parser::State::add_type_statement(const NodeType& type) {
   std::vector<Statement>& list =
       scopes.back().prototype ? scopes.back().prototype->prototype->statements : source.statements();

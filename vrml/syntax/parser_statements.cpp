@@ -10,7 +10,7 @@
 
 namespace gs::vrml {
 
-// Annex A.1: `statement`, inside a file or a PROTO body.
+// Parses `statement` of Annex A.1, inside a file or a PROTO body.
 Step Parser::State::statement_step() {
   const bool in_body = frames.back().kind == Frame::Kind::prototype_body;
   const Token token = lexer.next();
@@ -27,7 +27,7 @@ Step Parser::State::statement_step() {
       if (step == Step::done) anything_read = true, rubbish = false;
       return step;
     }
-    // A node, if an opening brace or a keyword of nodes follows.
+    // A node, if an opening brace or a node keyword follows.
     if (token.text == "DEF" || token.text == "USE" || is_id(token.text)) {
       if (headerless && !anything_read && token.text != "DEF" && !find_type(token.text)) {
         const Lexer::Position behind = lexer.position();
@@ -54,7 +54,7 @@ Step Parser::State::statement_step() {
   return Step::done;
 }
 
-// PROTO, EXTERNPROTO and ROUTE, which may stand wherever a statement or a field may.
+// Parses PROTO, EXTERNPROTO and ROUTE, which may stand wherever a statement or a field may.
 Step Parser::State::statement(const Token& keyword, bool& was_statement) {
   was_statement = true;
   if (keyword.text == "ROUTE") return route_statement(keyword.location);
@@ -66,8 +66,7 @@ Step Parser::State::statement(const Token& keyword, bool& was_statement) {
   return Step::done;
 }
 
-// A statement of X3D or of a browser of its time, which some files with a VRML97 header hold: passed over to the end of
-// its line.
+// Skips to the end of the line: a statement of X3D or of an old browser, which some files with a VRML97 header contain.
 Step Parser::State::other_statement(const Token& keyword) {
   for (;;) {
     const Lexer::Position before = lexer.position();
@@ -102,8 +101,8 @@ const NodeType* Parser::State::find_stand_in(const Token& name) {
   return type;
 }
 
-// Annex A.1: `nodeStatement`. `token` is DEF, USE or a type name and has been read. A null `into` means
-// that the node stands as a statement of its own.
+// Parses `nodeStatement` of Annex A.1. `token`, already read, is DEF, USE or a type name. A null `into` means that the
+// node is a statement of its own.
 Step Parser::State::node_head(Token token, FieldValue* into) {
   std::string_view name;
   if (token.text == "DEF" || token.text == "USE") {
@@ -135,7 +134,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
       unexpected(token, "a node type after DEF " + std::string(name));
       lexer.go_back(before);
       if (token.kind != TokenKind::open_brace || !find_type(id.text)) return Step::done;
-      // The name was forgotten, and what stands in its place is the type.
+      // The name is missing; this token is the type.
       token = id;
       name = {};
     }
@@ -145,7 +144,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   if (brace.kind == TokenKind::need_more) return Step::need_more;
   const NodeType* type = find_type(token.text);
   if (brace.kind != TokenKind::open_brace) {
-    // Of prose in place of nodes the first word is enough to complain about.
+    // For prose instead of nodes, reports only the first word.
     if (brace.kind == TokenKind::end && (type || frames.size() > 1)) {
       unexpected(brace, "'{' after " + std::string(token.text));
     } else if (!std::exchange(rubbish, true)) {
@@ -159,7 +158,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   frame.start = token.location;
   if (!type) type = find_stand_in(token);
   if (!type) {
-    // Once a type, as far as that can be kept.
+    // Reports each type once, as far as types can be remembered.
     constexpr std::size_t kMostTypes = 1000;
     const bool known = unknown_types.contains(std::string(token.text));
     if (!known) error(token.location, "unknown node type " + describe(token) + "; the node is skipped");
@@ -173,7 +172,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   }
   frame.kind = Frame::Kind::node_body;
   if (type->kind == NodeType::Kind::script) {
-    // Each Script has an interface of its own, which its body adds to.
+    // Each Script has its own interface, which its body extends.
     auto own = std::make_unique<NodeType>();
     own->name = type->name;
     own->clause = type->clause;
@@ -224,7 +223,7 @@ void Parser::State::place(NodeId node, FieldValue* into) {
   }
 }
 
-// The node on top of the stack is complete.
+// Completes the node on top of the stack.
 void Parser::State::end_node() {
   const NodeId node = frames.back().node;
   frames.pop_back();
@@ -236,8 +235,8 @@ void Parser::State::end_node() {
   for (std::uint32_t i = before + 1; i <= scene.node_count(); ++i) check_measures(scene.id_at(i));
 }
 
-// Measures of geometries are above 0 (VRML97 6.7, 6.11, 6.14, 6.17, 6.43). Those of a PROTO's body count as each
-// instance has them, and are said once for all.
+// Checks that the measures of a geometry are above 0 (VRML97 6.7, 6.11, 6.14, 6.17, 6.43). Nodes of a PROTO's body are
+// checked per instance and reported once.
 void Parser::State::check_measures(NodeId id) {
   const Node& node = scene.node(id);
   if (node.type->measures.empty() || node.in_prototype_body) return;
@@ -257,8 +256,8 @@ void Parser::State::check_measures(NodeId id) {
   }
 }
 
-// `node.event`, also with blanks around the point. The last point parts them, so that illegal names
-// with points in them work.
+// Reads `node.event`, also with blanks around the point. The last point separates the two, so that illegal names with
+// points work.
 bool Parser::State::read_node_event(std::string& node, std::string& event, Step& step) {
   std::string text;
   step = Step::done;
@@ -309,8 +308,7 @@ Step Parser::State::route_statement(SourceLocation location) {
   return Step::done;
 }
 
-// A ROUTE may only name nodes that were DEFed before it; files that do not keep to this get their ROUTE
-// when the scope ends.
+// Adds a ROUTE. Its nodes should be DEFed before it; otherwise the ROUTE waits until the scope ends.
 void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_chance) {
   Scope& scope = scopes.back();
   const NodeId* const from = scope.names.find(wanted.from);
@@ -326,7 +324,7 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
     }
     return;
   }
-  if (!*from || !*to) return;  // a node that was skipped, and complained about
+  if (!*from || !*to) return;  // a skipped node, already reported
   Route route{*from, *to, nullptr, nullptr};
   const NodeType& from_type = *scene.node(route.from).type;
   const NodeType& to_type = *scene.node(route.to).type;

@@ -10,12 +10,12 @@
 namespace gs::vrml {
 namespace {
 
-// Numbers that are read in one go into a buffer on the stack, so that short lists are allocated once
-// and exactly; longer ones go straight into the array behind it.
+// Bulk-read numbers go into a buffer on the stack, so that short lists are allocated once and exactly. Longer runs go
+// directly into the array.
 constexpr std::size_t kShortRun = 768;
 constexpr std::size_t kLongRun = 16 * 1024;
 
-// How many numbers make one value.
+// Returns the count of numbers in one value.
 constexpr int arity(FieldType type) {
   switch (type) {
     case FieldType::SFVec2f:
@@ -72,7 +72,7 @@ void shrink(FieldValue& list) {
 
 }  // namespace
 
-// A number token. Floats are rounded from the text to float once: SFTime alone is a double.
+// Parses a number token. Floats are rounded from text to float once; only SFTime is a double.
 bool Parser::State::number_of(const Token& token, double& number) {
   const FieldType type = number_type;
   if (type == FieldType::SFTime || type == FieldType::MFTime) return parse_number(token.text, number);
@@ -100,8 +100,8 @@ bool Parser::State::number_of(const Token& token, double& number) {
   return true;
 }
 
-// Annex A asks for no blank between a number and what cannot belong to it: "80level", "10-1", "-.5.75". A token that is
-// not a number as a whole ends behind the one that it begins with, where a name or another number follows.
+// Splits a token without a blank after a number, as Annex A permits: "80level", "10-1", "-.5.75". If the token as a
+// whole is no number, it is cut after its leading number if a name or another number follows.
 void Parser::State::cut_number(Token& token) {
   const std::size_t length = number_length(token.text);
   if (length == 0 || length >= token.text.size()) return;
@@ -127,8 +127,7 @@ String Parser::State::string_of(const Token& token) {
   return String(text);
 }
 
-// A single value of floats in the plain form that nearly all files use; false, and nothing read, for
-// anything else.
+// Reads a single value of floats in the plain form of nearly all files. Returns false and reads nothing for other text.
 bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
   if (type != FieldType::SFFloat && type != FieldType::SFVec2f && type != FieldType::SFVec3f &&
       type != FieldType::SFColor && type != FieldType::SFRotation)
@@ -158,7 +157,7 @@ bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
   return true;
 }
 
-// The value of a field. `name` is for diagnostics. Nothing is read, nor `into` changed, on need_more.
+// Parses the value of a field. `name` is for diagnostics. On need_more it reads nothing and leaves `into` unchanged.
 Step Parser::State::value(FieldType type, FieldValue& into, std::string_view name) {
   if (plain_floats(type, into)) return Step::done;
   const Lexer::Position before = lexer.position();
@@ -195,7 +194,7 @@ Step Parser::State::value(FieldType type, FieldValue& into, std::string_view nam
   return single_value(type, into, token, name);
 }
 
-// One value of a type other than nodes and images, which `token` begins. An MF type gets one element.
+// Parses one value of a type other than nodes and images, starting with `token`. An MF type gets one element.
 Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, std::string_view name) {
   const auto refuse_token = [&](const Token& found, const Lexer::Position& before) {
     unexpected(found, std::string(element_name(type)) + " for " + std::string(name));
@@ -206,7 +205,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
       skip_value();
     return Step::done;
   };
-  // Where the first token starts; its text always lies in the window.
+  // Start of the first token; its text always lies in the window.
   Lexer::Position before = lexer.position();
   before.next = token.text.data() - (token.kind == TokenKind::string ? 1 : 0);
   if (token.text.data() == nullptr || token.kind == TokenKind::string || token.kind == TokenKind::unterminated_string)
@@ -237,7 +236,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
     default:
       break;
   }
-  // All tokens first: a need for more bytes must leave no trace, diagnostics included.
+  // Reads all tokens first: need_more must leave no trace, including diagnostics.
   std::array<Token, 4> tokens;
   const auto is_number_like = [](const Token& t) {
     return t.kind == TokenKind::word && (looks_like_number(t.text) || is_keyword_number(t.text));
@@ -375,8 +374,8 @@ void Parser::State::bulk_integers(MFInt32& array) {
   }
 }
 
-// The inside of `[ ... ]` of an MF type other than MFNode: in bulk where the text is plain, else token
-// by token. What has been read stays read when more bytes are needed.
+// Parses the content of `[ ... ]` of an MF type other than MFNode: in bulk if the text is plain, else token by token.
+// Values already read stay when more bytes are needed.
 Step Parser::State::values_step() {
   Frame& frame = frames.back();
   FieldValue& list = *frame.into;
@@ -406,7 +405,7 @@ Step Parser::State::values_step() {
   return value_token(frame, token, before);
 }
 
-// Errors of a program are told by their places in the file.
+// Notes the position of a url string, since errors of a program refer to its position in the file.
 void Parser::State::note_url_place(const Frame* node, std::string_view name, const Token& token) {
   if (node && node->kind == Frame::Kind::node_body && node->declaring && !node->pending && name == "url")
     node->declaring->url_places.push_back(token.location);
@@ -451,7 +450,7 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
       return Step::done;
     }
   }
-  // A forgotten bracket: the next field of the node, or its end.
+  // Missing bracket: the next field of the node, or its end, follows.
   const Frame* owner = frames.size() >= 2 ? &frames[frames.size() - 2] : nullptr;
   const bool next_field = token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
                           (owner->type->find(token.text) || (owner->declaring && is_access_name(token.text)));

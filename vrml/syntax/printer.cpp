@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::size_t kLineWidth = 100;
 constexpr std::size_t kPiece = std::size_t{1} << 20;
-// Deeper lines begin no farther in: a thousand levels would make blanks of nearly all of the text.
+// Maximum indentation: a thousand levels would turn most of the text into blanks.
 constexpr std::size_t kMostIndent = 80;
-// Deeper than the parser lets texts nest; only graphs with strange USEs get there.
+// Deeper than the parser permits; only graphs with unusual USEs get there.
 constexpr int kMaxDepth = 8000;
 
-/// Takes text away when there is much of it. Null: nobody does.
+/// Writes out the text collected so far once it is large; null to collect it all.
 using Drain = std::function<void(std::string& out)>;
 
 std::string deeper(const std::string& indent) { return indent.size() < kMostIndent ? indent + "  " : indent; }
@@ -73,7 +73,7 @@ void print_element(std::string& out, const SFImage& image, const Drain& drain = 
   }
 }
 
-// Text of one element after another, broken into lines of bearable length.
+// Prints elements, broken into lines of readable length.
 template <class T>
 void print_list(std::string& out, const Array<T>& list, const std::string& indent, const Drain& drain) {
   if (list.empty()) {
@@ -145,7 +145,7 @@ class Printer {
     if (drain_ && out_.size() > kPiece) drain_(out_);
   }
 
-  // Which nodes are met more than once. With a list in place of recursion: any graph is fine.
+  // Finds nodes that are used more than once. Uses a list instead of recursion, so that any graph is safe.
   void count(NodeId root) {
     std::vector<NodeId> waiting{root};
     while (!waiting.empty()) {

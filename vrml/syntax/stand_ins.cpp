@@ -13,7 +13,7 @@
 namespace gs::vrml {
 namespace {
 
-// Interfaces and bodies. Other fields and events of these nodes are passed over (NodeType::stands_in).
+// Interfaces and bodies. Other fields and events of these nodes are ignored (NodeType::stands_in).
 constexpr std::string_view kGroup = R"( [
   exposedField MFNode children []
   eventIn MFNode addChildren
@@ -21,7 +21,7 @@ constexpr std::string_view kGroup = R"( [
 ] {
   Group { children IS children addChildren IS addChildren removeChildren IS removeChildren }
 })";
-// Children in the coordinates of the viewer.
+// Children in the coordinate system of the viewer.
 constexpr std::string_view kOverlay = R"( [
   exposedField MFNode children []
   eventIn MFNode addChildren
@@ -41,10 +41,10 @@ constexpr std::string_view kLayers = R"( [
 ] {
   Group { children IS layers }
 })";
-// Shared worlds, devices: nothing is seen of them.
+// Nodes of shared worlds and devices: invisible.
 constexpr std::string_view kNothing = " [ ] { WorldInfo { } }";
 
-// An Inline that can be left unloaded: here it always is loaded.
+// An Inline that can stay unloaded; this browser always loads it.
 constexpr std::string_view kInline = R"( [
   exposedField MFString url []
   field SFVec3f bboxCenter 0 0 0
@@ -66,7 +66,7 @@ constexpr std::string_view kNavigationInfo = R"( [
     visibilityLimit IS visibilityLimit isBound IS isBound
   }
 })";
-// The front of it on both sides.
+// Two-sided material, reduced to its front side.
 constexpr std::string_view kMaterial = R"( [
   exposedField SFFloat ambientIntensity 0.2
   exposedField SFColor diffuseColor 0.8 0.8 0.8
@@ -81,7 +81,7 @@ constexpr std::string_view kMaterial = R"( [
   }
 })";
 
-// Shapes of other standards: nothing is seen of them.
+// Shapes of other standards: invisible.
 constexpr std::string_view kNoGeometry = " [ ] { PointSet { } }";
 
 struct Row {
@@ -130,19 +130,19 @@ const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view 
   auto library = std::make_unique<SceneGraph>("stand-in for " + std::string(name), scene.budget());
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\nPROTO " + std::string(name) + std::string(text), *library, diagnostics);
-  if (!find_prototype(*library, name)) return nullptr;  // the budget is spent
+  if (!find_prototype(*library, name)) return nullptr;  // the budget is exhausted
   library->types().front()->stands_in = true;
   return find_prototype(scene.writing().attach_library(std::move(library)), name);
 }
 
-// A PROTO that is the built-in node under another name.
+// Makes a PROTO that is the built-in node under another name.
 const NodeType* make_built_in(SceneGraph& scene, const NodeType& type) {
   std::string text = " [\n" + print_interface(type) + "] {\n  " + type.name + " {";
   for (const InterfaceDeclaration& one : type.interfaces) text += ' ' + one.name + " IS " + one.name;
   return make(scene, type.name, text + " }\n}");
 }
 
-// What stands behind `:node:` in the name of a node type; empty: the url is no such name.
+// Returns the text after `:node:` in the URN of a node type; empty if the URL is no such URN.
 std::string_view node_of_urn(std::string_view url) {
   constexpr std::string_view kScheme = "urn:", kNode = ":node:";
   const std::size_t at = url.rfind(kNode);
