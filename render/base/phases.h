@@ -7,20 +7,20 @@
 
 namespace gs::render {
 
-/// What a program that draws a picture is busy with, or waits for.
+/// Phase of a drawing program: the work that it does or waits for.
 enum class Phase : std::uint8_t { other, read, parse, tessellate, compile, upload, cut, draw, write };
-/// By Phase.
+/// Names, indexed by Phase.
 inline constexpr std::array<std::string_view, 9> kPhaseNames = {"other",  "read", "parse", "tessellate", "compile",
                                                                 "upload", "cut",  "draw",  "write"};
 
-/// Shares the time that goes by out among phases, so that their sum is all of it: one phase lasts until another begins.
-/// One thread; what others do meanwhile counts as what this one does or waits for.
+/// Attributes elapsed time to phases, so that their sum is the total: one phase lasts until the next begins.
+/// Single-threaded; work of other threads counts towards the phase of this thread.
 class PhaseClock {
  public:
-  /// `now` tells the time in seconds; the first phase, `other`, begins at `begin`.
+  /// `now` returns the time in seconds. The first phase, `other`, starts at `begin`.
   PhaseClock(double (*now)(), double begin) : now_(now), begin_(begin), entered_(begin) {}
 
-  /// Begins a phase; the one that lasted until now.
+  /// Begins a phase and returns the previous one.
   Phase enter(Phase phase) {
     const double now = now_();
     seconds_[static_cast<std::size_t>(phase_)] += now - entered_;
@@ -29,9 +29,9 @@ class PhaseClock {
     phase_ = phase;
     return before;
   }
-  /// Of a phase so far: until the last `enter`.
+  /// Returns the time of a phase up to the last `enter`.
   [[nodiscard]] double seconds(Phase phase) const { return seconds_[static_cast<std::size_t>(phase)]; }
-  /// From the beginning to the last `enter`.
+  /// Returns the time from the start to the last `enter`.
   [[nodiscard]] double total() const { return entered_ - begin_; }
 
  private:
@@ -41,7 +41,7 @@ class PhaseClock {
   std::array<double, kPhaseNames.size()> seconds_{};
 };
 
-/// A phase for as long as it lives, and then again the one before. Nothing where there is no clock.
+/// Enters a phase for its lifetime, then returns to the previous phase. Does nothing without a clock.
 class PhaseScope {
  public:
   PhaseScope(PhaseClock* clock, Phase phase) : clock_(clock), before_(clock ? clock->enter(phase) : phase) {}

@@ -10,45 +10,43 @@
 
 namespace gs::render {
 
-/// A picture that is to be kept.
+/// Options of an image that is rendered for export.
 struct PictureOptions {
-  DrawOptions draw;          // width and height may be more than the driver can draw at once
-  bool transparent = false;  // RGBA in place of RGB, without any background
+  DrawOptions draw;          // width and height may exceed the driver's limits
+  bool transparent = false;  // RGBA instead of RGB, without a background
   Stereo stereo = Stereo::none;
-  double eye_distance = 0;     // world units; 0: kEyeDistance of how far away the scene is
-  double screen_distance = 0;  // where both eyes see the same, world units; 0: at the middle of the scene
-  int most_side = 0;           // of what is drawn at once; 0: as the driver and memory allow
+  double eye_distance = 0;     // world units; 0 means kEyeDistance times the distance of the scene
+  double screen_distance = 0;  // distance of zero parallax, world units; 0 means the middle of the scene
+  int most_side = 0;           // maximum side of a tile; 0 means as large as the driver and memory permit
 };
 
-/// Of the distance to what is looked at: comfortable for most people.
+/// Eye distance relative to the viewing distance; comfortable for most people.
 inline constexpr double kEyeDistance = 1.0 / 30;
 
-/// The eyes of who stands at `camera`.
+/// Stereo cameras of a viewer at `camera`.
 struct Eyes {
   Camera left, right;
 };
-/// They look straight ahead, their lenses are shifted: at `screen_distance` both see the same place of their pictures.
-/// By parallel rays they look towards what is there from both sides.
+/// Returns the stereo cameras. They look straight ahead with shifted frustums, so that both see the same point at
+/// `screen_distance` at the same image position. With parallel projection, they look at that point from both sides.
 [[nodiscard]] Eyes eyes_of(const Camera& camera, double eye_distance, double screen_distance);
 
-/// Takes bands of a picture, from the top, each as wide as the picture, which are its own then; false: no more is
-/// wanted.
+/// Receives bands of an image from the top, each of full width, and may take their contents. Returns false to stop.
 using TakeBand = std::function<bool(Image& band)>;
 
-/// Draws a picture of any size, tile by tile where it must be. The tiles lie over their neighbours by some pixels that
-/// are cut away, so that they fit together. What is wrong, if anything; also where no more was wanted.
+/// Draws an image of any size, in tiles if needed. Tiles overlap by a few pixels, which are cut off, so that they
+/// match. Returns an error if drawing failed; nullopt otherwise, even if `take` stopped it.
 [[nodiscard]] std::optional<ContextError> draw_picture(Renderer& renderer, const RenderList& list, const Camera& camera,
                                                        const PictureOptions& options, const TakeBand& take,
                                                        FrameStatistics* statistics = nullptr);
-/// The whole of it.
+/// Draws the whole image into memory.
 [[nodiscard]] std::variant<Image, ContextError> draw_whole_picture(Renderer& renderer, const RenderList& list,
                                                                    const Camera& camera, const PictureOptions& options,
                                                                    FrameStatistics* statistics = nullptr);
 
-/// What lies before a background that is black in one picture and white in the other: RGBA, colours not multiplied with
-/// alpha.
+/// Derives RGBA, not premultiplied, from two images of the same scene on black and on white.
 [[nodiscard]] Image without_background(const Image& on_black, const Image& on_white);
-/// RGB or RGBA of two pictures of one size.
+/// Combines two images of equal size, RGB or RGBA.
 [[nodiscard]] Image anaglyph(const Image& left, const Image& right);
 
 }  // namespace gs::render

@@ -17,32 +17,31 @@
 
 namespace gs::render {
 
-/// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images as long as somebody
-/// else still holds them. Belongs to the thread of its context; destroy it while that is current.
+/// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images while other owners hold them. Belongs
+/// to the thread of its context; destroy it while that context is current.
 class Renderer {
  public:
-  /// Compiles the shaders. The error says what the driver said.
+  /// Compiles the shaders. The error contains the driver's message.
   static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context);
   ~Renderer();
 
-  /// Draws off screen, and shows the picture in its rectangle of the framebuffer that is bound (0: the window's). A
-  /// picture that was given up is not shown, but the last whole one of the viewport, if there has been any.
+  /// Draws off screen and shows the image in its rectangle of the bound framebuffer (0 is the window). If drawing is
+  /// cancelled, it shows the viewport's last complete image instead, if there is one.
   FrameStatistics draw(const RenderList& list, const Camera& camera, const DrawOptions& options);
-  /// Shows the last whole picture of a viewport again in its rectangle, as `draw` would if nothing had changed. False:
-  /// there is none, and nothing was shown; only pictures that `go_on` could have ended, and coarse ones, are kept.
+  /// Shows the last complete image of a viewport again, as `draw` would if nothing had changed. Returns false if there
+  /// is none. Images are kept only if `go_on` could have cancelled them or if they are coarse.
   bool show_again(const DrawOptions& options);
-  /// Draws off screen and reads the picture back as RGB.
+  /// Draws off screen and reads the image back as RGB.
   [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
                                                                 const DrawOptions& options,
                                                                 FrameStatistics* statistics = nullptr);
-  /// Makes ready what pictures of this size and with these samples most likely need, so that the first one is there the
-  /// sooner.
+  /// Prepares resources that images of this size and sample count need, so that the first one is ready sooner.
   void prepare(const DrawOptions& options);
-  /// Who is told what time goes to from now on, and outlives this; null: nobody.
+  /// Sets the clock that measures phases from now on; it must outlive this object. Null means none.
   void measure(PhaseClock* phases);
-  /// The GL_RENDERER string.
+  /// Returns the GL_RENDERER string.
   [[nodiscard]] const std::string& gl_renderer() const;
-  /// Pixels that a side of a picture may have.
+  /// Returns the maximum side of an image in pixels.
   [[nodiscard]] int largest_side() const;
 
  private:

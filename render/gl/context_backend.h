@@ -13,32 +13,32 @@ namespace gs::render {
 
 using OpenedContext = std::variant<std::unique_ptr<GlContext>, ContextError>;
 
-/// One way to get a context without a window.
+/// Implementation of contexts without a window.
 struct HeadlessBackend {
   std::string_view name;
-  /// Opens and makes current. With `hardware_only`, a renderer that runs on the CPU is an error.
+  /// Opens a context and makes it current. With `hardware_only`, a software renderer is an error.
   OpenedContext (*open)(bool hardware_only);
-  bool software;  // always draws on the CPU, so that "auto" does not ask it for hardware
+  bool software;  // always draws on the CPU; "auto" skips it when it asks for hardware
 };
 
 [[nodiscard]] OpenedContext open_egl_context(bool hardware_only);
 [[nodiscard]] OpenedContext open_osmesa_context(bool hardware_only);
 
-/// False only if nothing in the folder of devices could be a GPU: whatever is not known to be something else could.
+/// Returns false only if no device in the folder can be a GPU; unknown devices count as possible GPUs.
 [[nodiscard]] bool may_have_gpu(const std::filesystem::path& devices = "/dev");
 
-/// Whether this is the GL_RENDERER string of a driver that draws on the CPU.
+/// Reports whether the GL_RENDERER string belongs to a software driver.
 [[nodiscard]] bool is_software_renderer(std::string_view renderer);
 
-/// A library opened at run time. It stays in the process: drivers leave thread-exit handlers and
-/// worker threads behind that must not lose their code.
+/// Library opened at run time and never closed: drivers leave thread-exit handlers and worker threads that must not
+/// lose their code.
 class RuntimeLibrary {
  public:
-  /// The first of `names` that opens; otherwise `error()` says why the last one did not.
+  /// Opens the first available one of `names`; otherwise `error()` explains why the last one failed.
   explicit RuntimeLibrary(std::initializer_list<const char*> names);
   explicit operator bool() const { return handle_ != nullptr; }
   [[nodiscard]] const std::string& error() const { return error_; }
-  /// Sets `function` to the symbol `name`; false when the library has none.
+  /// Sets `function` to the symbol `name`. Returns false if the library does not export it.
   template <class Function>
   [[nodiscard]] bool find(const char* name, Function& function) const {
     function = reinterpret_cast<Function>(symbol(name));

@@ -8,7 +8,7 @@
 
 namespace gs::render {
 
-/// Where kFogShader of a program has its numbers.
+/// Uniform locations of kFogShader in a program.
 struct FogUniforms {
   GLint ranges = -1, color = -1, back = -1;
 
@@ -16,7 +16,7 @@ struct FogUniforms {
   FogUniforms(const Gl& gl, GLuint program)
       : ranges(gl.GetUniformLocation(program, "fog_ranges")), color(gl.GetUniformLocation(program, "fog_color")),
         back(gl.GetUniformLocation(program, "fog_back")) {}
-  /// The program must be in use.
+  /// Sets the uniforms; the program must be in use.
   void set(const Gl& gl, const CameraFog& fog) const {
     const glm::vec4 mixed(fog.color, fog.exponential ? 1 : 0);
     gl.UniformMatrix3fv(ranges, 1, GL_FALSE, glm::value_ptr(fog.ranges_from_camera));

@@ -8,7 +8,7 @@
 #include <string>
 #include <variant>
 
-/// The OpenGL 3.3 core functions that GhostSpace calls: X(name of its PFNGL...PROC, name).
+/// OpenGL 3.3 core functions that GhostSpace calls: X(name of its PFNGL...PROC, name).
 #define GHOSTSPACE_GL_FUNCTIONS(X)                                            \
   X(ACTIVETEXTURE, ActiveTexture)                                             \
   X(ATTACHSHADER, AttachShader)                                               \
@@ -116,26 +116,26 @@
 
 namespace gs::render {
 
-/// The functions and the limits of one context. Members are named like the functions without "gl".
+/// Functions and limits of one context. Members have the functions' names without "gl".
 struct Gl {
 #define GHOSTSPACE_GL_MEMBER(type, name) PFNGL##type##PROC name = nullptr;
   GHOSTSPACE_GL_FUNCTIONS(GHOSTSPACE_GL_MEMBER)
 #undef GHOSTSPACE_GL_MEMBER
-  /// OpenGL 4.2 or ARB_base_instance; null where absent.
+  /// OpenGL 4.2 or ARB_base_instance; null if absent.
   PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC DrawElementsInstancedBaseVertexBaseInstance = nullptr;
-  /// OpenGL 4.5 or ARB_clip_control; null where absent.
+  /// OpenGL 4.5 or ARB_clip_control; null if absent.
   PFNGLCLIPCONTROLPROC ClipControl = nullptr;
-  /// OpenGL 4.3; both or none.
+  /// OpenGL 4.3; both or neither.
   PFNGLDISPATCHCOMPUTEPROC DispatchCompute = nullptr;
   PFNGLMEMORYBARRIERPROC MemoryBarrier = nullptr;
 
-  PhaseClock* phases = nullptr;  // of who measures where time goes; null: nobody does
+  PhaseClock* phases = nullptr;  // measures phases; null means none
   std::string renderer;          // GL_RENDERER
-  bool software = false;         // it is one that runs on the processor
+  bool software = false;         // the renderer runs on the CPU
   int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
-  float max_anisotropy = 1;  // 1: not available, or not to be used
+  float max_anisotropy = 1;  // 1 means unavailable or disabled
 
-  /// Loads everything from the current context; fails when it is older than OpenGL 3.3 core.
+  /// Loads all functions from the current context. Fails if it is older than OpenGL 3.3 core.
   static std::variant<Gl, ContextError> load(GlContext& context);
 };
 

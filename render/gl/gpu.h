@@ -12,8 +12,8 @@ namespace gs::render {
 
 enum class GpuObject { buffer, texture, sampler, vertex_array, framebuffer, renderbuffer, shader, program };
 
-/// Owns one name of OpenGL. Move-only; empty by default. `gl` must outlive it and its context must
-/// be current when it is destroyed.
+/// Owns one OpenGL object name. Move-only; empty by default. `gl` must outlive it, and its context must be current when
+/// it is destroyed.
 template <GpuObject kind>
 class GpuHandle {
  public:
@@ -61,16 +61,16 @@ using Program = GpuHandle<GpuObject::program>;
 [[nodiscard]] Framebuffer make_framebuffer(const Gl& gl);
 [[nodiscard]] Renderbuffer make_renderbuffer(const Gl& gl);
 
-/// Compiles and links. `defines` ("#define LIT\n...") goes behind the #version line of both sources,
-/// which must be absent from them. The error is what the driver said.
+/// Compiles and links a program. Inserts `defines` ("#define LIT", one per line) after a #version line in both sources,
+/// which must not have one. The error contains the driver's message.
 [[nodiscard]] std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view defines,
                                                                std::string_view vertex_source,
                                                                std::string_view fragment_source);
 
-/// Empties the queue of errors of the driver; true when there was one.
+/// Clears the driver's error queue. Returns true if it contained an error.
 bool take_errors(const Gl& gl);
 
-/// An offset into the bound buffer, in bytes, as OpenGL takes it for a pointer.
+/// Converts a byte offset in the bound buffer to the pointer type that OpenGL expects.
 [[nodiscard]] inline const void* offset_pointer(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
 
 }  // namespace gs::render

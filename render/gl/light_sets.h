@@ -16,57 +16,57 @@
 
 namespace gs::render {
 
-/// Where kLightingShader of a program has its lights.
+/// Locations of kLightingShader's light data in a program.
 struct LightUniforms {
-  GLint many = -1, first = -1;  // the buffer of all sets, and the texel at which the set begins; -1: a uniform block
+  GLint many = -1, first = -1;  // buffer texture of all sets, and first texel of the set; -1 means a uniform block
 
   LightUniforms() = default;
   LightUniforms(const Gl& gl, GLuint program);
 };
 
-/// Chooses for every item the lights that reach it and keeps each distinct choice once in one
-/// buffer, so that items with the same lights can be drawn together. Sets of up to kMaxOfBlock lights are read as
-/// uniform blocks, larger ones as a buffer texture.
+/// Selects the lights that reach each item. Stores each distinct set once in one buffer, so that items with equal
+/// lights are drawn together. Sets of up to kMaxOfBlock lights are read as uniform blocks, larger ones as a buffer
+/// texture.
 class LightSets {
  public:
   static constexpr std::size_t kMaxOfBlock = 64;
-  static constexpr GLuint kBinding = 0;  // of the uniform block
-  static constexpr GLuint kUnit = 7;     // of the buffer texture
-  /// The variants of the lighting shader that take any number of lights of a uniform block, and of the buffer texture.
+  static constexpr GLuint kBinding = 0;  // binding of the uniform block
+  static constexpr GLuint kUnit = 7;     // texture unit of the buffer texture
+  /// Variants of the lighting shader for any number of lights: in a uniform block, and in the buffer texture.
   static constexpr unsigned kLoop = 3, kMany = 4;
 
-  /// The variant of the lighting shader for a number of lights.
+  /// Returns the variant of the lighting shader for a number of lights.
   static unsigned variant(std::size_t count) {
     return count > kMaxOfBlock ? kMany : static_cast<unsigned>(std::min<std::size_t>(count, kLoop));
   }
-  /// What kLightingShader wants to be defined for a variant.
+  /// Returns the defines of kLightingShader for a variant.
   static std::string defines(unsigned variant);
 
   explicit LightSets(const Gl& gl);
 
-  /// Forgets the choices of the last frame and takes all lights to camera space.
+  /// Clears the sets of the last frame and transforms all lights to camera space.
   void begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, bool headlight);
-  /// The number of the set for an item: its own directional lights, the headlight, and the point
-  /// and spot lights whose radius reaches the sphere (camera space), the strongest ones if they are more than
-  /// kMaxLightsOfAnItem. A negative radius means that the item's size is not known.
+  /// Returns the number of the light set for an item: its directional lights, the headlight, and the point and spot
+  /// lights whose radius reaches the sphere (camera space), limited to the strongest kMaxLightsOfAnItem. A negative
+  /// radius means unknown size.
   std::uint32_t choose(const LightList& directional, const glm::vec3& center, float radius);
-  /// The number of lights of a set.
+  /// Returns the number of lights of a set.
   [[nodiscard]] std::size_t count(std::uint32_t set) const { return sets_[set].size(); }
-  /// Whether a set has only directional lights, so that the light is the same everywhere.
+  /// Reports whether a set has only directional lights, so that lighting does not depend on the position.
   [[nodiscard]] bool directional_only(std::uint32_t set) const { return directional_only_[set]; }
-  /// What the shader makes of a surface of one direction (camera space, unit, towards the viewer) without a specular
-  /// colour in a set that has directional lights only: the colour of all its pixels, which may exceed 1.
+  /// Computes the shader's result for a surface with a constant normal (camera space, unit, towards the viewer) and no
+  /// specular colour, lit by directional lights only. Components may exceed 1.
   [[nodiscard]] glm::vec3 color_of(std::uint32_t set, const glm::vec3& normal, const glm::vec3& diffuse,
                                    const glm::vec3& emissive, float ambient_intensity) const;
-  /// Sends all sets to the GPU. Between `choose` and `bind`.
+  /// Uploads all sets; call it between `choose` and `bind`.
   void upload();
-  /// For the program in use.
+  /// Binds a set for the program in use.
   void bind(std::uint32_t set, const LightUniforms& uniforms);
 
  private:
-  /// One light in the layout of the uniform block (std140).
+  /// Light in std140 layout of the uniform block.
   struct ShaderLight {
-    glm::vec3 location;  // directional: towards the light
+    glm::vec3 location;  // directional: direction towards the light
     float local;         // 0 directional, 1 point or spot
     glm::vec3 color;
     float intensity;
@@ -80,11 +80,11 @@ class LightSets {
   static_assert(sizeof(ShaderLight) == 80);
   struct ShaderSet {
     std::int32_t count;
-    float number;  // the same, for who reads texels
+    float number;  // count as float, for access by texels
     std::int32_t padding[2];
     ShaderLight lights[kMaxOfBlock];
   };
-  static_assert(sizeof(ShaderSet) <= 16 * 1024);  // what OpenGL promises at least
+  static_assert(sizeof(ShaderSet) <= 16 * 1024);  // minimum that OpenGL guarantees
   using Choice = std::vector<std::uint16_t>;      // indices into lights_
   struct ChoiceHash {
     std::size_t operator()(const Choice& choice) const;
@@ -95,27 +95,27 @@ class LightSets {
 
   static constexpr std::uint16_t kHeadlight = 0xFFFF;
 
-  /// Bytes of a set of so many lights in the buffer.
+  /// Returns the bytes of a set of `count` lights in the buffer.
   [[nodiscard]] std::size_t stride(std::size_t count) const;
   void choose_local(const glm::vec3& center, float radius, std::size_t most);
   static ShaderLight to_camera(const Light& light, const glm::dmat4& camera_from_world);
 
   const Gl& gl_;
   Buffer buffer_;
-  Texture texture_;                  // its texels
-  std::size_t most_texels_ = 0;      // that a buffer texture may have
+  Texture texture_;                  // view of buffer_
+  std::size_t most_texels_ = 0;      // limit of a buffer texture
   std::vector<ShaderLight> lights_;  // camera space, in the order of the list
   std::vector<bool> directional_;
-  LightTree local_, few_;      // point and spot lights; the strongest near the camera, where they are many
-  std::size_t looked_at_ = 0;  // local lights, for all items of the frame
+  LightTree local_, few_;      // point and spot lights; few_: the strongest ones near the camera if there are many
+  std::size_t looked_at_ = 0;  // local lights examined for all items of the frame
   bool headlight_ = true;
   std::unordered_map<Choice, std::uint32_t, ChoiceHash> numbers_;
   std::vector<Choice> sets_;
   std::vector<bool> directional_only_;  // by set
-  std::vector<std::size_t> offsets_;    // in the buffer, by set
-  std::size_t bytes_ = 0;               // of all sets
+  std::vector<std::size_t> offsets_;    // offset in the buffer, by set
+  std::size_t bytes_ = 0;               // total of all sets
   Choice choice_, last_choice_;
-  std::vector<std::pair<float, std::uint16_t>> reaching_;  // less than 0 is stronger
+  std::vector<std::pair<float, std::uint16_t>> reaching_;  // ordered by strength, strongest first
   std::uint32_t last_number_ = 0;
 };
 

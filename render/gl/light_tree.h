@@ -7,19 +7,19 @@
 
 namespace gs::render {
 
-/// Finds the spheres that meet another among thousands: a bounding volume hierarchy, cut at the middle of its longest
-/// side. Used by one thread at a time.
+/// Finds the spheres that overlap a given one among thousands: a bounding volume hierarchy, split at the middle of the
+/// longest side. Used by one thread at a time.
 class LightTree {
  public:
   struct Sphere {
     glm::vec3 center;
-    float radius;  // not negative; may be infinite
+    float radius;  // >= 0; may be infinite
     std::uint16_t number;
   };
 
   void build(std::vector<Sphere> spheres);
   [[nodiscard]] bool empty() const { return spheres_.empty(); }
-  /// Calls `found` with each sphere that meets the one given, in no particular order; with all where `radius` is
+  /// Calls `found` for each sphere that overlaps the given one, in no particular order; for all if `radius` is
   /// negative.
   template <class Found>
   void each_near(const glm::vec3& center, float radius, Found&& found) const {
@@ -28,9 +28,9 @@ class LightTree {
 
  private:
   struct Node {
-    glm::vec3 lower, upper;  // a box around the spheres
+    glm::vec3 lower, upper;  // box around the spheres
     std::uint32_t first, last;
-    std::uint32_t children;  // the first of two, the other behind it; 0: none
+    std::uint32_t children;  // first of two consecutive children; 0 means none
   };
   static constexpr std::uint32_t kMostOfALeaf = 8;
 

@@ -7,14 +7,14 @@
 
 namespace gs::render {
 
-/// Hands out ranges of [0, capacity), first fit; neighbouring free ranges grow together again.
+/// Allocates ranges of [0, capacity), first fit; adjacent free ranges are merged.
 class RangeAllocator {
  public:
   explicit RangeAllocator(std::size_t capacity) {
     if (capacity > 0) free_.emplace(0, capacity);
   }
 
-  /// The start of a free range of `size` > 0, which is taken now; empty when none is large enough.
+  /// Takes a free range of `size` > 0 and returns its start; nullopt if none is large enough.
   [[nodiscard]] std::optional<std::size_t> take(std::size_t size) {
     for (auto range = free_.begin(); range != free_.end(); ++range) {
       if (range->second < size) continue;
@@ -26,7 +26,7 @@ class RangeAllocator {
     return std::nullopt;
   }
 
-  /// Gives back what `take(size)` returned.
+  /// Frees a range that `take(size)` returned.
   void give_back(std::size_t start, std::size_t size) {
     auto range = free_.emplace(start, size).first;
     const auto next = std::next(range);
@@ -43,7 +43,7 @@ class RangeAllocator {
   }
 
  private:
-  std::map<std::size_t, std::size_t> free_;  // size by start
+  std::map<std::size_t, std::size_t> free_;  // size of free ranges, by start
 };
 
 }  // namespace gs::render

@@ -11,31 +11,31 @@
 
 namespace gs::render {
 
-/// The pictures of a movie in memory: MPEG-1 and what else the libraries of FFmpeg read of the containers in the table
-/// of render/media/media_input.cpp, animated GIF among them. These are opened at run time. One thread; safe for
-/// untrusted bytes: nothing is read but these, no file, no address, and what it may cost is bounded by ImageLimits.
+/// Frames of a movie in memory: MPEG-1 and other formats that FFmpeg reads from the containers in
+/// render/media/media_input.cpp, including animated GIF. FFmpeg is opened at run time. Single-threaded. Accepts
+/// untrusted input: reads no files or addresses, and ImageLimits bounds the cost.
 class Movie {
  public:
   struct Frame {
-    Image image;      // 1 or 3 components, 4 where the movie has alpha; reduced as ImageLimits says
+    Image image;      // 1 or 3 components, 4 if the movie has alpha; reduced according to ImageLimits
     double time = 0;  // seconds from the start of the movie
   };
 
-  /// `bytes` outlive the movie. The error says what was not as expected.
+  /// Opens a movie; `bytes` must outlive it. The error explains the unexpected input.
   [[nodiscard]] static std::variant<std::unique_ptr<Movie>, ImageError> open(std::span<const std::byte> bytes,
                                                                              const ImageLimits& limits = {});
   ~Movie();
   Movie(const Movie&) = delete;
   Movie& operator=(const Movie&) = delete;
 
-  /// The next picture; nothing at the end. After an error there are no more.
+  /// Returns the next frame; nullopt at the end. After an error there are no more frames.
   [[nodiscard]] std::variant<std::optional<Frame>, ImageError> next();
-  /// The picture at a time: the last one that is not later, or the first one. Valid until the next call; null where
-  /// there is none at all. Costs what lies between it and the one before; backwards about a second is decoded at a
-  /// time, and of that is kept what fits into kMostKept. Not to be mixed with `next`.
+  /// Returns the last frame at or before `seconds`, else the first one; null if there are no frames. Valid until the
+  /// next call. The cost is proportional to the distance from the previous call. Going back decodes about one second at
+  /// a time and caches up to kMostKept of it. Do not mix with `next`.
   [[nodiscard]] std::variant<const Frame*, ImageError> at(double seconds);
 
-  static constexpr std::size_t kMostKept = std::size_t{32} << 20;  // bytes of pictures
+  static constexpr std::size_t kMostKept = std::size_t{32} << 20;  // bytes of cached frames
 
  private:
   struct State;
@@ -43,7 +43,7 @@ class Movie {
   std::unique_ptr<State> state_;
 };
 
-/// Whether the bytes begin as a movie in a container that is known.
+/// Reports whether the bytes start like a movie in a known container.
 [[nodiscard]] bool is_movie(std::span<const std::byte> bytes);
 
 }  // namespace gs::render

@@ -13,42 +13,42 @@
 
 namespace gs::render {
 
-/// A kind of movie that is written: the container and who encodes its pictures, the best one first.
+/// Output movie format: the container and its encoders, best one first.
 struct MovieFormat {
   std::string_view extension;  // ".mp4", lower case
   std::string_view name;       // "MP4 (H.264)"
   const char* muxer;
   struct Encoder {
-    const char* name;                    // FFmpeg's
-    std::string_view debian;             // the library that has it
-    std::span<const char* const> pairs;  // names and values of options, by turns
+    const char* name;                    // name in FFmpeg
+    std::string_view debian;             // Debian package of its library
+    std::span<const char* const> pairs;  // alternating option names and values
   };
   std::span<const Encoder> encoders;
 };
-/// The table of all.
+/// Returns the table of formats.
 [[nodiscard]] std::span<const MovieFormat> movie_formats();
-/// By the extension of a file's name, in letters of any case; null: none.
+/// Returns the format for a file name's extension, case-insensitive; null if there is none.
 [[nodiscard]] const MovieFormat* movie_format_of(std::string_view file_name);
 
-/// A movie that is made picture by picture, in memory. FFmpeg is opened at run time. One thread.
+/// Writes a movie frame by frame in memory. FFmpeg is opened at run time. Single-threaded.
 class MovieWriter {
  public:
-  /// Pictures of `width` x `height`, of which odd rows and columns at the edge are left out; 0 < rate pictures a
-  /// second, a multiple of 1/1000. The error names what is missing: the libraries, or an encoder.
+  /// Opens a writer for `width` x `height` frames; odd rows and columns at the edge are dropped. `rate` is in frames
+  /// per second, > 0, a multiple of 1/1000. The error names the missing library or encoder.
   [[nodiscard]] static std::variant<std::unique_ptr<MovieWriter>, ImageError> open(const MovieFormat& format, int width,
                                                                                    int height, double rate);
   ~MovieWriter();
   MovieWriter(const MovieWriter&) = delete;
   MovieWriter& operator=(const MovieWriter&) = delete;
 
-  /// The next picture: RGB or RGBA of the size. What is wrong, if anything.
+  /// Adds an RGB or RGBA frame of the size. Returns an error or nullopt.
   [[nodiscard]] std::optional<ImageError> add(const Image& image);
-  /// The bytes of the file. Once.
+  /// Returns the bytes of the file. Call once.
   [[nodiscard]] std::variant<std::vector<std::byte>, ImageError> finish();
-  /// The encoder's name.
+  /// Returns the encoder's name.
   [[nodiscard]] std::string_view encoder() const;
 
-  static constexpr std::size_t kMostBytes = std::size_t{2} << 30;  // of a movie
+  static constexpr std::size_t kMostBytes = std::size_t{2} << 30;  // per movie
 
  private:
   struct State;

@@ -15,7 +15,7 @@ extern "C" {
 #include <cstddef>
 #include <string>
 
-/// The functions of FFmpeg that are called, by the library that has them.
+/// FFmpeg functions that are called, with their library.
 #define GHOSTSPACE_LIBAV_FUNCTIONS(X)         \
   X(avutil, av_dict_free)                     \
   X(avutil, av_dict_set)                      \
@@ -71,12 +71,12 @@ extern "C" {
 
 namespace gs::render {
 
-/// FFmpeg, opened when the first movie or sound is: it takes longer to link than most worlds to draw.
+/// FFmpeg, opened for the first movie or sound, since linking takes longer than drawing most worlds.
 struct Libav {
 #define GHOSTSPACE_LIBAV_MEMBER(library, name) decltype(&::name) name = nullptr;
   GHOSTSPACE_LIBAV_FUNCTIONS(GHOSTSPACE_LIBAV_MEMBER)
 #undef GHOSTSPACE_LIBAV_MEMBER
-  std::string problem;  // why they are not there
+  std::string problem;  // reason if FFmpeg is unavailable
 
   Libav();
 
@@ -84,7 +84,7 @@ struct Libav {
   void* open(const char* name);
 };
 
-/// Any thread.
+/// Returns the shared instance. Thread-safe.
 [[nodiscard]] const Libav& libav();
 
 }  // namespace gs::render

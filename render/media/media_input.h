@@ -12,53 +12,53 @@
 
 namespace gs::render {
 
-/// A kind of file with pictures or sound in it: its marks, and who takes it apart.
+/// Media container: its signatures and its demuxer.
 struct MediaContainer {
   struct Mark {
     std::size_t at = 0;
-    std::string_view text;  // empty: none
+    std::string_view text;  // empty means none
   };
   std::string_view name;
   Mark first, second;
   const char* demuxer;
-  bool has_pictures, has_sound;  // may have
-  bool timed = true;             // false: pictures have no times, but follow each other at the rate of the head
-  bool exact = true;             // false: where a stretch of sound is, is not told to the sample behind a jump
+  bool has_pictures, has_sound;  // may contain pictures or sound
+  bool timed = true;             // if false, frames have no timestamps and follow the rate in the header
+  bool exact = true;             // if false, positions of sound after a seek are not exact to the sample
 };
 
-/// The kind of file that begins like this; null: none that is known. Others, which may refer to further files, are not
-/// asked.
+/// Returns the container that starts like `bytes`; null if unknown. Containers that may refer to other files are not in
+/// the table.
 [[nodiscard]] const MediaContainer* media_container_of(std::span<const std::byte> bytes);
 
-/// A file in memory, taken apart into packets by FFmpeg, which reads nothing else: no file, no address. One thread;
-/// safe for untrusted bytes.
+/// Demuxes a file in memory with FFmpeg, which reads no files or addresses. Single-threaded. Accepts untrusted input.
 class MediaInput {
  public:
-  /// `stopped`: asked now and then; true ends what it does. Null: nobody does.
+  /// `stopped` is polled regularly; true cancels the work. Null means never.
   MediaInput(std::span<const std::byte> bytes, const MediaContainer& container, std::function<bool()> stopped = {});
   ~MediaInput();
   MediaInput(const MediaInput&) = delete;
   MediaInput& operator=(const MediaInput&) = delete;
 
-  /// Begins anew at the front. What is wrong, if anything: then there are no packets.
+  /// Starts from the beginning. Returns an error or nullopt; after an error there are no packets.
   [[nodiscard]] std::optional<std::string> open();
-  /// The first stream of a kind that is no picture on a cover; -1: there is none.
+  /// Returns the first stream of a kind, ignoring cover pictures; -1 if there is none.
   [[nodiscard]] int find_stream(AVMediaType kind) const;
-  /// A decoder of the stream; null, and `problem` says why. `adjust`: sets more, before it is opened.
+  /// Opens a decoder of the stream; null on failure, with the reason in `problem`. `adjust` sets options before it is
+  /// opened.
   [[nodiscard]] AVCodecContext* open_decoder(int stream, std::string& problem,
                                              const std::function<void(AVCodecContext&)>& adjust = {});
-  /// The next picture or stretch of sound of the stream into `frame`: false at the end, with `problem` where there is
-  /// an error. Packets that are broken are lost.
+  /// Decodes the next picture or sound block of the stream into `frame`. Returns false at the end, and on errors, with
+  /// the reason in `problem`. Broken packets are dropped.
   [[nodiscard]] bool decode(int stream, AVCodecContext& decoder, AVFrame& frame, std::string& problem);
-  /// Goes to a key frame not after `seconds` from the stream's beginning, as far as the container tells where one is.
+  /// Seeks to a key frame at or before `seconds` from the stream's start, as far as the container indexes key frames.
   [[nodiscard]] bool seek(int stream, AVCodecContext& decoder, double seconds);
-  /// How long the stream is, in seconds: by its packets, where the file is not too long for that, else as its head
-  /// says. Negative: that cannot be told. `begin` it anew afterwards.
+  /// Returns the stream's duration in seconds: by its packets if the file is short enough, else by its header; negative
+  /// if unknown. Call open() afterwards to start again.
   [[nodiscard]] double measure(int stream);
 
   [[nodiscard]] std::string error(const std::string& what, int code = 0) const;
   [[nodiscard]] const AVStream& stream(int index) const { return *format_->streams[index]; }
-  /// In seconds.
+  /// Returns the stream's start time in seconds.
   [[nodiscard]] double begin_of(int stream) const;
   [[nodiscard]] const MediaContainer& container() const { return container_; }
   [[nodiscard]] bool stopped() const { return stopped_ && stopped_(); }

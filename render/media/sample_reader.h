@@ -9,12 +9,13 @@
 
 namespace gs::render {
 
-/// What a sound or movie could not be read for, and what was expected.
+/// Error of reading a sound or movie, with the expected input.
 struct MediaError {
   std::string message;
 };
 
-/// Sound as samples, decoded as they are read: memory does not grow with the length. One thread at a time.
+/// Stream of sound samples, decoded on demand, so that memory does not grow with the length. Used by one thread at a
+/// time.
 class SampleReader {
  public:
   SampleReader() = default;
@@ -22,29 +23,30 @@ class SampleReader {
   SampleReader& operator=(const SampleReader&) = delete;
   virtual ~SampleReader() = default;
 
-  /// Samples a second of each channel; > 0.
+  /// Returns the samples per second and channel; > 0.
   [[nodiscard]] virtual double rate() const = 0;
-  /// 1 or 2; more of a file are folded into two.
+  /// Returns 1 or 2; files with more channels are mixed down to two.
   [[nodiscard]] virtual int channels() const = 0;
-  /// The next samples, left and right by turns (of one channel, the same twice), mostly within -1 and 1. How many
-  /// pairs: fewer than `to` has room for at the end, and where the rest cannot be read.
+  /// Reads interleaved left and right samples (equal for one channel), mostly within -1 and 1. Returns the number of
+  /// pairs: less than the capacity of `to` at the end or after an error.
   [[nodiscard]] virtual std::size_t read(std::span<float> to) = 0;
-  /// Goes on at `seconds` from the start, to the sample.
+  /// Seeks to `seconds` from the start, exact to the sample.
   virtual void seek(double seconds) = 0;
 };
 
-/// What of a file can be played.
+/// Playable parts of a file.
 struct MediaInfo {
-  double duration = -1;  // in seconds, of the pictures if there are any, else of the sound; negative: not known
+  double duration = -1;  // seconds, of the pictures if any, else of the sound; negative if unknown
   bool pictures = false, sound = false;
 };
 
-/// Whether a sound or movie can be read, and how long it is. `bytes` of any kind of file of media_input.cpp, or MIDI
-/// (midi_reader.h). Safe for untrusted bytes; `stopped` as in MediaInput. Any thread.
+/// Determines whether a sound or movie is readable, and its duration. `bytes` is any container of media_input.cpp, or
+/// MIDI (midi_reader.h). Accepts untrusted input; `stopped` as in MediaInput. Thread-safe.
 [[nodiscard]] std::variant<MediaInfo, MediaError> examine_media(std::span<const std::byte> bytes,
                                                                 const std::function<bool()>& stopped = {});
 
-/// The sound of a file, of a movie too. `bytes` outlive it. `synthesis_rate`: of MIDI, which has none of its own.
+/// Opens the sound of a file or movie; `bytes` must outlive it. `synthesis_rate` applies to MIDI, which has no rate of
+/// its own.
 [[nodiscard]] std::variant<std::unique_ptr<SampleReader>, MediaError> open_samples(
     std::span<const std::byte> bytes, double synthesis_rate = 48000, const std::function<bool()>& stopped = {});
 
