@@ -9,24 +9,23 @@
 
 namespace gs::render {
 
-/// Lets whoever waits for a picture give it up: draws are cut into slices, each of which is finished before the next
-/// begins, and between two it is asked whether to go on. A slice is twice as large as the last one while that took
-/// little time, and smaller when it took long: nobody knows before how many pixels a triangle fills. Where nobody gives
-/// up, a driver on the processor still has few slices at a time: it keeps the triangles of each until their pixels are
-/// filled, which other threads do meanwhile. Thread of the context.
+/// Makes drawing cancellable: draws are split into slices, each finished before the next begins, and the callback is
+/// polled between two slices. Slices double while they are fast and shrink when they are slow, since the pixels per
+/// triangle are unknown in advance. Without a callback, it still limits the slices in flight for software drivers,
+/// which store a slice's triangles until other threads have filled their pixels. Belongs to the thread of the context.
 class DrawPacer {
  public:
-  /// `go_on` may be null. `pixels`: of the target.
+  /// `go_on` may be null. `pixels` is the size of the target.
   DrawPacer(const Gl& gl, const std::function<bool()>& go_on, std::size_t pixels);
   ~DrawPacer();
   DrawPacer(const DrawPacer&) = delete;
   DrawPacer& operator=(const DrawPacer&) = delete;
 
-  /// How many primitives may be drawn before the next `spend`: at least 1.
+  /// Returns the number of primitives that may be drawn before the next `spend`; at least 1.
   [[nodiscard]] std::size_t room() const { return slice_ - spent_; }
-  /// To be called when so many, at most `room()`, were drawn.
+  /// Counts drawn primitives, at most `room()`.
   void spend(std::size_t primitives);
-  /// The rest of the picture is not drawn.
+  /// Reports whether the rest of the image must not be drawn.
   [[nodiscard]] bool given_up() const { return given_up_; }
 
  private:
@@ -35,9 +34,9 @@ class DrawPacer {
   const Gl& gl_;
   const std::function<bool()>& go_on_;
   std::size_t slice_, spent_ = 0;  // primitives
-  Clock::time_point begin_;        // of the slice
+  Clock::time_point begin_;        // start of the slice
   bool given_up_ = false;
-  std::array<GLsync, 2> filled_{};  // when the last slices are; the oldest is at `oldest_`
+  std::array<GLsync, 2> filled_{};  // fences of the last slices; the oldest is at `oldest_`
   std::size_t oldest_ = 0;
 };
 

@@ -14,7 +14,7 @@
 
 namespace gs::render {
 
-/// What a camera sees: the places of world space where all of these linear functions are at least 0.
+/// View frustum: the points of world space where all of these linear functions are at least 0.
 struct Frustum {
   struct Plane {
     glm::dvec3 normal{0};
@@ -22,31 +22,31 @@ struct Frustum {
   };
   std::array<Plane, 6> planes;
 
-  /// `tangents`: of half the angles of view; `center`: of what is in the middle.
+  /// `tangents` are those of the half angles of view; `center` is that of the image centre.
   Frustum(const glm::dmat4& camera_from_world, const glm::vec2& tangents, double near_plane, double far_plane,
           const glm::vec2& center = glm::vec2(0));
-  /// Nothing of the box is inside. May be false where that is so.
+  /// Returns true only if the box is outside. May return false for a box outside.
   [[nodiscard]] bool misses(const glm::vec3& lower, const glm::vec3& upper) const;
 };
 
-/// Finds the items of large lists that a view may show by a tree of their boxes, so that a frame costs what is in view.
-/// The tree is made for the second frame of a list whose changes are told (RenderList::generation) and of which little
-/// moves; what moves since is looked at item by item. Keeps a few lists. One thread.
+/// Finds the items of large lists that may be in view, by a tree of their boxes. A frame's cost thus depends on the
+/// visible items. It builds the tree for the second frame of a list that reports changes (RenderList::generation) and
+/// is mostly static; moved items are tested one by one. Caches several lists. Single-threaded.
 class VisibleItems {
  public:
-  static constexpr std::size_t kFewestItems = 1024;  // of a list that is worth a tree
+  static constexpr std::size_t kFewestItems = 1024;  // minimum size of a list for a tree
 
-  /// Numbers of items in the order of the list; null: all of them. Valid until the next call.
+  /// Returns item indices in the order of the list; null means all items. Valid until the next call.
   [[nodiscard]] const std::vector<std::uint32_t>* find(const RenderList& list, const Frustum& frustum);
 
  private:
   struct Kept {
     std::uint64_t generation = 0, used = 0;  // used: number of the last call
-    std::size_t told = 0;                    // of RenderList::moved
-    std::size_t quiet = 0;                   // calls since much moved
+    std::size_t told = 0;                    // entries of RenderList::moved that were handled
+    std::size_t quiet = 0;                   // calls since many items moved
     bool made = false;
     BoxTree tree;
-    std::vector<std::uint32_t> loose;  // items that the tree does not know, or no longer
+    std::vector<std::uint32_t> loose;  // items that are not, or no longer, in the tree
     std::vector<bool> is_loose;
   };
   static constexpr std::size_t kMostKept = 4, kQuiet = 30;

@@ -14,63 +14,63 @@
 
 namespace gs::render {
 
-/// A half line of which the nearest thing is looked for. Distances are measured in lengths of `direction`, so that they
-/// stay what they are when the line goes into another coordinate system.
+/// Half line for nearest-hit searches. Distances are in lengths of `direction`, so that they are invariant under
+/// coordinate transforms.
 struct SightLine {
   glm::dvec3 origin{0}, direction{0, 0, -1};
   double farthest = std::numeric_limits<double>::infinity();
 };
 
-/// Boxes in a tree, so that few of them have to be looked at for a line. At most 26 bytes a box.
+/// Bounding volume hierarchy for lines and boxes. At most 26 bytes per box.
 class BoxTree {
  public:
   struct Entry {
-    vrml::Bounds box;  // empty: never met
+    vrml::Bounds box;  // an empty one is never hit
     std::uint32_t thing = 0;
   };
 
-  /// A line and what makes boxes quick to test.
+  /// Line with precomputed values for fast box tests.
   struct Walker {
     glm::dvec3 origin, inverse;
     explicit Walker(const SightLine& line);
-    /// Where it enters the box; infinity where it does not before `farthest`.
+    /// Returns the entry distance into the box; infinity if it is not before `farthest`.
     [[nodiscard]] double enter(const glm::vec3& lower, const glm::vec3& upper, double farthest) const;
   };
 
   BoxTree() = default;
-  /// Of things from 0 on, each once, in any order; the entries are used up.
+  /// Builds the tree of things numbered from 0, each once, in any order. Consumes the entries.
   explicit BoxTree(std::vector<Entry> entries);
 
-  /// The boxes have changed: `boxes`, by thing. The more they have moved the slower the tree gets.
+  /// Updates the boxes; `boxes` is indexed by thing. Large movements make the tree slower.
   void refit(const std::vector<vrml::Bounds>& boxes);
   [[nodiscard]] std::size_t bytes() const {
     return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(std::uint32_t);
   }
 
-  /// Calls `meet(thing, farthest)` for things whose boxes the line meets, the nearer boxes first. `meet` returns up to
-  /// what distance things matter from then on.
+  /// Calls `meet(thing, farthest)` for things whose boxes the line hits, nearer boxes first. `meet` returns the new
+  /// maximum distance.
   template <class Meet>
   void visit(const SightLine& line, const Meet& meet) const;
-  /// Calls `meet(thing)` for things that may have boxes that touch `lower` to `upper`, until it returns false.
+  /// Calls `meet(thing)` for things whose boxes may touch the box `lower` to `upper`, until it returns false.
   template <class Meet>
   void visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const;
-  /// Calls `meet(thing)` for things of boxes that `outside(lower, upper)` is not true of, nor of any around them, and
-  /// of some beside those, until it returns false.
+  /// Calls `meet(thing)` for all things whose boxes, and all enclosing boxes, do not satisfy `outside(lower, upper)`,
+  /// until it returns false. May include other things.
   template <class Outside, class Meet>
   void visit_unless(const Outside& outside, const Meet& meet) const;
 
  private:
-  // Its first child, if it has children, is the next node.
+  // The first child, if any, is the next node.
   struct Node {
     glm::vec3 lower;
-    std::uint32_t place;  // of the second child, or of the first thing in order_
+    std::uint32_t place;  // index of the second child, or of the first thing in order_
     glm::vec3 upper;
-    std::uint32_t count;  // of things; 0: it has children
+    std::uint32_t count;  // number of things; 0 means that it has children
   };
   static_assert(sizeof(Node) == 32);
-  // A node of more than kMostThings is parted into no smaller ones than kFewestThings, which bounds their number.
+  // Nodes of more than kMostThings are split into parts of at least kFewestThings, which bounds their number.
   static constexpr std::size_t kMostThings = 6, kFewestThings = 3;
-  // Below kBalanced parts are halves, which bounds the depth.
+  // Nodes below depth kBalanced are split in halves, which bounds the depth.
   static constexpr std::uint32_t kBalanced = 48;
   static constexpr std::size_t kDeepest = 96;
 
@@ -83,13 +83,13 @@ class BoxTree {
 inline BoxTree::Walker::Walker(const SightLine& line) : origin(line.origin), inverse(1.0 / line.direction) {}
 
 inline double BoxTree::Walker::enter(const glm::vec3& lower, const glm::vec3& upper, double farthest) const {
-  constexpr double kRounding = 1 + 1e-12;  // a flat box is entered and left at once
+  constexpr double kRounding = 1 + 1e-12;  // a flat box is entered and left at the same distance
   double first = 0, last = farthest;
   for (int i = 0; i < 3; ++i) {
     const bool forward = inverse[i] > 0;
     const double in = ((forward ? lower[i] : upper[i]) - origin[i]) * inverse[i];
     const double out = ((forward ? upper[i] : lower[i]) - origin[i]) * inverse[i];
-    // Along a face, 0 times infinity is NaN, which bounds nothing.
+    // Along a face, 0 times infinity is NaN, which does not change the bounds.
     if (in > first) first = in;
     if (out < last) last = out;
   }
@@ -105,7 +105,7 @@ void BoxTree::visit(const SightLine& line, const Meet& meet) const {
     return walker.enter(nodes_[place].lower, nodes_[place].upper, before);
   };
   double farthest = line.farthest;
-  std::array<std::pair<std::uint32_t, double>, kDeepest> open;  // nodes, and where they are entered
+  std::array<std::pair<std::uint32_t, double>, kDeepest> open;  // nodes with their entry distances
   std::size_t count = 0;
   if (const double enters = enter(0, farthest); enters < kMissed) open[count++] = {0, enters};
   while (count > 0) {

@@ -15,52 +15,51 @@
 
 namespace gs::render {
 
-/// Where a line meets a triangle of a RenderList, in world space.
+/// Hit of a line on a triangle of a RenderList, in world space.
 struct SurfaceHit {
-  std::size_t item = 0;  // of RenderList::items
-  TriangleHit triangle;  // of its mesh; of a former one of the item, where the tree of that is still made; of a patch
+  std::size_t item = 0;  // index in RenderList::items
+  TriangleHit triangle;  // of the item's mesh, of its previous mesh while the new tree is being built, or of a patch
   glm::dvec3 point{0};
-  /// Of length 1: of the mesh's normals if it has some, else of the triangle, towards where its corners go
-  /// counter-clockwise. 0 where there is none.
+  /// Unit normal: interpolated from the mesh if it has normals, else that of the triangle by counter-clockwise corners.
+  /// 0 if undefined.
   glm::dvec3 normal{0};
-  /// Of the mesh, or as 6.23 makes them of its box; without the TextureTransform.
+  /// From the mesh, or by the default mapping of 6.23; without the TextureTransform.
   glm::vec2 texture_coordinate{0};
-  std::optional<glm::vec3> patch_color{};  // of a patch that has colours of its own
+  std::optional<glm::vec3> patch_color{};  // of a patch with own colours
 };
 
-/// A triangle of a RenderList, in world space.
+/// Triangle of a RenderList, in world space.
 struct WorldTriangle {
-  std::size_t item = 0;  // of RenderList::items
+  std::size_t item = 0;  // index in RenderList::items
   std::array<glm::dvec3, 3> corners;
 };
 
-/// Which items of a RenderList are asked for: those that are seen, those that the viewer may bump into, or those that
-/// are seen over all others.
+/// Items that a search considers: visible ones, collidable ones, or overlays.
 enum class Sought : std::uint8_t { seen, met, overlay };
 
-/// Finds the nearest triangle of a RenderList. Keeps what it learned of meshes as long as somebody else holds them, and
-/// the boxes of the items until they change. One thread.
+/// Finds the nearest triangle of a RenderList. Caches data of meshes while other owners hold them, and item boxes until
+/// they change. Single-threaded.
 class ItemBvh {
  public:
-  /// Triangles count from both sides; lines and points are too thin to meet. Takes time for each item that has changed
-  /// since the last call, and some microseconds. Until the tree of a large mesh is made meanwhile, the item's former
-  /// one counts; of the first one all triangles are looked at, in some 10 ns each.
-  /// Of meshes whose triangles are more than `max_triangles` together the farther ones are not met.
-  /// Surfaces with patches are met as they are drawn from where the line begins, with pixels that are so wide at
-  /// distance 1; but what is sought to be bumped into has no patches, only the items' meshes.
+  /// Returns the nearest hit. Triangles count from both sides; lines and points are never hit. Takes time proportional
+  /// to the items changed since the last call, plus some microseconds. While the tree of a large mesh is built on
+  /// another thread, the item's previous mesh counts; for its first mesh, all triangles are tested in about 10 ns each.
+  /// If the hit meshes have more than `max_triangles` in total, the farther ones are ignored. Surfaces with patches are
+  /// tested as drawn from the line's origin, with pixels of width `pixel` at distance 1. Searches for collidable items
+  /// use only the items' meshes, not patches.
   [[nodiscard]] std::optional<SurfaceHit> nearest(const RenderList& list, const SightLine& line,
                                                   std::size_t max_triangles = std::size_t{1} << 24,
                                                   Sought sought = Sought::seen,
                                                   float pixel = 1 / kUsualPixelsPerRadian);
-  /// Triangles of what is met that may touch the box from `lower` to `upper`, world space; no more than `most`. Takes
-  /// some microseconds, and time for what has changed as `nearest` does.
+  /// Returns collidable triangles that may touch the box `lower` to `upper` in world space, at most `most`. Takes some
+  /// microseconds, plus time for changed items like `nearest`.
   [[nodiscard]] std::vector<WorldTriangle> near(const RenderList& list, const glm::dvec3& lower,
                                                 const glm::dvec3& upper, std::size_t most);
-  /// What it keeps of meshes.
+  /// Returns the bytes cached for meshes.
   [[nodiscard]] std::size_t bytes() const;
-  /// The trees of large meshes, for who makes such meshes on another thread.
+  /// Returns the trees of large meshes, for code that makes such meshes on another thread.
   [[nodiscard]] const std::shared_ptr<MeshTrees>& trees() const { return trees_; }
-  /// Has the trees of large meshes made, so that they are there when somebody asks.
+  /// Starts building the trees of large meshes before they are needed.
   void prepare(const RenderList& list);
 
  private:
@@ -74,13 +73,13 @@ class ItemBvh {
   struct Item {
     std::weak_ptr<const vrml::Mesh> mesh;
     glm::dmat4 world_from_node{1.0};
-    std::shared_ptr<const vrml::Mesh> searched;  // a large one, the last whose tree was ready
-    std::shared_ptr<Tree> tree;                  // of that
+    std::shared_ptr<const vrml::Mesh> searched;  // large mesh: the last one with a complete tree
+    std::shared_ptr<Tree> tree;                  // tree of that mesh
   };
-  /// What is searched for an item now: its mesh, or a former one.
+  /// Mesh to search for an item: its present or a previous one.
   struct Searched {
-    const vrml::Mesh* mesh = nullptr;  // null: there are too many triangles
-    const MeshBvh* tree = nullptr;     // null: all triangles
+    const vrml::Mesh* mesh = nullptr;  // null if there are too many triangles
+    const MeshBvh* tree = nullptr;     // null means testing all triangles
   };
   Searched searched_for(std::size_t place, const DrawItem& item, std::size_t max_triangles);
   void update(const RenderList& list);
@@ -88,7 +87,7 @@ class ItemBvh {
 
   std::shared_ptr<MeshTrees> trees_ = std::make_shared<MeshTrees>();
   std::unordered_map<const vrml::Mesh*, Kept> meshes_;
-  std::size_t triangles_ = 0;  // of meshes_
+  std::size_t triangles_ = 0;  // total of meshes_
   std::uint64_t searches_ = 0;
   std::vector<Item> items_;
   std::vector<vrml::Bounds> boxes_;

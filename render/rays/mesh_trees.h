@@ -11,22 +11,22 @@
 
 namespace gs::render {
 
-/// Trees of large meshes, which take longer than a frame. They are made on threads of their own, or by the thread that
-/// makes the mesh. Any thread.
+/// Trees of large meshes, which take longer than a frame to build. They are built on separate threads, or on the thread
+/// that makes the mesh. Thread-safe.
 class MeshTrees {
  public:
-  static constexpr std::size_t kLargeMesh = 100'000;  // triangles: of smaller ones nobody is told
+  static constexpr std::size_t kLargeMesh = 100'000;  // triangles; smaller meshes are handled by the caller
 
   struct Tree {
     std::atomic<bool> ready = false;
-    std::optional<MeshBvh> tree;  // once it is ready
+    std::optional<MeshBvh> tree;  // valid once ready
   };
-  /// Makes the tree of a mesh that others are to see soon, if anybody has asked for trees of large meshes lately; it is
-  /// there when this returns.
+  /// Builds the tree of a mesh that will be shown soon, if a search used large meshes recently. Returns when it is
+  /// complete.
   void prepare(const std::shared_ptr<const vrml::Mesh>& mesh);
-  /// The tree of a large mesh, which may not be ready yet. It is for the caller to keep.
+  /// Returns the tree of a large mesh, which may not be ready yet. The caller keeps it alive.
   [[nodiscard]] std::shared_ptr<Tree> find(const std::shared_ptr<const vrml::Mesh>& mesh);
-  /// Somebody looks into trees of large meshes.
+  /// Reports that a search uses trees of large meshes.
   void ask() { asked_ = kLately; }
 
  private:
@@ -34,7 +34,7 @@ class MeshTrees {
     std::weak_ptr<const vrml::Mesh> mesh;
     std::shared_ptr<Tree> tree;
   };
-  static constexpr int kLately = 8;  // meshes
+  static constexpr int kLately = 8;  // number of meshes
 
   std::atomic<int> asked_ = 0;
   std::mutex mutex_;

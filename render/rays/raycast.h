@@ -10,53 +10,51 @@
 
 namespace gs::render {
 
-/// What the rays of all pixels of the viewport found, rows from the bottom.
+/// Result of casting a ray per pixel of the viewport, rows from the bottom.
 struct RayImage {
   int width = 0, height = 0;
-  std::vector<glm::vec4> color;  // RGBA 0..1, colours times alpha
-  std::vector<float> depth;      // along the view axis, camera units; 0: nothing
+  std::vector<glm::vec4> color;  // RGBA 0..1, premultiplied
+  std::vector<float> depth;      // along the view axis, camera units; 0 means no hit
 
   [[nodiscard]] bool empty() const { return color.empty(); }
 };
 
-/// Likewise of a surface.
+/// Result of casting rays at a surface, rows from the bottom.
 struct RaySurface {
   int width = 0, height = 0;
-  std::vector<glm::vec4> normal;  // camera space, unit; and the part of the pixel's samples that are covered
+  std::vector<glm::vec4> normal;  // camera space, unit; w is the covered fraction of the pixel's samples
   std::vector<glm::vec4> color;   // RGB 0..1
-  std::vector<float> depth;       // along the view axis, camera units, of the nearest sample; 0: nothing
+  std::vector<float> depth;       // along the view axis, camera units, of the nearest sample; 0 means no hit
 
   [[nodiscard]] bool empty() const { return normal.empty(); }
 };
 
-/// Equation (1) of the paper for a volume, exactly and slowly: for the ray of every pixel, the sum over all vectors
-/// that is there, for the model that volume_model.h describes, in double precision, with footprints without
-/// an end and no vector passed over but those that the model leaves out. What rasterize_volume is
-/// measured against. The depth is that of the vector with which the opacity, seen from the front, comes to a
-/// half; 0 where it never does.
+/// Evaluates equation (1) of the paper for a volume, exactly and slowly. For each pixel's ray it sums over all vectors
+/// in double precision, for the model of volume_model.h. Footprints are unbounded, and only vectors that the model
+/// excludes are skipped. This is the reference for rasterize_volume. The depth is that of the vector at which the
+/// opacity from the front reaches 0.5; 0 if it never does.
 ///
-/// Takes time in proportion to pixels times vectors. Any thread; safe for any numbers. Empty when nothing is in view.
+/// Takes time proportional to pixels times vectors. Thread-safe; accepts any numbers. Empty if nothing is in view.
 [[nodiscard]] RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, const VolumeOptions& options);
 
-/// The definition that rasterize_surface implements, exactly and slowly, in double precision.
+/// Implements the definition of rasterize_surface, exactly and slowly, in double precision.
 ///
-/// For the ray of every sample: the nearest of all discs that cover the place where the ray meets their plane. A disc
-/// from an octree covers its cube and kCubeMargin of its edge, or kSampleMargin samples, more on each side (kBackMargin
-/// where it shows its back), any other kDiscCover times its radius (in a cloud that has cubes: a cube of that half
-/// edge), and all at least kLeastReach samples. Discs that turn their back count only when the cloud is two-sided, and
-/// those that are seen edge on, up to a cosine of kGrazing, never. The constants are those of splat_constants.h.
+/// For each sample's ray, it finds the nearest splat that covers the ray's intersection with its plane. A splat from an
+/// octree covers its cube, enlarged on each side by kCubeMargin of the edge (kBackMargin if its back is visible) or by
+/// kSampleMargin samples. Any other splat covers kDiscCover times its radius; if the cloud has cubes, it covers a cube
+/// of that half edge. All splats cover at least kLeastReach samples. Back-facing splats count only if the cloud is
+/// two-sided. Splats seen edge-on, up to a cosine of kGrazing, never count. splat_constants.h defines the constants.
 ///
-/// At that place p, normals and colours are the means of those of all discs that turn the same side to the viewer,
-/// weighted by bells (1 - |p - x_k|^2 / (4 R_k^2))^4: nearly the paper's exp(-|p - x_k|^2 / A_k) with A_k =
-/// 0.83 R_k^2, and nothing beyond two R_k. R_k is kDiscBell times the disc's radius; for cubes kCubeBell times it,
-/// and at least half the edge; for both at least kLeastReach samples.
+/// At that point p, normals and colours are weighted means over all splats that show the same side. The weights are
+/// bells (1 - |p - x_k|^2 / (4 R_k^2))^4. These approximate the paper's exp(-|p - x_k|^2 / A_k) with A_k = 0.83 R_k^2
+/// and are zero beyond two R_k. R_k is kDiscBell times the splat's radius; for cubes it is kCubeBell times the radius,
+/// at least half the edge; for both at least kLeastReach samples.
 ///
-/// With `smooth` kSmoothing of the slope of the blended surface is added to the normal: of the surface where the mean
-/// of the heights over the planes of the discs, with the same weights, is zero. rasterize_surface does so where
-/// survey_surface says so.
+/// With `smooth`, kSmoothing times the slope of the blended surface is added to the normal. That surface is the zero
+/// set of the weighted mean height over the splats' planes. rasterize_surface does so if survey_surface says so.
 ///
-/// Takes time in proportion to samples times discs. Any thread; safe for any numbers. Empty when the cloud or the
-/// view is.
+/// Takes time proportional to samples times splats. Thread-safe; accepts any numbers. Empty if the cloud or the view
+/// is.
 [[nodiscard]] RaySurface raycast_surface(const qnv::Cloud& cloud, const SplatView& view, bool smooth);
 
 }  // namespace gs::render

@@ -9,20 +9,20 @@
 
 namespace gs::render {
 
-/// Where a line meets a triangle of a displaced surface; in the surface's own space.
+/// Hit of a line on a triangle of a displaced surface, in the surface's space.
 struct PatchHit {
   double distance = 0;                 // in lengths of the line's direction
-  std::uint32_t part = 0, patch = 0;   // of SurfacePatches
-  std::array<glm::vec3, 3> corners{};  // of the triangle
-  glm::dvec3 weights{0};               // of the corners; 0 to 1, their sum is 1
-  glm::vec3 normal{0};                 // that is shaded there; 0: none
-  glm::vec3 vertex{0};                 // the corner nearest to the point
-  std::optional<glm::vec3> color;      // 0..1, between those of the corners; nothing: the surface has none of its own
+  std::uint32_t part = 0, patch = 0;   // indices in SurfacePatches
+  std::array<glm::vec3, 3> corners{};  // corners of the triangle
+  glm::dvec3 weights{0};               // barycentric, each 0 to 1, sum 1
+  glm::vec3 normal{0};                 // shading normal; 0 means none
+  glm::vec3 vertex{0};                 // corner nearest to the hit
+  std::optional<glm::vec3> color;      // 0..1, interpolated; nullopt if the surface has no own colours
 };
 
-/// The nearest triangle that the line meets, from either side, of the surface as it is drawn for an eye where the line
-/// begins, whose picture has pixels of the width `pixel` at distance 1. Takes some ns for every patch of the surface,
-/// and microseconds for each that the line may meet. `line` in the surface's space.
+/// Returns the nearest triangle on the line, from either side, of the surface as drawn for an eye at the line's origin
+/// with pixels of width `pixel` at distance 1. Takes a few ns per patch, and microseconds per candidate patch. `line`
+/// is in the surface's space.
 [[nodiscard]] std::optional<PatchHit> pick_patches(const qnv::SurfacePatches& surface, const SightLine& line,
                                                    float pixel);
 

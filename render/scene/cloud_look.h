@@ -10,23 +10,23 @@
 
 namespace gs::render {
 
-/// What gives discs and voxels their colours; all but `own` are for those who look into streams.
+/// Colour source of splats and voxels; all but `own` serve to inspect streams.
 enum class ColorBy : std::uint8_t {
-  own,     // the cloud's or the material's
-  normal,  // node space: -1..1 of x, y, z as red, green, blue
-  level,   // of detail: coarse blue to fine red
-  chunk,   // each in a colour of its own
-  age,     // the order in which they came: first blue, latest red
+  own,     // colour of the cloud or the material
+  normal,  // node space: x, y, z from -1..1 as red, green, blue
+  level,   // level of detail: coarse is blue, fine is red
+  chunk,   // a colour per chunk
+  age,     // order of arrival: first is blue, latest is red
 };
 
-/// What the viewer chooses for all clouds of a picture.
+/// User settings for all clouds of an image.
 struct CloudLook {
   ColorBy color_by = ColorBy::own;
   // Volumes only.
-  float opacity = 2;                         // times the optical depth
-  float least_magnitude = 0;                 // shorter gradients are left out
-  std::optional<glm::dvec4> clip;            // world space: what has clip.xyz . position + clip.w < 0 is left out
-  std::vector<qnv::TransferPoint> transfer;  // in place of their own; sorted by value; empty: their own
+  float opacity = 2;                         // factor of the optical depth
+  float least_magnitude = 0;                 // shorter gradients are hidden
+  std::optional<glm::dvec4> clip;            // world space: hides points with clip.xyz . position + clip.w < 0
+  std::vector<qnv::TransferPoint> transfer;  // replaces the volumes' own; sorted by value; empty means their own
   friend bool operator==(const CloudLook&, const CloudLook&) = default;
 };
 

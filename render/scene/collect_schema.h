@@ -11,7 +11,7 @@ namespace gs::render {
 
 using vrml::NodeKind;
 
-// Places of the fields in their row of the schema table (collect_schema.cpp).
+// Indices of the fields in their row of the schema table (collect_schema.cpp).
 struct GroupFields {
   enum : int { children };
 };
@@ -80,21 +80,21 @@ struct QnvFields {
   enum : int { detail };
 };
 
-/// What a node type is to collect, and the slots of the fields it reads: -1 where the type has none.
+/// Kind of a node type in this room, and the slots of the fields that are read; -1 for absent fields.
 struct Schema {
   static constexpr int kFields = 10;
   NodeKind kind = NodeKind::other;
   std::array<int, kFields> slots{};
 };
 
-/// A node together with its schema.
+/// Node with its schema.
 struct NodeView {
   const vrml::Node* node = nullptr;
   const Schema* schema = nullptr;
 
   explicit operator bool() const { return node != nullptr; }
   [[nodiscard]] NodeKind kind() const { return node ? schema->kind : NodeKind::other; }
-  /// The value of field number `field`; null where the type has no such field of type T.
+  /// Returns the value of field number `field`; null if the type has no such field of type T.
   template <class T>
   [[nodiscard]] const T* find(int field) const {
     const int slot = schema->slots[static_cast<std::size_t>(field)];
@@ -107,11 +107,12 @@ struct NodeView {
   }
 };
 
-/// Schemas by type: fields are looked up by name once a type.
+/// Schemas by type; looks up fields by name once per type.
 class Schemas {
  public:
   [[nodiscard]] const Schema& of(const vrml::NodeType& type);
-  /// The node `id` stands for (PROTO instances resolved); empty for NULL and for instances without content.
+  /// Returns the node that `id` stands for (PROTO instances resolved); empty for NULL and for instances without
+  /// content.
   [[nodiscard]] NodeView view(const vrml::SceneGraph& scene, vrml::NodeId id);
 
  private:

@@ -16,29 +16,29 @@
 
 namespace gs::render {
 
-/// Where the parts of a RenderList come from, so that it can follow changes of the nodes. Everything stands in the
-/// order of the walk, so that what lies below a frame is one range of each array.
+/// Source nodes of a RenderList's parts, for incremental updates. Everything is in traversal order, so that the content
+/// below a frame is one range of each array.
 struct RenderSources {
-  /// A coordinate system, made by a Transform or Billboard; the first one is the world's.
+  /// Coordinate system of a Transform or Billboard; the first one is the world's.
   struct Frame {
-    const vrml::Node* node = nullptr;   // null: the world
-    std::uint32_t parent = 0, end = 0;  // `end`: behind the last frame below this one
+    const vrml::Node* node = nullptr;   // null means the world
+    std::uint32_t parent = 0, end = 0;  // `end`: index after the last frame below this one
     std::uint32_t first_item = 0, end_item = 0, first_splat = 0, end_splat = 0, first_light = 0, end_light = 0;
     glm::dmat4 parent_from_local{1.0};
   };
   struct Item {
     const vrml::Node* geometry = nullptr;
     ShapeResources::AppearanceNodes appearance;
-    glm::vec3 scale{1.0f};  // of a primitive, whose mesh has the default measures
+    glm::vec3 scale{1.0f};  // of a primitive with a shared default mesh
     WorldBounds bounds;     // world space
     std::uint8_t text_level = 0;
   };
-  struct Local {  // of a light, Viewpoint, NavigationInfo, Background or Fog
+  struct Local {  // source of a light, Viewpoint, NavigationInfo, Background or Fog
     const vrml::Node* node = nullptr;
     std::uint32_t frame = 0;
     bool main = true;  // not inside an Inline
   };
-  struct Unshown {  // a geometry or a Transform that shows nothing as it is
+  struct Unshown {  // geometry or Transform that shows nothing in its present state
     const vrml::Node* node = nullptr;
     const vrml::SceneGraph* scene = nullptr;
   };
@@ -50,18 +50,18 @@ struct RenderSources {
 
   std::vector<Frame> frames;
   std::vector<Item> items, splats;
-  std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints as in the list
+  std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints in the order of the list
   std::vector<Lod> lods;
-  std::vector<std::uint32_t> billboards;  // frames
-  std::vector<std::uint32_t> texts;       // items
-  std::vector<Unshown> unshown;           // may repeat
-  bool complete = true;                   // false: there are more coordinate systems than are remembered
+  std::vector<std::uint32_t> billboards;  // indices of frames
+  std::vector<std::uint32_t> texts;       // indices of items
+  std::vector<Unshown> unshown;           // may contain duplicates
+  bool complete = true;                   // false if there are more coordinate systems than are recorded
 };
 
-/// Walks the live scene and gathers what is visible; see collect().
+/// Traverses the scene and collects its visible content; see collect().
 class Collector {
  public:
-  /// `sources`: where to tell where everything comes from; null: nowhere.
+  /// `sources` receives the source nodes; null means none.
   Collector(ShapeResources& resources, const glm::dvec3& viewer, const Clouds& clouds, const BoundNodes* bound,
             std::shared_ptr<vrml::Budget> budget, RenderSources* sources,
             float pixels_per_radian = kUsualPixelsPerRadian, const glm::dvec3& viewer_up = {0, 1, 0})
@@ -78,24 +78,24 @@ class Collector {
   RenderList collect(const vrml::SceneGraph& scene);
 
  private:
-  /// What the grouping nodes above have said of the Shapes below.
+  /// Visibility state inherited from the grouping nodes above.
   struct Presence {
     bool overlay = false;  // fixed to the viewer
-    bool seen = true;      // false: inside the proxy of a Collision, which is only met
-    bool met = true;       // false: Collision nodes let the viewer through (6.8)
+    bool seen = true;      // false inside the proxy of a Collision: collidable but invisible
+    bool met = true;       // false below a Collision with collide FALSE (6.8)
   };
-  /// One grouping node on the way down, or the roots of a scene.
+  /// Grouping node on the current path, or the roots of a scene.
   struct Frame {
     const vrml::SceneGraph* scene;
-    std::vector<bool>* on_path;  // of the scene: the nodes that are open now
+    std::vector<bool>* on_path;  // by node of the scene: nodes on the current path
     std::uint32_t node;          // index of the open node; 0 for roots
     const vrml::NodeId* next;
     const vrml::NodeId* end;
     glm::dmat4 world_from_local;
-    std::size_t lights_outside;  // how many of active_lights_ hold outside of this group
+    std::size_t lights_outside;  // number of active_lights_ that are valid outside this group
     bool main;                   // not inside an Inline
     Presence presence{};
-    bool opened = false;  // the node was not open before
+    bool opened = false;  // the node was not yet on the path
     std::uint32_t place = kNoPlace, frame = 0;
     std::uint32_t places_before = 0, frames_before = 0;
     std::size_t content_before = 0;
@@ -136,19 +136,19 @@ class Collector {
   RenderList list_;
   std::vector<ViewpointState> inlined_viewpoints_;
   std::vector<RenderSources::Local> inlined_sources_;
-  std::size_t others_ = 0;  // viewpoints, bindable nodes and LODs that were met
+  std::size_t others_ = 0;  // viewpoints, bindable nodes and LODs encountered
   bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
   std::vector<std::uint16_t> active_lights_;
-  LightList directional_lights_;  // the last ones of them, for the items of a group
-  bool lights_changed_ = false;   // since it was made
+  LightList directional_lights_;  // list of the active directional lights, shared by the items of a group
+  bool lights_changed_ = false;   // lights changed since that list was made
   std::size_t visits_ = 0;
   std::shared_ptr<vrml::Budget> budget_;
   float pixels_per_radian_;
   glm::dvec3 viewer_up_;
-  std::size_t triangles_ = 0;  // of all items, of primitives the coarsest ones
-  // Primitives of which there are items, by their finest mesh.
+  std::size_t triangles_ = 0;  // of all items; primitives count at their coarsest level
+  // Primitives with items, by their finest mesh.
   struct Primitives {
     std::array<std::shared_ptr<const vrml::Mesh>, ShapeResources::kSegments.size()> meshes;
     std::size_t count = 0;
@@ -156,9 +156,9 @@ class Collector {
   std::unordered_map<const vrml::Mesh*, Primitives> primitives_;
 };
 
-/// Whether no number of the matrix is too large for a float, or none.
+/// Reports whether all elements are finite and fit a float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
-/// From the space of a cloud's positions, which count from its origin.
+/// Returns world space from a cloud's positions, which are relative to its origin.
 [[nodiscard]] glm::dmat4 world_from_cloud(const glm::dmat4& world_from_node, const qnv::Cloud& cloud);
 
 }  // namespace gs::render

@@ -5,29 +5,29 @@
 
 namespace gs::render {
 
-/// The bound Fog (VRML97 6.19).
+/// Bound Fog (VRML97 6.19).
 struct Fog {
   glm::vec3 color{1.0f};
   bool exponential = false;        // fogType
-  float visibility_range = 0;      // in the Fog's own space; 0: there is no fog
-  glm::mat3 fog_from_world{1.0f};  // without the translation, which nothing depends on
+  float visibility_range = 0;      // in the Fog's space; 0 means no fog
+  glm::mat3 fog_from_world{1.0f};  // without translation, which has no effect
 };
 
-/// The same for one picture.
+/// Fog parameters of one image.
 struct CameraFog {
   bool on = false, exponential = false;
   glm::vec3 color{1.0f};
-  glm::mat3 ranges_from_camera{1.0f};  // the Fog's own space, in visibilityRanges
+  glm::mat3 ranges_from_camera{1.0f};  // Fog's space, in units of visibilityRange
   float back = 0;                      // Camera::back: fog begins at the viewer
 };
 
-/// `world_from_camera`: of the camera's axes. No fog where a number of it is none.
+/// Returns the fog for a camera; `world_from_camera` is its orientation. No fog if a value is not finite.
 [[nodiscard]] CameraFog camera_fog(const Fog& fog, const glm::mat3& world_from_camera, float back = 0);
 
-/// f0 of VRML97 Table 4.8: how much of its own colour something keeps. `place` in camera space.
+/// Returns f0 of VRML97 Table 4.8: the fraction of the object's own colour. `place` is in camera space.
 [[nodiscard]] float fog_interpolant(const CameraFog& fog, const glm::vec3& place);
 
-/// The colour of something at `place`, camera space, through the fog (4.14.4).
+/// Returns a colour at `place` (camera space) after fog (4.14.4).
 [[nodiscard]] glm::vec3 fogged(const CameraFog& fog, const glm::vec3& color, const glm::vec3& place);
 
 }  // namespace gs::render

@@ -17,19 +17,19 @@
 
 namespace gs::render {
 
-/// A mesh that is made of a copy of its nodes.
+/// Job that tessellates a copy of a geometry.
 struct MeshJob {
   vrml::GeometryCopy copy;
   vrml::MeshOptions options;
-  std::shared_ptr<vrml::Mesh> mesh;  // once it is done
+  std::shared_ptr<vrml::Mesh> mesh;  // valid once done
   std::atomic<bool> done = false;
 };
 
-/// A thread that makes meshes, one after the other in the order in which they were handed over. Those that nobody waits
-/// for any more are left out. It ends with this, behind the mesh that it is at. Any thread.
+/// Thread that makes meshes in the order of submission. Skips jobs without other owners. The destructor waits for the
+/// current mesh. Thread-safe.
 class MeshWorker {
  public:
-  /// `prepare`: what else is made of a new mesh there. `wake`: called there whenever one is done.
+  /// `prepare` runs on the worker for each new mesh. `wake` is called there after each job.
   explicit MeshWorker(std::function<void()> wake = {},
                       std::function<void(const std::shared_ptr<const vrml::Mesh>&)> prepare = {});
   ~MeshWorker();
@@ -37,7 +37,7 @@ class MeshWorker {
   MeshWorker& operator=(const MeshWorker&) = delete;
 
   void add(std::shared_ptr<MeshJob> job);
-  /// Returns when nothing is left to do.
+  /// Waits until all jobs are done.
   void wait();
 
  private:
@@ -49,39 +49,39 @@ class MeshWorker {
   std::condition_variable changed_;
   std::deque<std::shared_ptr<MeshJob>> jobs_;
   bool busy_ = false, ended_ = false;
-  std::thread thread_;  // begins with the first job
+  std::thread thread_;  // started with the first job
 };
 
-/// Which meshes of a world that lives are made within the frame, and which by a worker while the former ones are shown:
-/// small ones are, and as many as take about three milliseconds. One thread, that of the world.
+/// Decides whether a changed mesh is made within the frame or by a worker, while the previous one stays visible. Small
+/// meshes are made within the frame, up to about three milliseconds in total. Single-threaded, on the world's thread.
 class LateMeshes {
  public:
-  /// In elements; see vrml::tessellation_cost.
+  /// Work per frame in elements; see vrml::tessellation_cost.
   static constexpr std::size_t kFrameWork = 200'000;
-  /// What costs less is not worth a copy.
+  /// Work below which a copy is not worthwhile.
   static constexpr std::size_t kSmallWork = 1'000;
 
   explicit LateMeshes(std::shared_ptr<MeshWorker> worker) : worker_(std::move(worker)) {}
 
   void begin_frame() { left_ = kFrameWork; }
-  /// Whether there is time in this frame for so much work, which is then counted as done.
+  /// Reports whether this frame has time for `cost`; if so, counts it as used.
   [[nodiscard]] bool has_time_for(std::size_t cost);
-  /// Hands over what makes the mesh of the node as it is now; `level`: of a Text, MeshOptions::text_level. Null: there
-  /// is no room for the copy.
+  /// Submits the geometry in its present state to the worker. `level` is MeshOptions::text_level of a Text. Returns
+  /// null if the budget does not permit the copy.
   [[nodiscard]] std::shared_ptr<MeshJob> hand_over(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                    const vrml::MeshOptions& options, std::size_t level);
-  /// This node is about to be removed.
+  /// Forgets a node that is about to be removed.
   void forget(const vrml::Node* node);
 
   struct Made {
     const vrml::SceneGraph* scene = nullptr;
     vrml::NodeId node;
   };
-  /// Takes the meshes that are done into the cache, whose `late` this is, and tells whose they are. Those that were
-  /// made in another way meanwhile are dropped.
+  /// Moves finished meshes into the cache that owns this object, and returns their geometries. Drops meshes that were
+  /// superseded meanwhile.
   [[nodiscard]] std::vector<Made> take(MeshCache& meshes);
 
-  /// Elements that were gone through in frames, and how many meshes were handed over, so far.
+  /// Return the elements processed within frames, and the number of submitted meshes, so far.
   [[nodiscard]] std::uint64_t work_in_frames() const { return work_in_frames_; }
   [[nodiscard]] std::uint64_t handed_over() const { return handed_over_; }
 

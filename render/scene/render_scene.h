@@ -15,37 +15,37 @@
 
 namespace gs::render {
 
-/// The RenderList of a world that lives, as one viewer sees it: gathered once, then kept in step with what changes, so
-/// that an update costs what has changed. Moved Transforms and Billboards, lights, Viewpoints, colours, textures and
-/// geometries are updated in their places; what appears or goes has the whole gathered again. The list stays where it
-/// is. One thread, that of the scene; all that it is made from must outlive it.
+/// RenderList of a world for one viewer, collected once and then updated incrementally, so that an update costs only
+/// the changes. Moved Transforms and Billboards, lights, Viewpoints, colours, textures and geometries are updated in
+/// place; added or removed content causes a new collection. The list's address is stable. Single-threaded, on the
+/// scene's thread; all inputs must outlive it.
 class RenderScene {
  public:
   RenderScene(const vrml::SceneGraph& scene, const Images& images, const Clouds& clouds, MeshCache& meshes);
 
-  /// Gathers everything.
+  /// Collects everything.
   void gather(const BoundNodes& bound, const glm::dvec3& viewer);
-  /// Takes in what nodes have changed since the last time, which the cache has been told (forget_changed), and where
-  /// the viewer is, in world space. True when the list is another than before.
+  /// Applies changes of nodes since the last call, after forget_changed() on the cache, and the viewer's position in
+  /// world space. Returns true if the list changed.
   bool update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const glm::dvec3& viewer);
 
-  /// How large the pictures are that the list is for, which Text is cut for: pixels of an angle in their middle.
+  /// Sets the image resolution that determines the detail of Text: pixels per radian at the centre.
   void set_pixels_per_radian(float pixels) { pixels_per_radian_ = pixels; }
 
-  /// Which way is up for the viewer, in world space: for the next `gather` or `update`.
+  /// Sets the viewer's up direction in world space for the next `gather` or `update`.
   void set_viewer_up(const glm::dvec3& up) { viewer_up_ = up; }
 
   [[nodiscard]] const RenderList& list() const { return *list_; }
   [[nodiscard]] std::shared_ptr<const RenderList> shared_list() const { return list_; }
-  /// Whether some of the list depends on where the viewer is.
+  /// Reports whether the list depends on the viewer's position.
   [[nodiscard]] bool depends_on_viewer() const {
     return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty();
   }
-  /// How often everything was gathered.
+  /// Returns the number of full collections.
   [[nodiscard]] std::size_t gathered() const { return gathered_; }
 
  private:
-  /// A part of the list that is made from a node.
+  /// Part of the list that depends on a node.
   struct Use {
     const vrml::Node* node;
     std::uint32_t index;
@@ -87,7 +87,7 @@ class RenderScene {
   glm::dvec3 viewer_up_{0, 1, 0};
   float pixels_per_radian_ = kUsualPixelsPerRadian;
   std::size_t gathered_ = 0;
-  Uses frame_uses_, item_uses_;  // sorted; made when they are first asked for
+  Uses frame_uses_, item_uses_;  // sorted; built at first use
   bool frame_uses_known_ = false, item_uses_known_ = false;
   std::vector<std::uint32_t> moved_frames_;
   std::vector<bool> frame_moved_;
@@ -95,10 +95,10 @@ class RenderScene {
   std::vector<std::uint32_t> stale_blocks_;
   std::vector<bool> block_stale_;
   bool splat_moved_ = false;
-  bool frame_lost_ = false;  // its numbers have become too large, which hides what is below it
+  bool frame_lost_ = false;  // its numbers have become too large, which hides its content
 };
 
-/// Tells the cache what has changed, once for all scenes that share it.
+/// Reports changes to the cache, once for all RenderScenes that share it.
 void forget_changed(MeshCache& meshes, std::span<const vrml::NodeChange> changes);
 
 }  // namespace gs::render

@@ -18,11 +18,11 @@
 
 namespace gs::render {
 
-/// What Shapes are drawn with, made of their nodes once: meshes, materials, images. One thread; the scene, the images
-/// and the cache must outlive it.
+/// Resources of Shapes, made once per node: meshes, materials, images. Single-threaded; the scene, the images and the
+/// cache must outlive it.
 class ShapeResources {
  public:
-  /// Segments of primitives, from fine to coarse. Those behind kCoarsestPrimitive are for what fills a few pixels.
+  /// Segments of primitives, from fine to coarse. Levels after kCoarsestPrimitive are for primitives of a few pixels.
   static constexpr std::array<int, 6> kSegments = {64, 32, 16, 8, 6, 4};
   static constexpr std::size_t kCoarsestPrimitive = 3;
 
@@ -33,41 +33,40 @@ class ShapeResources {
 
   [[nodiscard]] Schemas& schemas() { return schemas_; }
   [[nodiscard]] const Images& images() const { return images_; }
-  /// The nodes that an Appearance is made of; null where there is none of the kind.
+  /// Nodes of an Appearance; null if absent.
   struct AppearanceNodes {
     const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
   };
   [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
   /// Sets material and texture of the item.
   void dress(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape);
-  /// The mesh of a geometry node, made if it has not been; where another thread makes it (MeshCache::late), the former
-  /// one until that is done. Null or empty: it shows nothing.
+  /// Returns the mesh of a geometry node and makes it if needed. While another thread makes it (MeshCache::late),
+  /// returns the previous one. Null or empty means that nothing is shown.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                           bool textured);
-  /// That of a Text as it is to be seen from `viewer`: the finer, the larger it is there, `level` of
-  /// vrml::kTextTolerances. The coarsest one where there is no room for it.
+  /// Returns the mesh of a Text at `level` of vrml::kTextTolerances; the coarsest one if the budget does not permit it.
   struct TextMesh {
     std::shared_ptr<const vrml::Mesh> mesh;
     std::uint8_t level;
   };
   [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
                                       std::size_t level);
-  /// The mesh of vectors with triangles between them: of those that show its picture, or of the others.
+  /// Returns the mesh of a cloud with triangles: its textured part if `pictured`, else the rest.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Cloud>& cloud,
                                                                bool pictured) {
     return meshes_.surface_of(cloud, pictured);
   }
-  /// The picture of a QNV node's surface (Cloud::picture), which is among the images of nodes; none while it is not.
+  /// Returns the texture of a QNV node's surface (Cloud::picture) from the images of nodes; empty until it has loaded.
   [[nodiscard]] TextureUse surface_texture(const vrml::Node& node, const qnv::Cloud& cloud) const;
-  /// The mesh of a Box, Cone, Cylinder or Sphere of the default measures, with those that are coarser. `fineness`: of
-  /// kSegments.
+  /// Returns the shared default mesh of a Box, Cone, Cylinder or Sphere, with its coarser levels. `fineness` is an
+  /// index in kSegments.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                             std::size_t fineness);
-  /// Whether a mesh was made since the last call.
+  /// Reports whether a mesh was made since the last call.
   [[nodiscard]] bool take_made_mesh() { return std::exchange(made_mesh_, false); }
   void leave_out(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
   [[nodiscard]] std::vector<LeftOut>& left_out() { return left_out_; }
-  /// OutlineGroups are looked for again: which refines which may have changed.
+  /// Clears the relation of OutlineGroups to their refiners after it may have changed.
   void forget_refiners() { refiners_.clear(); }
 
  private:
@@ -83,14 +82,15 @@ class ShapeResources {
   MeshCache& meshes_;
   std::shared_ptr<vrml::Budget> budget_;
   Schemas schemas_;
-  std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;  // by index
+  // Refiners of OutlineGroups, by scene and node index.
+  std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;
   std::vector<LeftOut> left_out_;
   bool made_mesh_ = false;
 };
 
-/// How finely text is to be cut (a place in vrml::kTextTolerances), so that nobody sees corners in it: by how large its
-/// font is at the nearest place of its box. `bounds` in world space. `pixels_per_radian`: of the picture, in its
-/// middle. `pictures`: small text may be cut out of the picture of glyphs.
+/// Returns the level of detail for a text (an index in vrml::kTextTolerances) at which no corners are visible, by the
+/// font size at the nearest point of its box. `bounds` is in world space; `pixels_per_radian` refers to the image
+/// centre. `pictures` permits the glyph atlas for small text.
 [[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node,
                                      const WorldBounds& bounds, const glm::dvec3& viewer, float pixels_per_radian,
                                      bool pictures);

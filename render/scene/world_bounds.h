@@ -10,15 +10,14 @@
 
 namespace gs::render {
 
-/// A box in world space, in double precision: what lies far from 0 is framed as exactly as what lies near. Empty when
-/// lower > upper.
+/// Box in world space in double precision, exact even far from 0. Empty if lower > upper.
 struct WorldBounds {
   glm::dvec3 lower{std::numeric_limits<double>::infinity()};
   glm::dvec3 upper{-std::numeric_limits<double>::infinity()};
 
   WorldBounds() = default;
   WorldBounds(const glm::dvec3& least, const glm::dvec3& most) : lower(least), upper(most) {}
-  WorldBounds(const vrml::Bounds& bounds) : lower(bounds.lower), upper(bounds.upper) {}  // nothing is lost
+  WorldBounds(const vrml::Bounds& bounds) : lower(bounds.lower), upper(bounds.upper) {}  // lossless
 
   [[nodiscard]] bool empty() const { return !(lower.x <= upper.x); }
   void add(const glm::dvec3& p) {
@@ -34,7 +33,7 @@ struct WorldBounds {
   [[nodiscard]] glm::vec3 size() const { return glm::vec3(upper - lower); }
 };
 
-/// The box in world space of a box in a node's; empty where a coordinate would not fit in float32.
+/// Returns the world-space box of a node-space box; empty if a coordinate does not fit float32.
 [[nodiscard]] WorldBounds world_bounds(const vrml::Bounds& bounds, const glm::dmat4& world_from_local);
 
 }  // namespace gs::render
