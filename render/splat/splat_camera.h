@@ -13,19 +13,19 @@ namespace gs::render {
 
 struct SplatView;
 
-/// A view as the surface splatters use it.
+/// View in the form that the surface splatters use.
 struct SplatCamera {
   glm::mat4 camera_from_node;
   glm::mat3 normal_matrix;  // camera space
   glm::vec3 eye;            // node space
-  float scale;              // the largest factor by which lengths grow
+  float scale;              // largest factor by which lengths grow
   SplatRays rays;
-  float pixels;  // samples a unit at depth 1
+  float pixels;  // samples per unit at depth 1
   glm::vec2 tangents, center;
   int width, height;  // samples
 };
 
-/// Empty when the node is flattened or not finite in camera space, so that nothing of it can be seen.
+/// Returns nullopt if the node is flattened or not finite in camera space, so that nothing is visible.
 [[nodiscard]] std::optional<SplatCamera> splat_camera(const SplatView& view);
 
 }  // namespace gs::render

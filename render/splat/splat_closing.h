@@ -7,14 +7,14 @@
 
 namespace gs::render {
 
-/// How wide the holes are that close_pinholes closes in a picture of these pieces, in pixels: what is narrower than
-/// half a voxel is no hole of the object, because the voxels could not show it.
+/// Returns the maximum width, in pixels, of holes that close_pinholes closes. Gaps narrower than half a voxel cannot be
+/// holes of the object.
 [[nodiscard]] int closing_for(std::span<const SharedSplatPiece> pieces, const SplatView& view);
 
-/// Cubes of an octree that are seen from the side can leave pinholes between their planes. A pixel that has covered
-/// ones on all four sides, no further than `closing`, is taken to be covered like the least of them, and if it was not
-/// at all, to be the mean of the nearest. What lies beyond the edge of the viewport counts as covered. The same as
-/// kSplatFragmentShader does with CLOSING, up to rounding, and the same bits whatever the number of threads.
+/// Closes pinholes between the planes of octree cubes seen from the side. A pixel with covered ones on all four sides
+/// within `closing` gets the minimum of their coverage; if it was not covered at all, it gets the mean of the nearest
+/// ones. Pixels outside the viewport count as covered. Matches kSplatFragmentShader with CLOSING up to rounding, and
+/// gives the same bits for any number of threads.
 void close_pinholes(SplatLayer& layer, const SplatView& view, int closing);
 
 }  // namespace gs::render

@@ -1,21 +1,20 @@
 #pragma once
 
-/// What the splatters on the processor and on the GPU share, so that they draw the same picture.
+/// Constants shared by the CPU and GPU splatters, so that they draw the same image.
 namespace gs::render::splat {
 
-// Discs of an octree cover their cube and this part of its edge more, so that planes that do not quite meet leave no
-// gap; their bell has this many times the radius of a disc of their area.
+// Splats of an octree cover their cube plus this fraction of its edge, so that planes that do not quite touch leave no
+// gap. Their bell has this many times the radius of a disc of equal area.
 inline constexpr float kBackMargin = -0.1f, kCubeMargin = 0.1f, kCubeBell = 1.2f;
-// Cubes of a sample or two cover so many samples more, or their planes would leave pinholes where they are seen from
-// the side.
+// Margin in samples for cubes of one or two samples, whose planes would leave pinholes when seen from the side.
 inline constexpr float kSampleMargin = 0.35f;
-// Other discs cover and blend within these many times that radius: neighbours overlap, so that no pinholes are left.
+// Other splats cover and blend within these multiples of their radius; neighbours overlap, which leaves no pinholes.
 inline constexpr float kDiscCover = 1.7f, kDiscBell = 1.4f;
-inline constexpr float kLeastReach = 0.6f;  // samples: what is smaller is drawn so large, so that it is not missed
-inline constexpr float kGrazing = 0.02f;    // discs seen edge on up to this cosine are left out
-// Where discs are wider than this on average, in samples, normals follow the surface between them.
+inline constexpr float kLeastReach = 0.6f;  // samples: minimum size, so that small splats are not missed
+inline constexpr float kGrazing = 0.02f;    // splats seen edge-on up to this cosine are skipped
+// Mean splat size, in samples, above which normals follow the surface between splats.
 inline constexpr float kSmoothFrom = 2.5f;
-// How much of the slope of the blended surface goes into its normal, beside the blended normals themselves.
+// Weight of the blended surface's slope in its normal, besides the blended normals.
 inline constexpr float kSmoothing = 0.5f;
 inline constexpr float kPi = 3.14159265f;
 

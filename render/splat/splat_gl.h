@@ -16,50 +16,49 @@
 
 namespace gs::render {
 
-/// Some discs of a cloud; as SplatPiece, with the cloud held.
+/// Range of a cloud's splats; like SplatPiece, but it holds the cloud.
 struct SharedSplatPiece {
   std::shared_ptr<const qnv::Cloud> cloud;
   std::size_t first = 0, count = 0;
-  float growth = 1;                              // by which their areas are multiplied
-  std::optional<qnv::Rgb8> tint = std::nullopt;  // in place of all colours of the piece
+  float growth = 1;                              // factor of their areas
+  std::optional<qnv::Rgb8> tint = std::nullopt;  // replaces all colours of the piece
 };
 
-/// What SplatGl leaves: the arrays of a SplatLayer as textures, valid until it draws again. Only the pixels of the
-/// rectangle were written.
+/// Result of SplatGl: the arrays of a SplatLayer as textures, valid until the next draw. Only the pixels of the
+/// rectangle are defined.
 struct SplatTextures {
-  GLuint normals = 0, depths = 0, colors = 0;  // colors 0: one colour
+  GLuint normals = 0, depths = 0, colors = 0;  // colors is 0 for a single colour
   int x = 0, y = 0, width = 0, height = 0;     // pixels of the viewport
-  int left = 0, bottom = 0;                    // the pixel of the viewport that the first texel is
-  std::size_t discs = 0;                       // in view, told from some of them when there are many
+  int left = 0, bottom = 0;                    // viewport pixel of the first texel
+  std::size_t discs = 0;                       // splats in view, estimated from a sample if there are many
   std::size_t draw_calls = 0;
 };
 
-/// Surface splatting with OpenGL: the picture of rasterize_surface, up to rounding. Instanced rectangles leave the
-/// nearest surface of every sample, then add up normals and colours around it; a last pass averages the samples of each
-/// pixel. Belongs to the thread of its context.
+/// Surface splatting with OpenGL: the image of rasterize_surface, up to rounding. Instanced rectangles determine the
+/// nearest surface of every sample, then accumulate normals and colours around it; a last pass averages the samples of
+/// each pixel. Belongs to the thread of its context.
 ///
-/// Draws into framebuffers of its own and leaves those bound; changes the viewport, the scissor, the depth test and
-/// function, blending and the vertex array, and has texture unit 0 active.
+/// Draws into its own framebuffers and leaves those bound. Changes the viewport, scissor, depth test and function,
+/// blending, the vertex array and the active texture unit (0).
 class SplatGl {
  public:
   explicit SplatGl(const Gl& gl);
 
-  /// Draws pieces that make up one surface: all of them with cells or none, seen from both sides or none. Pictures too
-  /// large for the memory are drawn without supersampling. Empty when this context cannot: no float targets, no
-  /// memory, no program.
+  /// Draws pieces of one surface: all or none with cells, all or none two-sided. Images too large for memory are drawn
+  /// without supersampling. Returns nullopt if the context lacks float targets, memory or the program.
   std::optional<SplatTextures> draw(std::span<const SharedSplatPiece> pieces, const SplatView& view);
-  /// Likewise records, which are unpacked in the vertex shader.
+  /// Draws records, which the vertex shader unpacks.
   std::optional<SplatTextures> draw(const SplatRecords& records, const SplatView& view);
 
-  /// Reads back what was drawn, in a layer of the viewport's size.
+  /// Reads the result back as a layer of the viewport's size.
   [[nodiscard]] SplatLayer read(const SplatTextures& textures, const SplatView& view);
 
-  /// To be called once a frame. Frees the copies of clouds that nobody holds any more.
+  /// Frees copies of clouds without other owners; call it once per frame.
   void forget_unused() { store_.forget_unused(); }
   [[nodiscard]] const SplatStore& store() const { return store_; }
 
  private:
-  /// Which variant of a program.
+  /// Variant of a program.
   struct Kind {
     bool records = false, cells = false, sides = false, colored = false, smooth = false;
   };
@@ -97,20 +96,19 @@ class SplatGl {
     Program program;
     std::array<GLint, uniform_count> at{};
   };
-  /// As the vertex shader reads it (splat_shaders.h).
+  /// Instance as the vertex shader reads it (splat_shaders.h).
   struct Instance {
     std::uint32_t first = 0, piece_count = 0;
   };
   using PieceTexels = std::array<glm::vec4, 3>;
-  // Vectors an instance: many, because a driver begins anew with each, and few, because those that a piece does not
-  // fill are drawn for nothing.
+  // Vectors per instance. More reduce the driver's overhead per instance; fewer waste less on partly filled instances.
   static constexpr std::size_t kAnInstance = 64;
   static_assert(kAnInstance <= 255);
-  static constexpr std::size_t kPiecesARow = 256;  // of the table
-  /// The instances of one draw call.
+  static constexpr std::size_t kPiecesARow = 256;  // pieces per row of the table
+  /// Instances of one draw call.
   struct Batch {
     GLuint vectors = 0, cells = 0;     // textures
-    std::size_t first = 0, count = 0;  // of Surface::instances
+    std::size_t first = 0, count = 0;  // range of Surface::instances
   };
   struct Rectangle {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels, x1 and y1 exclusive
@@ -120,16 +118,16 @@ class SplatGl {
     std::vector<PieceTexels> pieces;
     std::vector<Instance> instances;
     std::vector<Batch> batches;
-    std::size_t step = 1;  // every so many discs are drawn
+    std::size_t step = 1;  // draws only every step-th splat
     GLuint palette = 0;
     Rectangle rectangle;
     bool color_by_normal = false;
   };
   struct Targets {
-    int width = 0, height = 0, samples = 0;  // pixels; samples along the edge of one
+    int width = 0, height = 0, samples = 0;  // pixels; samples per pixel edge
     bool colored = false, smooth = false;
-    Texture nearest, sums, color_sums, slopes, tilts;  // one a sample
-    Texture normals, depths, colors;                   // one a pixel
+    Texture nearest, sums, color_sums, slopes, tilts;  // per sample
+    Texture normals, depths, colors;                   // per pixel
     Renderbuffer depth;
     Framebuffer depth_pass, blend_pass, resolve_pass;
   };

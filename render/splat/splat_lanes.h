@@ -5,7 +5,7 @@
 
 namespace gs::render {
 
-/// The numbers of the bits that are set, by the bits.
+/// Indices of the set bits, by bit mask.
 inline constexpr std::array<std::array<std::uint8_t, 8>, 256> kPackings = [] {
   std::array<std::array<std::uint8_t, 8>, 256> table{};
   for (unsigned lanes = 0; lanes < 256; ++lanes)

@@ -18,17 +18,17 @@
 
 namespace gs::render {
 
-/// Draws the clouds of a RenderList: rasterises them, on the processor or with OpenGL, and shades the result with the
-/// lights of the scene, pixel by pixel, against the depth of what has been drawn.
+/// Draws the clouds of a RenderList: rasterizes them on the CPU or with OpenGL, then shades each pixel with the scene's
+/// lights, tested against the existing depth.
 class SplatPass {
  public:
   explicit SplatPass(const Gl& gl);
 
-  /// `camera` must have its near and far planes set. Leaves blending and the depth test off.
+  /// Draws the clouds. `camera` must have near and far planes. Leaves blending and the depth test off.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
-  /// Shades what another rasteriser of the processor left of an item, like a cloud. `options` as for `draw`.
+  /// Shades the result of another CPU rasterizer for an item, like a cloud. `options` as for `draw`.
   void draw_layer(const SplatLayer& layer, const RenderList& list, const DrawItem& item, const Camera& camera,
                   const Projection& projection, const DrawOptions& options);
 
@@ -41,17 +41,16 @@ class SplatPass {
     FogUniforms fog;
     LightUniforms lights;
   };
-  /// Null when the driver refused it.
-  /// `lights`: LightSets::variant.
+  /// Returns the shader; null if the driver rejected it. `lights` is a LightSets::variant.
   const Shader* shader(bool colored, bool closing, bool fog, unsigned lights);
-  /// `closing`: how wide the holes are that are still to be closed, in pixels.
+  /// `closing` is the maximum width of holes still to close, in pixels.
   void shade(const Material& material, const SplatTextures& textures, int closing, std::uint32_t light_set,
              const CameraFog& fog, const Projection& projection, const DrawOptions& options);
   SplatTextures upload(const SplatLayer& layer);
-  /// Empty where OpenGL is not wanted or cannot.
+  /// Returns nullopt if OpenGL is not requested or unavailable.
   std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
                                        const DrawOptions& options);
-  /// `whole`: of the picture that `view` has a part of.
+  /// `whole` is the full-image view of which `view` is a tile.
   SplatTextures on_processor(std::span<const SharedSplatPiece> pieces, const SplatView& view, const SplatView& whole);
   void upload(const Texture& texture, int unit, GLenum internal, GLenum format, GLenum type, const SplatLayer& layer,
               const void* pixels);

@@ -19,69 +19,69 @@
 
 namespace gs::render {
 
-/// A disc as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the cloud, an octahedral normal
-/// of 2 x 14, a logarithmic radius of 16 and a colour of 24. 0 for the radius: nothing is drawn.
+/// Splat as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the cloud, an octahedral normal
+/// of 2 x 14, a logarithmic radius of 16 and a colour of 24. A radius of 0 means invisible.
 using SplatCode = std::array<std::uint32_t, 4>;
-/// The cube of a disc: a logarithmic edge of 16 bits (0: none), and how far the centre lies off, of 16.
+/// Cube of a splat: a logarithmic edge of 16 bits (0 means none), and the offset of its centre, 16 bits.
 using CellCode = std::uint32_t;
 
-/// What the codes of one cloud mean.
+/// Decoding parameters of one cloud's codes.
 struct SplatCoding {
-  // How far a cube's centre may lie from its disc, in edges.
+  // Maximum distance of a cube's centre from its splat, in edges.
   static constexpr float kOffsetRange = 4;
   glm::vec3 lower{0}, step{0};          // position = lower + code * step; units of the cloud
   glm::vec2 radius{0}, edge{0};         // log2 of the value = x + code * y
-  float largest_radius = 0, reach = 0;  // reach: of the largest cube from its disc
+  float largest_radius = 0, reach = 0;  // reach: of the largest cube from its splat
 };
 
-/// Empty when nothing of the cloud can be drawn: its arrays differ in length, or no disc is finite. Safe for clouds
-/// with any numbers in them.
+/// Returns nullopt if nothing of the cloud can be drawn: its arrays differ in length, or no splat is finite. Accepts
+/// any numbers.
 [[nodiscard]] std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud);
-/// Encodes discs `first` and following, as many as `codes` holds.
+/// Encodes codes.size() splats from index `first`.
 void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<SplatCode> codes);
-/// Likewise their cubes; the cloud must have some.
+/// Encodes the cubes of these splats; the cloud must have cubes.
 void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes);
 
-/// Keeps clouds in the memory of the GPU: 16 bytes a disc, 20 with cubes. As long as somebody else holds them, and
-/// those that were drawn longest ago make room for others.
+/// Caches clouds in GPU memory, 16 bytes per splat, 20 with cubes, while other owners hold them. The least recently
+/// drawn clouds make room for others.
 ///
-/// They lie in slabs, large buffers that thousands of clusters of a stream share, so that a cut is uploaded and drawn
-/// with a few calls. Shaders read slabs as buffer textures, disc by number.
+/// The data is in slabs, large buffers shared by thousands of clusters of a stream, so that a cut needs few calls to
+/// upload and draw. Shaders read slabs as buffer textures, indexed by splat.
 class SplatStore {
  public:
   struct Slab {
     Buffer codes, cells;                   // SplatCodes; CellCodes, or none
-    Texture codes_texture, cells_texture;  // RGBA32UI and R32UI, a texel a disc
+    Texture codes_texture, cells_texture;  // RGBA32UI and R32UI, one texel per splat
     RangeAllocator free;
     std::size_t discs = 0;  // of all clouds
   };
-  /// Discs that lie side by side in a slab.
+  /// Consecutive splats in a slab.
   struct Range {
     std::uint32_t slab = 0, first = 0, count = 0;
   };
   struct Entry {
     std::weak_ptr<const qnv::Cloud> cloud;
-    std::optional<SplatCoding> coding;  // none: nothing of it can be drawn
-    std::vector<Range> ranges;          // in the order of the discs
+    std::optional<SplatCoding> coding;  // nullopt if nothing of it can be drawn
+    std::vector<Range> ranges;          // in the order of the splats
     std::size_t discs = 0;
     bool cells = false;
     std::uint64_t used = 0;
   };
 
-  /// `most_bytes`: of the memory of the GPU that is taken, in slabs of about `slab_discs`.
+  /// `most_bytes` limits GPU memory, which is allocated in slabs of about `slab_discs` splats.
   explicit SplatStore(const Gl& gl, std::size_t most_bytes = std::size_t{1} << 30,
                       std::size_t slab_discs = std::size_t{1} << 18);
 
-  /// Uploads what is not there yet. False when there is no memory for all of it.
+  /// Uploads clouds that are not yet cached. Returns false if memory does not suffice for all.
   bool add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds);
-  /// Where a cloud lies; null when it was not added. Valid until the next call of `add` or `forget_unused`.
+  /// Returns the location of a cloud; null if it was not added. Valid until the next `add` or `forget_unused`.
   [[nodiscard]] const Entry* find(const qnv::Cloud* cloud) const;
-  /// To be called once a frame. Frees the copies of clouds that nobody holds any more.
+  /// Frees copies of clouds without other owners; call it once per frame.
   void forget_unused();
 
   [[nodiscard]] const Slab& slab(std::uint32_t number) const { return *slabs_[number]; }
   [[nodiscard]] std::size_t slabs() const { return slabs_.size(); }
-  /// Of all discs that are there, and of the slabs that hold them.
+  /// Return the bytes of all cached splats, and of the slabs that hold them.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] std::size_t reserved_bytes() const { return reserved_bytes_; }
 
@@ -101,26 +101,26 @@ class SplatStore {
   const Gl& gl_;
   std::size_t most_bytes_, slab_discs_, bytes_ = 0, reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
-  std::vector<std::unique_ptr<Slab>> slabs_;  // null: a number to be used again
+  std::vector<std::unique_ptr<Slab>> slabs_;  // null means a reusable number
   std::unordered_map<const qnv::Cloud*, Entry> entries_;
 };
 
-/// Chunks of 8-byte records in the memory of the GPU, as they came off the wire; the vertex shader unpacks them.
+/// Chunks of 8-byte records in GPU memory as received; the vertex shader unpacks them.
 class SplatRecords {
  public:
   struct Chunk {
     Buffer buffer;
-    Texture texture;  // RG32UI, a texel a record
+    Texture texture;  // RG32UI, one texel per record
     std::size_t records = 0;
     qnv::RecordFrame frame;
-    std::shared_ptr<const qnv::Cloud> sample;  // some of the vectors, to tell how large they are
+    std::shared_ptr<const qnv::Cloud> sample;  // some of the vectors, to estimate their size
   };
 
-  /// `palette`: colours by index, up to 256; those that are missing are qnv::Rgb8{}.
+  /// `palette` has up to 256 colours by index; missing ones are qnv::Rgb8{}.
   SplatRecords(const Gl& gl, std::span<const qnv::Rgb8> palette, bool two_sided);
 
-  /// Uploads records.size() / 8 records as they are, in one chunk or in several of the same frame. False when the frame
-  /// is not valid() or there is no memory.
+  /// Uploads records.size() / 8 records unchanged, in one or several chunks of the same frame. Returns false if the
+  /// frame is not valid() or memory does not suffice.
   bool add(std::span<const std::byte> records, const qnv::RecordFrame& frame);
 
   [[nodiscard]] const std::vector<Chunk>& chunks() const { return chunks_; }
@@ -137,13 +137,14 @@ class SplatRecords {
   std::vector<Chunk> chunks_;
 };
 
-/// How many texels of a buffer a shader can read.
+/// Returns the maximum number of texels of a buffer texture.
 [[nodiscard]] std::size_t most_buffer_texels(const Gl& gl);
 
-/// A view of a buffer for texelFetch.
+/// Returns a buffer texture for texelFetch.
 [[nodiscard]] Texture make_buffer_texture(const Gl& gl, const Buffer& buffer, GLenum format);
 
-/// The normals of all codes, 32 x 64 (theta, phi), so that the vertex shader has the very ones of qnv::normal_of.
+/// Returns a texture of the normals of all codes, 32 x 64 (theta, phi), so that the vertex shader uses exactly those of
+/// qnv::normal_of.
 [[nodiscard]] Texture make_normal_table(const Gl& gl);
 
 }  // namespace gs::render

@@ -17,48 +17,48 @@ namespace gs::render {
 
 using PatchTriangle = qnv::PatchMesh::Triangle;
 
-/// Numbers of triangles, kept from patch to patch.
+/// Lists of triangle indices, reused from patch to patch.
 struct SiftedTriangles {
-  // Those whose box holds samples, by how many of them it is wide and high: two at most, kSmallTriangle at most, more;
-  // those that must be cut are among the last, too. Behind the last one there is room.
+  // Triangles whose box contains samples, by its width and height: at most two samples, at most kSmallTriangle, more.
+  // Triangles that must be clipped are in the last list. The vectors have spare room at the end.
   std::vector<std::uint32_t> narrow, wide, large;
   std::size_t narrows = 0, wides = 0, larges = 0;
 };
 
-/// Where samples go; `colors` only where vertices have some. With room for all, and kPatchRoom more.
+/// Output of samples; `colors` only if vertices have colours. Needs room for all samples plus kPatchRoom.
 struct PatchSamples {
   SampleKey* keys;
   std::uint32_t *samples, *colors;
 };
 inline constexpr std::size_t kPatchRoom = 8;
 
-/// The inner loops of the patch rasteriser with one set of vector instructions. All give the same bits.
+/// Inner loops of the patch rasterizer for one instruction set. All give the same bits.
 struct PatchKernel {
   std::string_view name;
-  /// Both have room for kPatchRoom more than there are.
+  /// Projects vertices; both arrays need kPatchRoom spare elements.
   void (*project)(const qnv::PatchVertex* from, std::size_t count, const PatchLens& lens, ScreenVertex* to);
-  /// Leaves out who is seen from behind where backs are not, and who has no sample in the box around it.
+  /// Sorts triangles into lists. Drops back-facing ones of one-sided surfaces, and those without a sample in their box.
   void (*sift)(const ScreenVertex* vertices, std::span<const PatchTriangle> triangles, const PatchLook& look,
                SiftedTriangles& out);
-  /// The samples of triangles whose boxes are `side` samples wide and high at most, which is kSmallTriangle at most;
-  /// returns how many they are.
+  /// Draws triangles whose boxes are at most `side` samples wide and high, with side <= kSmallTriangle. Returns the
+  /// number of samples.
   std::size_t (*draw_small)(const ScreenVertex* vertices, const PatchTriangle* triangles,
                             std::span<const std::uint32_t> chosen, int side, const PatchGrid& grid,
                             const PatchLook& look, const PatchSamples& out);
-  /// The samples of a triangle in the tile whose lower left one is (left, bottom).
+  /// Draws a triangle's samples in the tile with lower left sample (left, bottom).
   void (*draw_large)(const ScreenTriangle& triangle, int left, int bottom, const PatchGrid& grid, const PatchLook& look,
                      PatchTile& tile);
-  /// The means of the samples of each pixel of a tile; (left, bottom): where its lower left sample is in the target.
+  /// Averages the samples of each pixel of a tile; (left, bottom) is its lower left sample in the target.
   void (*resolve)(const PatchTile& tile, const glm::mat3& normal_matrix, int left, int bottom,
                   const SplatTarget& target);
-  /// A tile that nothing touches.
+  /// Clears the target pixels of a tile that no triangle touches.
   void (*leave_empty)(int left, int bottom, const SplatTarget& target);
 };
 
-/// Those that run here, the fastest first; the last runs everywhere.
+/// Returns the kernels that run on this CPU, fastest first; the last one runs everywhere.
 [[nodiscard]] std::span<const PatchKernel> patch_kernels();
 
-/// rasterize_patches with a certain one.
+/// Rasterizes with a given kernel.
 [[nodiscard]] SplatLayer rasterize_patches(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut,
                                            const SplatView& view, const PatchRasterOptions& options,
                                            const PatchKernel& kernel);

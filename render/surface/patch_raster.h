@@ -8,17 +8,17 @@
 
 namespace gs::render {
 
-/// What of a surface is rasterised, and how.
+/// Options of rasterizing a displaced surface.
 struct PatchRasterOptions {
   bool two_sided = false;
-  qnv::Rgb8 color;  // of parts without colours of their own, where others have some
+  qnv::Rgb8 color;  // of parts without own colours, if others have some
   ColorBy color_by = ColorBy::own;
 };
 
-/// The triangles of a cut on the processor: the nearest surface of every sample, its normal between those of the
-/// corners, averaged over the samples of each pixel. No sample on an edge between two triangles is left out. Triangles
-/// that reach behind the near plane are cut there. The same bits whatever the number of threads. `layer.discs`: the
-/// vertices of what was drawn; `layer.drawn`: triangles that may cover some sample.
+/// Rasterizes the triangles of a cut on the CPU: the nearest surface of every sample with its interpolated normal,
+/// averaged over the samples of each pixel. Leaves no gaps on shared edges. Clips triangles at the near plane. Gives
+/// the same bits for any number of threads. `layer.discs` is the number of drawn vertices; `layer.drawn` that of
+/// triangles that may cover samples.
 [[nodiscard]] SplatLayer rasterize_patches(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut,
                                            const SplatView& view, const PatchRasterOptions& options);
 

@@ -11,37 +11,37 @@
 #include <cstdint>
 #include <vector>
 
-// Triangles of patches on the screen, between those who prepare them and those who draw tiles.
+// Screen-space triangles of patches, exchanged between preparation and tile drawing.
 namespace gs::render {
 
-inline constexpr int kSubsampleBits = 8, kSubsamples = 1 << kSubsampleBits;  // places of a vertex between two samples
-inline constexpr int kGuard = 8192;                                          // samples beyond which a triangle is cut
-inline constexpr int kSmallTriangle = 4;  // samples that a triangle is wide and high which is drawn at once
+inline constexpr int kSubsampleBits = 8, kSubsamples = 1 << kSubsampleBits;  // vertex positions per sample distance
+inline constexpr int kGuard = 8192;       // samples beyond which a triangle is clipped
+inline constexpr int kSmallTriangle = 4;  // maximum width and height, in samples, of triangles drawn directly
 
-/// A vertex on the screen: places are whole numbers, and count in 1 / kSubsamples of samples from the middle of sample
-/// (0, 0).
+/// Vertex on the screen. Positions are integers in units of 1 / kSubsamples of a sample, relative to the centre of
+/// sample (0, 0).
 struct alignas(32) ScreenVertex {
   float x, y;
-  float inverse;        // of its depth; 0: the triangle must be cut
-  std::uint32_t color;  // red, green << 8, blue << 16; used only where vertices have colours
+  float inverse;        // 1 / depth; 0 means that the triangle must be clipped
+  std::uint32_t color;  // red, green << 8, blue << 16; used only if vertices have colours
   glm::vec3 normal;     // node space, times `inverse`
   float unused;
 };
 static_assert(sizeof(ScreenVertex) == 32);
 
-/// One that is drawn tile by tile.
+/// Triangle that is drawn tile by tile.
 struct ScreenTriangle {
   std::array<ScreenVertex, 3> corners;
-  std::uint32_t tiles;  // the first that it meets: column | row << 8; how many more: << 16, << 24
+  std::uint32_t tiles;  // first tile: column | row << 8; further columns << 16, rows << 24
 };
 
-/// From the node's space to samples.
+/// Projection from node space to samples.
 struct PatchLens {
-  glm::vec4 x, y, depth;  // rows: x and y are divided by the depth
+  glm::vec4 x, y, depth;  // rows; x and y are divided by the depth
   float center_x, center_y, near_plane;
-  bool mirrors;  // the node's triangles turn the other way on the screen
+  bool mirrors;  // the node's triangles have reversed winding on the screen
   glm::mat4 camera_from_node;
-  glm::vec2 scale;  // samples times kSubsamples a unit at depth 1
+  glm::vec2 scale;  // subsamples per unit at depth 1
 
   PatchLens(const SplatCamera& camera, const SplatView& view)
       : near_plane(view.near_plane),
@@ -60,7 +60,7 @@ struct PatchLens {
   }
 };
 
-/// The tiles of a picture.
+/// Tiles of an image.
 struct PatchGrid {
   explicit PatchGrid(const SplatCamera& camera)
       : columns((camera.width + kTile - 1) / kTile),
@@ -71,53 +71,54 @@ struct PatchGrid {
   int columns, rows, width, height;
 };
 
-/// What the triangles of a surface have in common.
+/// Properties shared by the triangles of a surface.
 struct PatchLook {
   bool two_sided = false, mirrors = false, colored = false;
 };
 
-/// A sample that a triangle covers is a number that is the greater the nearer it is: the bits of 1 / depth, which is
-/// positive, and below them its normal as an octahedron unfolded, 16 bits x and 16 bits y.
+/// Key of a covered sample; larger is nearer. The high bits are those of 1 / depth, which is positive; the low bits are
+/// its normal in octahedral form, 16 bits x and 16 bits y.
 using SampleKey = std::uint64_t;
 using SampleKeys = std::vector<SampleKey, SplatAllocator<SampleKey>>;
-/// Of a triangle: where it is, tile << kTileBits | row in it * kTile | column in it; in a tile that last part alone.
+/// Position of a sample: tile << kTileBits | row in the tile * kTile | column in the tile. Inside a tile only the last
+/// part is used.
 using SampleNumbers = std::vector<std::uint32_t, SplatAllocator<std::uint32_t>>;
 inline constexpr int kTileBits = 12;
 static_assert(kTile * kTile == 1 << kTileBits && kGuard / kTile * (kGuard / kTile) << kTileBits > 0);
 
-/// A colour of a sample: 10 bits each, in quarters of 1 / 255.
+/// Colour of a sample: 10 bits per channel, in quarters of 1 / 255.
 inline constexpr int kSampleColorBits = 10;
 
-/// The samples of one tile, row by row.
+/// Samples of one tile, row by row.
 struct alignas(64) PatchTile {
-  std::array<SampleKey, kTile * kTile> nearest;  // 0: nothing
+  std::array<SampleKey, kTile * kTile> nearest;  // 0 means empty
   std::array<std::uint32_t, kTile * kTile> color;
 };
 
-/// Consecutive samples of a task that lie in one tile.
+/// Consecutive samples of a task in one tile.
 struct SampleRun {
   std::uint32_t tile, first, last;
 };
 
-/// What one task prepares.
+/// Input and result of one preparation task.
 struct PatchTask {
   std::size_t first = 0, last = 0;      // patches of the cut
-  std::size_t vertices = 0, drawn = 0;  // and triangles
+  std::size_t vertices = 0, drawn = 0;  // vertices and triangles
   SampleKeys keys;
   SampleNumbers samples, colors;
   std::vector<SampleRun> runs;
   std::vector<ScreenTriangle> triangles;
-  // Numbers of runs and of triangles in each tile, tile by tile.
+  // Indices of runs and of triangles per tile, tile by tile.
   std::vector<std::uint32_t> run_begin, run_order, begin, order;
 };
 
-/// Twice the area, positive where the corners go counter-clockwise.
+/// Returns twice the area; positive for counter-clockwise corners.
 inline std::int64_t area_of(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
   const auto whole = [](float v) { return static_cast<std::int64_t>(v); };
   return whole(b.x - a.x) * whole(c.y - a.y) - whole(b.y - a.y) * whole(c.x - a.x);
 }
 
-/// The first and last samples that three places on the screen may hold between them.
+/// First and last samples that three screen positions may enclose.
 struct SampleBox {
   SampleBox(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c)
       : x0((whole(std::min({a.x, b.x, c.x})) + kSubsamples - 1) >> kSubsampleBits),

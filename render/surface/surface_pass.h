@@ -17,30 +17,31 @@
 
 namespace gs::render {
 
-/// Draws the displaced surfaces of a RenderList: takes a cut of each for every view, whose triangles MeshPass draws
-/// with OpenGL, or which are rasterised here on the processor where OpenGL itself is software, as DrawOptions::splats
-/// says.
+/// Draws the displaced surfaces of a RenderList. It takes a cut of each for every view. MeshPass draws their triangles
+/// with OpenGL; if OpenGL is a software driver, or DrawOptions::splats says so, this class rasterizes them on the CPU.
 class SurfacePass {
  public:
   explicit SurfacePass(const Gl& gl) : gl_(gl) {}
 
-  /// Takes the cuts of a view; before `mesh_of` and `draw`.
+  /// Computes the cuts of a view; call it before `mesh_of` and `draw`.
   void prepare(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options);
-  /// What MeshPass draws of an item whose surface has patches; null: nothing.
+  /// Returns the mesh that MeshPass draws for an item with patches; null means none.
   [[nodiscard]] const std::shared_ptr<const vrml::Mesh>* mesh_of(const DrawItem& item) const;
-  /// Draws what MeshPass does not, against the depth of what has been drawn. Leaves blending and the depth test off.
+  /// Draws the surfaces that MeshPass does not, tested against the existing depth. Leaves blending and the depth test
+  /// off.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             SplatPass& shading, FrameStatistics& statistics);
 
  private:
-  /// The last cut of a surface for a viewport that shows it, for as long as neither changes.
+  /// Last cut of a surface for a viewport, reused while neither changes.
   struct Kept {
     std::weak_ptr<const qnv::SurfacePatches> surface;
     qnv::LodView view;
     qnv::SurfaceCut cut;
-    std::shared_ptr<const vrml::Mesh> mesh;  // once OpenGL draws it
+    std::shared_ptr<const vrml::Mesh> mesh;  // set once OpenGL draws it
   };
-  using Key = std::tuple<const qnv::SurfacePatches*, std::uint32_t, std::uint32_t>;  // which of several in the viewport
+  // Surface, viewport, and a number: the last element distinguishes instances in a viewport
+  using Key = std::tuple<const qnv::SurfacePatches*, std::uint32_t, std::uint32_t>;
   struct OnProcessor {
     const DrawItem* item;
     const Kept* kept;

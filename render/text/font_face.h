@@ -14,22 +14,22 @@
 
 namespace gs::render {
 
-/// A run of characters of one font and script, in one direction.
+/// Style of a run: characters of one font, script and direction.
 struct RunStyle {
   vrml::TextDirection direction = vrml::TextDirection::right;
-  std::uint32_t script = 0;  // an ISO 15924 tag, as HarfBuzz has it
-  std::string language;      // BCP 47; empty: the local one
+  std::uint32_t script = 0;  // ISO 15924 tag as in HarfBuzz
+  std::string language;      // BCP 47; empty means the locale's
 };
 
-/// One font file: glyphs by HarfBuzz, outlines by FreeType. One thread at a time.
+/// One font file: shaping by HarfBuzz, outlines by FreeType. Used by one thread at a time.
 class FontFace {
  public:
-  /// What of a style the font has not, and is made of its outlines.
+  /// Style properties that the font lacks and that are synthesized from its outlines.
   struct Synthetic {
     bool slanted = false, bold = false;
   };
-  /// Null where the file is no font with outlines. `sheet`: for glyphs of vrml::kTextPictures, outlives it; null:
-  /// those are triangles, too.
+  /// Opens a font; null if the file is no font with outlines. `sheet` is the atlas for glyphs of vrml::kTextPictures
+  /// and must outlive the face; if null, those are triangles too.
   static std::unique_ptr<FontFace> open(const std::string& path, int index, Synthetic synthetic,
                                         GlyphSheet* sheet = nullptr);
   ~FontFace();
@@ -38,11 +38,11 @@ class FontFace {
 
   [[nodiscard]] bool has(char32_t character) const;
   [[nodiscard]] vrml::LineEdges edges() const;
-  /// Adds the glyphs of the run, which is `text` from `first` to `end`, in the order from left to right, or from top to
-  /// bottom. They begin at `pen` on the line's axis, in ems. Returns the extent in ems, not negative.
+  /// Adds the glyphs of the run `text[first, end)` in visual order, left to right or top to bottom. They start at `pen`
+  /// on the line's axis, in ems. Returns the extent in ems, >= 0.
   double shape(std::span<const char32_t> text, std::size_t first, std::size_t end, const RunStyle& style, double pen,
                std::size_t level, std::vector<vrml::PlacedGlyph>& glyphs);
-  /// Bytes of the outlines that it keeps.
+  /// Returns the bytes of cached outlines.
   [[nodiscard]] std::size_t kept() const { return kept_; }
   void forget_outlines();
 

@@ -9,15 +9,14 @@
 
 namespace gs::render {
 
-/// Closed curves as polygons, without a corner for the way back to the first one.
+/// Closed curves as polygons; the closing edge is implicit.
 using Contours = std::vector<std::vector<glm::dvec2>>;
 
-/// Leaves out corners that lie nearer to the polygon without them than `tolerance`; at least three stay, where there
-/// are three.
+/// Removes corners that are closer than `tolerance` to the polygon without them; keeps at least three.
 [[nodiscard]] std::vector<glm::dvec2> simplified(const std::vector<glm::dvec2>& contour, double tolerance);
 
-/// What the contours enclose by the rule of non-zero winding, whichever way they turn, as triangles that turn
-/// counter-clockwise. Contours that cross each other give triangles that overlap.
+/// Triangulates the area enclosed by the contours under the non-zero winding rule, whatever their orientation.
+/// Triangles are counter-clockwise. Contours that cross each other give overlapping triangles.
 [[nodiscard]] vrml::GlyphShape fill(const Contours& contours, vrml::PolygonTriangulator& triangulator);
 
 }  // namespace gs::render

@@ -16,26 +16,26 @@
 
 namespace gs::render {
 
-/// Text with the fonts of the system. Outlines are made once for each font, glyph and level, and shared; how much is
-/// kept is bounded. Any thread.
+/// Text shaping with the fonts of the system. Outlines are made once per font, glyph and level, and shared; the cache
+/// is bounded. Thread-safe.
 class SystemFonts : public vrml::TextShaper {
  public:
   [[nodiscard]] vrml::LineEdges edges(const vrml::FontRequest& font) override;
   [[nodiscard]] vrml::ShapedText shape(const vrml::FontRequest& font, std::string_view text,
                                        vrml::TextDirection direction, std::size_t level) override;
-  /// What vrml::kTextPictures of the texts shaped so far is cut out of: one component, 255 where the glyphs are.
+  /// Returns the atlas of vrml::kTextPictures for all texts shaped so far: one component, 255 inside glyphs.
   [[nodiscard]] std::shared_ptr<const Image> glyph_picture();
-  /// The file of the font that has most of the text; empty where the system has none.
+  /// Returns the font file that provides most of a text; empty if the system has none.
   [[nodiscard]] FontFile main_font(const vrml::FontRequest& font);
 
  private:
   struct Choice {
     std::vector<FontFile> files;   // best first
-    std::vector<FontFace*> faces;  // of the files; null where they are not open yet, or cannot be opened
+    std::vector<FontFace*> faces;  // faces of the files; null if not open yet or not usable
     std::vector<bool> tried;
     bool bold = false, italic = false;
   };
-  using FaceKey = std::tuple<FontFile, bool, bool>;  // slanted, made bold
+  using FaceKey = std::tuple<FontFile, bool, bool>;  // slanted, emboldened
 
   Choice& choice(const vrml::FontRequest& font);
   FontFace* face(Choice& choice, std::size_t place);
@@ -43,14 +43,14 @@ class SystemFonts : public vrml::TextShaper {
   void bound_outlines();
 
   std::mutex mutex_;
-  std::unique_ptr<FontCatalogue> catalogue_;  // made when it is first asked for
+  std::unique_ptr<FontCatalogue> catalogue_;  // created at first use
   std::map<std::string, Choice> choices_;
-  std::set<std::string> languages_;  // that were asked for
-  GlyphSheet sheet_;                 // outlives faces_
+  std::set<std::string> languages_;  // languages requested so far
+  GlyphSheet sheet_;                 // must outlive faces_
   std::map<FaceKey, std::unique_ptr<FontFace>> faces_;
 };
 
-/// Those that all worlds of the process share.
+/// Returns the instance shared by all worlds of the process.
 [[nodiscard]] SystemFonts& system_fonts();
 
 }  // namespace gs::render

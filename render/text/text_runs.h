@@ -10,18 +10,18 @@
 
 namespace gs::render {
 
-/// Characters that are shaped together: of one script, in one direction.
+/// Characters of one script and direction that are shaped together.
 struct TextRun {
-  std::size_t first = 0, end = 0;  // of the characters
+  std::size_t first = 0, end = 0;  // range of characters
   vrml::TextDirection direction = vrml::TextDirection::right;
-  std::uint32_t script = 0;  // as HarfBuzz has it
+  std::uint32_t script = 0;  // as in HarfBuzz
 };
 
-/// Runs of a line, in the order in which they are seen: from left to right, or from top to bottom. `text` loses what
-/// cannot be seen: controls; tabulators and ends of lines become blanks.
+/// Returns the runs of a line in visual order, left to right or top to bottom. Removes control characters from `text`
+/// and turns tabs and line ends into blanks.
 ///
-/// Characters advance as VRML97 6.20.3 says. Hebrew, Arabic and the like have a direction of their own, so in a line
-/// that has such characters each runs its own way (Unicode UAX #9, embedded in `direction`), be it right or left.
+/// Characters advance as VRML97 6.20.3 says. Hebrew, Arabic and similar scripts have their own direction; in a line
+/// with such characters each run has its own direction (Unicode UAX #9, embedded in `direction`), right or left.
 [[nodiscard]] std::vector<TextRun> runs_of(std::u32string& text, vrml::TextDirection direction);
 
 }  // namespace gs::render

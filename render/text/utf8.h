@@ -5,9 +5,8 @@
 
 namespace gs::render {
 
-/// The characters of UTF-8 text. What is no UTF-8 becomes U+FFFD, one for each longest beginning of a sequence that
-/// could have become one (Unicode 3.9, "substitution of maximal subparts"): never fewer characters than a reader
-/// would see, never more than there are bytes.
+/// Decodes UTF-8. Each maximal subpart of an invalid sequence becomes one U+FFFD (Unicode 3.9, "substitution of maximal
+/// subparts"). Never returns more characters than there are bytes.
 [[nodiscard]] std::u32string characters_of(std::string_view text);
 
 }  // namespace gs::render

@@ -20,37 +20,38 @@
 
 namespace gs::render {
 
-/// What sorts the vectors of volumes for OpenGL. automatic: compute shaders where OpenGL has them and is hardware, else
-/// a thread. What compute shaders cannot do, the thread does.
+/// Sorting method for volume vectors with OpenGL. automatic: compute shaders if the hardware supports them, else a
+/// thread. The thread is also the fallback if compute shaders fail.
 enum class VolumeSort : std::uint8_t { automatic, thread, compute };
 
-/// Volume splatting with OpenGL 3.3: the picture of rasterize_volumes, up to rounding. Instanced rectangles of all
-/// volumes in one order are blended over one another from back to front in 16 bits a channel, against the depth that
-/// has been drawn, sample by sample, and then laid over the picture. Where such a target cannot be had, they are
-/// blended into the picture itself, with the rounding of its eight bits. Belongs to the thread of its context.
+/// Volume splatting with OpenGL 3.3: the image of rasterize_volumes, up to rounding. It blends instanced rectangles of
+/// all volumes from back to front at 16 bits per channel, tested per sample against the existing depth, and then
+/// composites the result. Without such a target, it blends into the image directly, with 8-bit rounding. Belongs to the
+/// thread of its context.
 ///
-/// The order is that of the view, with compute shaders; the thread's may be that of the view before (VolumeSorter).
+/// With compute shaders, the order is exact for the view; the thread's order may be that of the previous view
+/// (VolumeSorter).
 class VolumeGl {
  public:
   explicit VolumeGl(const Gl& gl, VolumeSort sort = VolumeSort::automatic);
 
   struct View {
-    SplatView lens;  // camera_from_node and supersample are left aside
+    SplatView lens;  // camera_from_node and supersample are ignored
     Projection projection;
-    TargetRectangle rectangle;  // of the framebuffer that is bound
+    TargetRectangle rectangle;  // of the bound framebuffer
     std::uint32_t viewport = 0;
   };
   struct Drawn {
-    std::size_t vectors = 0;  // in view, told from some of them when there are many
-    bool pending = false;     // the order is not quite that of this view: drawn again it is
+    std::size_t vectors = 0;  // in view, estimated from a sample if there are many
+    bool pending = false;     // the order is not exact for this view; draw again
   };
-  /// Item i is one of held[i]. Writes no depth; leaves the depth test and blending off and depth writable. Empty when
-  /// this context cannot: no memory, too many vectors, items or lights, no program.
+  /// Draws item i with held[i]. Writes no depth; leaves the depth test and blending off and depth writes on. Returns
+  /// nullopt if the context lacks memory or the program, or if there are too many vectors, items or lights.
   std::optional<Drawn> draw(std::span<const SharedVolume> held, std::span<const VolumeItem> items, const View& view);
 
-  /// To be called once a frame.
+  /// Frees unused copies; call it once per frame.
   void forget_unused() { store_.forget_unused(); }
-  /// What sorted the last picture.
+  /// Returns the method that sorted the last image.
   [[nodiscard]] VolumeSort sorted_by() const { return sorted_by_; }
 
  private:
@@ -62,11 +63,11 @@ class VolumeGl {
   struct Viewport {
     std::unique_ptr<VolumeSorter> sorter;
     Buffer order;
-    std::uint64_t number = 0;    // of the thread's order that lies there; 0: none
-    std::vector<Sorted> sorted;  // what the order of the compute shaders was made for
+    std::uint64_t number = 0;    // number of the thread's order in the buffer; 0 means none
+    std::vector<Sorted> sorted;  // input of the compute shaders' order
     std::uint64_t used = 0;
   };
-  /// What of the items can be seen at all.
+  /// Visible part of the items.
   struct Visible {
     std::vector<SharedVolume> held;
     std::vector<VolumeItem> items;

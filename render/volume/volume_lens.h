@@ -11,19 +11,19 @@
 
 namespace gs::render {
 
-inline constexpr float kVolumeLeastAlpha = 1 / 1024.0f;  // fainter vectors are left out
+inline constexpr float kVolumeLeastAlpha = 1 / 1024.0f;  // Fainter vectors are skipped.
 
-/// A volume in a view, as both splatters use it.
+/// View of a volume, as both splatters use it.
 struct VolumeLens {
   glm::mat4 camera_from_node;
   glm::mat3 normal_matrix;
-  float scale;               // of lengths, node to camera
-  float pixels_x, pixels_y;  // at depth 1
-  float middle_x, middle_y;  // pixels from the left and below of what lies straight ahead
+  float scale;               // scale of lengths, node to camera
+  float pixels_x, pixels_y;  // pixels per unit at depth 1
+  float middle_x, middle_y;  // position of the optical axis in pixels from the lower left
   int width, height;
 };
 
-/// Empty when the volume is flattened or its matrix not finite, or the view is empty: then nothing of it can be seen.
+/// Returns nullopt if the volume is flattened, its matrix not finite or the view empty, so that nothing is visible.
 [[nodiscard]] inline std::optional<VolumeLens> volume_lens(const SplatView& view, const glm::mat4& camera_from_node) {
   VolumeLens lens{};
   lens.camera_from_node = camera_from_node;

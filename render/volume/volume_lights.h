@@ -10,9 +10,9 @@
 
 namespace gs::render {
 
-/// The lights that shade a volume whose centre is `center`, camera space: up to four lights of the world, its
-/// directional ones first, then the point and spot lights that are strongest at the centre; and the headlight. One
-/// that adds nothing where there are none.
+/// Returns the lights of a volume with centre `center` (camera space): up to four lights of the world, its directional
+/// ones first, then the point and spot lights strongest at the centre; and the headlight. Returns one light without
+/// effect if there are none.
 [[nodiscard]] std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& item,
                                                      const glm::dmat4& camera_from_world, const glm::vec3& center,
                                                      bool headlight);

@@ -19,25 +19,24 @@
 
 namespace gs::render {
 
-/// Draws the volumes of a RenderList (SplatItems whose cloud's kind is Kind::volume, and no others): blends the
-/// vectors of all of them by depth, with OpenGL or on the processor, over what has been drawn. Colours are those of
-/// DrawOptions::clouds; of the material only the transparency counts. volume_lights() says how they are lit. A volume
-/// of which the budget does not allow all vectors (share_budget) shows the first ones of its progressive order.
+/// Draws the volumes of a RenderList (only SplatItems with clouds of Kind::volume): blends the vectors of all of them
+/// by depth, with OpenGL or on the CPU, over the existing image. Colours are those of DrawOptions::clouds; of the
+/// material only the transparency counts. volume_lights() selects the lights. If the budget (share_budget) excludes
+/// some vectors, a volume shows a prefix of its progressive order.
 ///
-/// What has been drawn before hides the vectors that lie behind it, sample by sample, so that polygons in front
-/// of a volume, inside it and behind it are right. Where depth cannot be read back on the way over the processor,
-/// every pixel of the volumes has one depth, that where its opacity comes to a half, and is hidden as a whole. Writes
-/// no depth, so that transparent polygons drawn later are blended over volumes.
+/// The existing image hides vectors behind it per sample, so that polygons before, inside and behind a volume are
+/// correct. If the CPU path cannot read depth back, each volume pixel has one depth, at which its opacity reaches 0.5,
+/// and is hidden as a whole. Writes no depth, so that later transparent polygons blend over volumes.
 class VolumePass {
  public:
   explicit VolumePass(const Gl& gl, VolumeSort sort = VolumeSort::automatic);
 
-  /// `camera` must have its near and far planes set. Call when everything opaque has been drawn. Leaves blending and
-  /// the depth test off, and depth writable.
+  /// Draws the volumes; call it after everything opaque. `camera` must have near and far planes. Leaves blending and
+  /// the depth test off, and depth writes on.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
-  /// What sorted the last picture that OpenGL drew.
+  /// Returns the method that sorted the last image drawn with OpenGL.
   [[nodiscard]] VolumeSort sorted_by() const { return volume_gl_.sorted_by(); }
 
  private:
@@ -47,7 +46,7 @@ class VolumePass {
     std::shared_ptr<const VolumeModel> model;
     std::uint64_t used = 0;
   };
-  /// The volumes of one picture; items point into the other members.
+  /// Volumes of one image; items point into the other members.
   struct Scene {
     std::vector<SharedVolume> held;
     std::vector<VolumeItem> items;
@@ -78,7 +77,7 @@ class VolumePass {
   VertexArray no_attributes_;
   Texture pixels_texture_, depths_texture_;
   Overlay overlay_, edge_overlay_;
-  std::unordered_multimap<const qnv::Cloud*, Held> models_;  // of clouds that somebody else still holds
+  std::unordered_multimap<const qnv::Cloud*, Held> models_;  // of clouds with other owners
   std::uint64_t frame_ = 0;
 };
 

@@ -12,56 +12,56 @@
 
 namespace gs::render {
 
-/// One volume of a picture.
+/// Volume of an image.
 struct VolumeItem {
   const qnv::Cloud* cloud = nullptr;
-  const VolumeModel* model = nullptr;  // the cloud's
+  const VolumeModel* model = nullptr;  // model of the cloud
   glm::mat4 camera_from_node{1.0f};    // any affine matrix
-  std::size_t count = 0;               // the first so many vectors, no more than model->spacing.size()
+  std::size_t count = 0;               // length of the prefix, at most model->spacing.size()
   VolumeOptions options;               // lights in camera space
 };
 
-/// What was drawn before and hides what lies behind it: distances along the view axis, camera units, one a pixel, rows
-/// from the bottom; infinite where nothing is. Empty: nothing anywhere.
+/// Depths of the existing image that hide content behind them: distances along the view axis in camera units, one per
+/// pixel, rows from the bottom; infinite for empty pixels. Empty means no depths.
 struct VolumeStops {
-  std::span<const float> near, far;  // of the nearest and the farthest sample of a pixel; far empty: the same
+  std::span<const float> near, far;  // of the nearest and farthest sample of a pixel; an empty far equals near
 };
 
-/// What volumes leave in the pixels of the viewport, rows from the bottom.
+/// Result of rasterizing volumes, rows from the bottom.
 struct VolumeLayer {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> pixels;  // RGBA, colours times alpha
-  /// Likewise as seen in the nearest samples of the pixels; empty when near and far nowhere differ.
+  std::vector<std::uint8_t> pixels;  // RGBA, premultiplied
+  /// The same for the nearest samples of the pixels; empty if near and far are equal everywhere.
   std::vector<std::uint8_t> edge_pixels;
-  /// Along the view axis, camera units: of the vector with which the opacity comes to a half; where it never does, of
-  /// the nearest one. 0: nothing here.
+  /// View-space depth where opacity reaches 0.5, else of the nearest sample, along the view axis in camera units. 0
+  /// means empty.
   std::vector<float> depth;
-  std::size_t vectors = 0;  // that lay in view and had an opacity
+  std::size_t vectors = 0;  // in view with an opacity
 
   [[nodiscard]] bool empty() const { return pixels.empty(); }
 };
 
-/// Volume splatting on the processor: equation (1) of the paper for the model of volume_model.h, with footprints that
-/// end at a hundredth of their middle and colours of vectors in eight bits. The vectors of all volumes are mixed by
-/// depth; of those of the same depth the ones of earlier items come first. A vector that lies behind the stop of a
-/// pixel is not blended there. Of `view` the matrix and `supersample` are left aside: the footprints are smooth.
+/// Splats volumes on the CPU: equation (1) of the paper for the model of volume_model.h. Footprints end at a hundredth
+/// of their peak; colours of vectors have 8 bits. Vectors of all volumes are merged by depth; at equal depth, earlier
+/// items come first. Vectors behind a pixel's stop are not blended. Ignores the matrix and `supersample` of `view`,
+/// since footprints are smooth.
 ///
-/// Tiles of the picture are sorted by depth each for itself (radix sort) and blended from front to back until
-/// nothing shows through. The same bits whatever the number of threads. Any thread; safe for any numbers;
-/// memory is bounded by the numbers of vectors and pixels. Empty when nothing is in view.
+/// Each tile is sorted by depth (radix sort) and blended from front to back until it is opaque. Gives the same bits for
+/// any number of threads. Thread-safe; accepts any numbers. Memory is bounded by the numbers of vectors and pixels.
+/// Empty if nothing is in view.
 [[nodiscard]] VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView& view,
                                             const VolumeStops& stops = {});
 
-/// One volume, all of it.
+/// Rasterizes one complete volume.
 [[nodiscard]] VolumeLayer rasterize_volume(const qnv::Cloud& cloud, const VolumeModel& model, const SplatView& view,
                                            const VolumeOptions& options);
 
-/// What can be told of volumes in a view from some of their vectors.
+/// Estimates for volumes in a view, from a sample of their vectors.
 struct VolumeSurvey {
-  std::size_t vectors = 0;  // in view, with an opacity
-  double pixels = 0;        // that their footprints cover together
+  std::size_t vectors = 0;  // in view with an opacity
+  double pixels = 0;        // covered in total by their footprints
 };
-/// Looks at about `most` vectors, evenly spread; exact when there are no more.
+/// Examines about `most` vectors, evenly spread; exact if there are no more.
 [[nodiscard]] VolumeSurvey survey_volumes(std::span<const VolumeItem> items, const SplatView& view, std::size_t most);
 
 }  // namespace gs::render

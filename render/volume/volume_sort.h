@@ -15,30 +15,30 @@
 
 namespace gs::render {
 
-/// Ascending for depths from the farthest to the nearest; +0 and -0 are one depth, what is no number comes last.
+/// Returns a sort key that ascends from the farthest depth to the nearest; +0 and -0 are equal, NaN comes last.
 [[nodiscard]] std::uint32_t far_first_key(float depth);
 
-/// Sorts key << 32 | value by the key, ascending; entries of one key stay in their order (radix sort, 11 bits at a
-/// time). `other` is room to work in, of any size.
+/// Sorts key << 32 | value by the key, ascending and stable (radix sort, 11 bits per pass). `other` is working memory
+/// of any size.
 void sort_by_key(std::vector<std::uint64_t>& entries, std::vector<std::uint64_t>& other);
 
-/// One volume to be sorted with others.
+/// Volume to sort together with others.
 struct VolumeSortPart {
   std::shared_ptr<const qnv::Cloud> cloud;
-  std::size_t count = 0;  // the first so many vectors
+  std::size_t count = 0;  // length of the prefix
   glm::vec4 row{0};       // depth along the view axis = dot(row, (position, 1))
 };
 
-/// Sorts the vectors of volumes by depth on a thread of its own, view after view, for one viewport. All methods belong
-/// to one thread.
+/// Sorts the vectors of volumes by depth on its own thread, view after view, for one viewport. Call all methods from
+/// one thread.
 class VolumeSorter {
  public:
   struct Order {
-    /// The farthest first; of the same depth the later one. Vectors are numbered through all parts. Valid until the
-    /// next call of `order`. Empty when there is no memory.
+    /// Indices of vectors across all parts, farthest first; at equal depth the later one first. Valid until the next
+    /// call of `order`. Empty if memory is exhausted.
     std::span<const std::uint32_t> far_first;
-    bool exact = false;        // for this very view; otherwise for the one asked for before it
-    std::uint64_t number = 0;  // that of another order is another
+    bool exact = false;        // exact for this view; otherwise made for the previous one
+    std::uint64_t number = 0;  // unique per order
   };
 
   VolumeSorter() = default;
@@ -46,9 +46,9 @@ class VolumeSorter {
   VolumeSorter(const VolumeSorter&) = delete;
   VolumeSorter& operator=(const VolumeSorter&) = delete;
 
-  /// The newest order there is, while the one for `parts` is being made. Waits where that would be older than the view
-  /// asked for last, of other vectors, or one that saw them from a direction more than kMostTurn away. Asked again
-  /// for the same view, it gives the exact order in the end.
+  /// Returns the newest available order while the one for `parts` is being made. Waits if that order is older than the
+  /// previous request, contains other vectors, or differs in direction by more than kMostTurn. Repeated requests for
+  /// the same view eventually return the exact order.
   Order order(std::span<const VolumeSortPart> parts);
 
   static constexpr float kMostTurn = 0.1f;  // radians
@@ -73,15 +73,15 @@ class VolumeSorter {
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  // Under the mutex.
-  std::vector<VolumeSortPart> wanted_;  // not begun
+  // Guarded by the mutex.
+  std::vector<VolumeSortPart> wanted_;  // next request
   std::shared_ptr<Sorted> newest_, spare_;
-  bool waiting_ = false;  // wanted_ is to be sorted
-  // The owner's.
+  bool waiting_ = false;  // wanted_ must be sorted
+  // Used only by the owner's thread.
   std::uint64_t asked_ = 0;
   std::vector<Seen> asked_for_;
   std::shared_ptr<Sorted> in_use_;
-  // The last member: it ends before the others go.
+  // The last member, so that the thread ends before the others are destroyed.
   std::jthread thread_;
 };
 

@@ -8,20 +8,20 @@
 
 namespace gs::render {
 
-/// Sorts the vectors of volumes by depth with compute shaders (OpenGL 4.3): the order that VolumeSorter makes, but for
-/// the rounding of positions to codes, at once. Belongs to the thread of its context.
+/// Sorts the vectors of volumes by depth with compute shaders (OpenGL 4.3), without delay. The order is that of
+/// VolumeSorter, except for the rounding of positions to codes. Belongs to the thread of its context.
 class VolumeGlSort {
  public:
-  /// `defines`: those of kVolumeDataShader. Null when this context has no compute shaders or refuses these.
+  /// `defines` are those of kVolumeDataShader. Returns null if the context has no compute shaders or rejects these.
   static std::unique_ptr<VolumeGlSort> create(const Gl& gl, const std::string& defines);
 
-  /// What kVolumeDataShader reads, as buffer textures.
+  /// Input of kVolumeDataShader as buffer textures.
   struct Data {
     GLuint codes = 0, items = 0;
     int item_count = 0;
   };
-  /// Puts the numbers of `total` vectors into `order`, which becomes so large, the farthest first; ready to be read as
-  /// attributes. False when there is no memory for it.
+  /// Writes the indices of `total` vectors into `order`, farthest first, and resizes it; ready for use as vertex
+  /// attributes. Returns false if memory does not suffice.
   bool sort(const Data& data, std::size_t total, const Buffer& order);
 
  private:

@@ -17,53 +17,53 @@
 
 namespace gs::render {
 
-/// A vector of a volume as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the cloud, an
-/// octahedral normal of 2 x 10 (both kNoNormal: none), a logarithmic weight of 16 (0: zero), a colour of 24 and the
-/// class of 8.
+/// Vector of a volume as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the cloud, an
+/// octahedral normal of 2 x 10 (both kNoNormal if none), a logarithmic weight of 16 (0 means zero), a colour of 24 and
+/// the class of 8.
 using VolumeCode = std::array<std::uint32_t, 4>;
 
-/// What the codes of one cloud mean.
+/// Decoding parameters of one cloud's codes.
 struct VolumeCoding {
   static constexpr std::uint32_t kLargestPosition = 0xFFFFF, kLargestNormal = 1022, kNoNormal = 1023,
                                  kLargestWeight = 0xFFFF;
   glm::vec3 lower{0}, step{0};  // position = lower + code * step; node space
-  glm::vec2 weight{0};          // log2 of it = x + code * y
+  glm::vec2 weight{0};          // log2 of the weight = x + code * y
 };
 
-/// For the first `count` vectors of a cloud that has a model. Safe for any numbers.
+/// Returns the parameters for the first `count` vectors of a cloud with a model. Accepts any numbers.
 [[nodiscard]] VolumeCoding volume_coding(const qnv::Cloud& cloud, std::size_t count);
-/// Encodes vectors `first` and following, as many as `codes` holds.
+/// Encodes codes.size() vectors from index `first`.
 void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, std::size_t first,
                          std::span<VolumeCode> codes);
-/// What the vertex shader makes of a code, but for its shading.
+/// Code as the vertex shader decodes it, before shading.
 struct VolumeDecoded {
   glm::vec3 position{0}, normal{0};
   float weight = 0;
 };
 [[nodiscard]] VolumeDecoded decode_volume_code(const VolumeCode& code, const VolumeCoding& coding);
 
-/// A volume whose cloud and model somebody holds.
+/// Volume with shared ownership of its cloud and model.
 struct SharedVolume {
   std::shared_ptr<const qnv::Cloud> cloud;
   std::shared_ptr<const VolumeModel> model;
 };
 
-/// Keeps the vectors of volumes in the memory of the GPU, 20 bytes each, all in one buffer texture, so that those of
-/// several volumes can be drawn in one order. As many as their models have spacings for, and as long as somebody else
-/// holds the clouds. Belongs to the thread of its context.
+/// Caches volume vectors in GPU memory, 20 bytes each, in one buffer texture, so that several volumes can be drawn in
+/// one order. Caches as many as their models have spacings, while other owners hold the clouds. Belongs to the thread
+/// of its context.
 class VolumeStore {
  public:
-  /// `most_bytes`: of the memory of the GPU that is taken.
+  /// `most_bytes` limits GPU memory.
   explicit VolumeStore(const Gl& gl, std::size_t most_bytes = std::size_t{1} << 30);
 
   struct Place {
     std::size_t first = 0;  // texel of vector 0
     VolumeCoding coding;
   };
-  /// Uploads what is not there yet. Where the volumes of one picture lie, in their order; empty when there is no room
-  /// for them. Valid until the next call.
+  /// Uploads volumes that are not yet cached. Returns their locations in order; empty if there is no room. Valid until
+  /// the next call.
   std::vector<Place> place(std::span<const SharedVolume> volumes);
-  /// To be called once a frame. Frees the places of clouds that nobody holds any more.
+  /// Frees the data of clouds without other owners; call it once per frame.
   void forget_unused();
 
   [[nodiscard]] const Texture& codes() const { return codes_; }        // GL_RGBA32UI

@@ -9,33 +9,33 @@
 
 namespace gs::render {
 
-/// A rectangle of a framebuffer, pixels.
+/// Rectangle of a framebuffer in pixels.
 struct TargetRectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Depth that has been drawn, in camera units, as VolumeStops wants it.
+/// Depths of the existing image in camera units, as VolumeStops expects them.
 struct TargetDepths {
-  std::vector<float> near, far;  // far: only where a pixel has several samples
+  std::vector<float> near, far;  // far: only if a pixel has several samples
   [[nodiscard]] VolumeStops stops() const { return {near, far}; }
 };
 
-/// What volumes are drawn into or compared with: copies of the depth of the framebuffer that is bound for drawing, and
-/// a picture of 16 bits a channel that is laid over it. Belongs to the thread of its context.
+/// Render target for volumes: copies of the depth of the framebuffer bound for drawing, and an image of 16 bits per
+/// channel that is composited over it. Belongs to the thread of its context.
 ///
-/// All methods leave the framebuffers as they were but `begin`, and no texture or vertex array bound that matters;
-/// they set the viewport and the scissor, and leave the depth test and blending off.
+/// All methods except `begin` preserve the framebuffer bindings. They set the viewport and the scissor, and leave the
+/// depth test and blending off.
 class VolumeTarget {
  public:
   explicit VolumeTarget(const Gl& gl);
 
-  /// Reads the depth that a picture under `projection` has left. False when this context cannot.
+  /// Reads the depth of an image drawn with `projection`. Returns false if the context cannot.
   bool read_depths(const TargetRectangle& rectangle, const Projection& projection, TargetDepths& depths);
 
-  /// Binds a framebuffer of as many samples, with the rectangle's depth and no colour yet, at the origin. False when
-  /// this context cannot: then the framebuffer that was bound still is.
+  /// Binds a framebuffer with as many samples, with the rectangle's depth at the origin and empty colour. On failure,
+  /// returns false and keeps the previous framebuffer bound.
   bool begin(const TargetRectangle& rectangle);
-  /// Lays what was drawn since `begin` (premultiplied) over the rectangle of the framebuffer that was bound then.
+  /// Composites the premultiplied drawing since `begin` over the rectangle of the previously bound framebuffer.
   void end();
 
  private:
@@ -44,7 +44,7 @@ class VolumeTarget {
   };
   [[nodiscard]] Bound bound() const;
   void bind(const Bound& framebuffers) const;
-  /// The formats that the depth of the bound framebuffer may have; 0: none. False: there is no depth.
+  /// Determines possible depth formats of the bound framebuffer; 0 means none. Returns false if there is no depth.
   bool depth_formats(std::array<GLenum, 2>& formats) const;
   bool make(int width, int height, int samples, GLenum depth_format, bool colored);
   bool copy_depth(const Bound& from, const TargetRectangle& rectangle, bool colored);
@@ -55,12 +55,12 @@ class VolumeTarget {
   const Gl& gl_;
   VertexArray no_attributes_;
   Program single_, multiple_, extremes_;
-  int width_ = 0, height_ = 0, samples_ = 0;  // of the textures; one sample: 1
+  int width_ = 0, height_ = 0, samples_ = 0;  // of the textures; samples is 1 without multisampling
   GLenum depth_format_ = 0;
   bool colored_ = false;
   Texture color_, depth_;
   Framebuffer framebuffer_;
-  Texture extreme_depths_;  // of the samples of a pixel: least, most
+  Texture extreme_depths_;  // minimum and maximum over the samples of a pixel
   Framebuffer extremes_framebuffer_;
   int extremes_width_ = 0, extremes_height_ = 0;
   Bound outer_;
