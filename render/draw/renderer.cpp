@@ -19,15 +19,15 @@
 
 namespace gs::render {
 
-/// Where pictures are drawn, with a depth buffer of floats where OpenGL can make use of it: with samples, and resolved
-/// to one a pixel.
+/// Off-screen target with a float depth buffer if OpenGL supports its use: multisampled, and resolved to one sample per
+/// pixel.
 struct OffscreenTarget {
-  int width = 0, height = 0, samples = 0;  // as wanted
+  int width = 0, height = 0, samples = 0;  // as requested
   Renderbuffer color, depth, resolved_color;
   Framebuffer framebuffer, resolved;
 };
 
-/// The last whole picture of a viewport, without samples.
+/// Last complete image of a viewport, without multisampling.
 struct FormerPicture {
   int width = 0, height = 0;
   Renderbuffer color;
@@ -36,12 +36,12 @@ struct FormerPicture {
 
 namespace {
 
-// Off-screen pictures larger than this give up samples first.
+// Larger off-screen images reduce the sample count first.
 constexpr std::size_t kMostFramebufferBytes = std::size_t{1} << 30;
 constexpr std::size_t kBytesPerSample = 8;  // colour and depth
-constexpr int kPixelSide = 2;               // of a pixel's samples, where they are pixels
+constexpr int kPixelSide = 2;               // samples per pixel edge if samples are pixels
 constexpr int kMostCoarseness = 16;
-constexpr std::size_t kLightsOfManyPixels = 8;  // with more, shading each of those pixels costs more than that saves
+constexpr std::size_t kLightsOfManyPixels = 8;  // above, shading the extra pixels costs more than it saves
 
 void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
             int height) {
@@ -50,7 +50,7 @@ void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum atta
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.name());
 }
 
-/// Empty framebuffer when the driver cannot.
+/// Makes a target; its framebuffer is empty if the driver cannot.
 OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
   const GLenum depth = gl.ClipControl ? GL_DEPTH_COMPONENT32F : GL_DEPTH_COMPONENT24;
   take_errors(gl);
@@ -75,7 +75,7 @@ OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
   return target;
 }
 
-/// Empty framebuffer when the driver cannot.
+/// Makes a buffer for an image; its framebuffer is empty if the driver cannot.
 FormerPicture make_picture(const Gl& gl, int width, int height) {
   take_errors(gl);
   FormerPicture picture{width, height, make_renderbuffer(gl), make_framebuffer(gl)};
@@ -85,11 +85,11 @@ FormerPicture make_picture(const Gl& gl, int width, int height) {
   return picture;
 }
 
-/// Whether the processor draws surfaces of a list itself, and whether it draws all that has edges: then OpenGL needs no
-/// samples.
+/// Reports whether the CPU rasterizes some surfaces of the list. Sets `nothing_else` if it draws everything with edges,
+/// so that OpenGL needs no multisampling.
 bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& options, bool& nothing_else) {
   const bool discs_by_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl.software);
-  // Triangles that are not filled are drawn by OpenGL.
+  // OpenGL draws triangles that are not filled.
   const bool by_gl = discs_by_gl || options.display != DisplayMode::surface;
   bool any = !list.splats.empty();
   nothing_else = !discs_by_gl && !options.guides;
@@ -104,8 +104,8 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
   return any;
 }
 
-/// How the picture is drawn off screen. Drivers on the processor take three times as long for samples of their own as
-/// for four times the pixels, which are `reduced` afterwards. Clouds have samples of their own.
+/// Returns options for off-screen drawing. Software drivers take three times as long for multisampling as for four
+/// times the pixels, which are then `reduced`. Splats have their own sampling.
 DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& options, bool reduced) {
   DrawOptions local = options;
   local.x = local.y = 0;
@@ -123,7 +123,7 @@ DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& 
   return local;
 }
 
-/// The mean of two pixels of RGBA in one row and two in the next, as RGB: two components at a time.
+/// Averages two RGBA pixels in each of two rows into one RGB pixel, two components at a time.
 void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t* to) {
   static_assert(std::endian::native == std::endian::little);
   constexpr std::uint32_t kEven = 0x00FF00FF, kHalf = 0x00020002;
@@ -139,8 +139,7 @@ void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t
   std::memcpy(to, &mean, 3);
 }
 
-/// The picture in the buffer of pixels that is bound, the top row first, each pixel the mean of a square of `side` x
-/// `side`.
+/// Reads the bound pixel buffer back, top row first; each pixel is the mean of a square of `side` x `side`.
 Image read_back(const Gl& gl, int width, int height, int side) {
   const auto columns = static_cast<std::size_t>(width / side), rows = static_cast<std::size_t>(height / side);
   const std::size_t stride = static_cast<std::size_t>(width) * 4, square = static_cast<std::size_t>(side);
@@ -154,9 +153,9 @@ Image read_back(const Gl& gl, int width, int height, int side) {
         for (std::size_t c = 0; c < 3; ++c) *to++ = from[c];
     }
   };
-  // A band at a time, so that there is no second copy of all pixels. Four bytes a pixel are copied as they are; three
+  // Reads one band at a time, which avoids a second copy of all pixels. Four bytes per pixel are copied directly; three
   // would be converted.
-  constexpr std::size_t kBand = 128, kRows = 32;  // of the picture; a task's
+  constexpr std::size_t kBand = 128, kRows = 32;  // rows of the image per band; rows per task
   std::vector<std::uint8_t> pixels(stride * square * std::min(kBand, rows));
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
   for (std::size_t first = 0; first < rows; first += kBand) {
@@ -182,7 +181,7 @@ struct Renderer::State {
   std::unique_ptr<SurfacePass> surfaces;
   std::unique_ptr<VolumePass> volumes;
   OffscreenTarget target;
-  std::map<std::uint32_t, FormerPicture> former;  // by viewport, of pictures that may be given up
+  std::map<std::uint32_t, FormerPicture> former;  // by viewport; kept if drawing can be cancelled
 };
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -206,7 +205,7 @@ std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
-/// The target, of at least this size, bound; with fewer samples where the driver has no memory for as many.
+/// Binds a target of at least this size, with fewer samples if the driver lacks memory.
 bool Renderer::bind_target(int width, int height, int samples) {
   const Gl& gl = state_->gl;
   const int most = gl.max_renderbuffer_size;
@@ -247,13 +246,13 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   }
   FrameStatistics statistics = draw_in_target(list, camera, local);
   statistics.pending = statistics.pending || coarseness > 1;
-  // Samples are resolved on the way, but not into samples, nor into another size.
+  // A blit resolves multisampling, but not into a multisampled target or another size.
   if (outer_samples > 0 || coarseness > 1) resolve(local.width, local.height);
   int width = local.width, height = local.height;
-  // One that is stretched must have nothing beside it that could be blended in.
+  // A stretched image needs a border without foreign pixels, which the filter would blend in.
   if (options.go_on || coarseness > 1) keep_whole_picture(options, statistics.given_up, width, height);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(outer));
-  // Between four pixels that are one, a linear filter takes their mean.
+  // A linear filter averages the four pixels that become one.
   const bool same_size = width == options.width && height == options.height;
   gl.BlitFramebuffer(0, 0, width, height, options.x, options.y, options.x + options.width, options.y + options.height,
                      GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
@@ -277,8 +276,8 @@ bool Renderer::show_again(const DrawOptions& options) {
   return true;
 }
 
-/// Of the picture that is bound for reading, `width` x `height`, or, if that was given up, of the last one of the
-/// viewport that was not: leaves that bound for reading, and its size.
+/// Handles the image of size `width` x `height` bound for reading: keeps it, or, if it was cancelled, binds the
+/// viewport's last complete image and returns its size.
 void Renderer::keep_whole_picture(const DrawOptions& options, bool given_up, int& width, int& height) {
   const Gl& gl = state_->gl;
   FormerPicture& former = state_->former[options.viewport];
@@ -337,7 +336,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
   const float farthest = lens.farthest_depth();
   gl.ClearBufferfv(GL_DEPTH, 0, &farthest);
   gl.DepthMask(GL_FALSE);
-  // What is infinitely far away has one direction by parallel rays: it stays as it is seen in perspective.
+  // Infinitely distant content has a single direction in parallel projection, so it is drawn in perspective.
   Camera perspective = wanted;
   perspective.height = 0;
   Camera sky = perspective;
@@ -365,7 +364,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
         *options.guides, camera, lens, plain, of_guides, [] {}, nullptr);
   }
   if (list.overlays && !statistics.given_up) draw_overlays(list, perspective, options, statistics);
-  // Whoever draws next (the user interface) finds the defaults.
+  // Restores the default state for later code (the user interface).
   if (reversed) gl.ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   gl.DepthFunc(GL_LESS);
   gl.BindVertexArray(0);
@@ -376,7 +375,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
   return statistics;
 }
 
-// What is fixed to the viewer has depths of its own, before all others.
+// Draws overlays with their own depth range, in front of everything else.
 void Renderer::draw_overlays(const RenderList& list, const Camera& given, const DrawOptions& options,
                              FrameStatistics& statistics) {
   WorldBounds bounds;
@@ -393,7 +392,7 @@ void Renderer::draw_overlays(const RenderList& list, const Camera& given, const 
       list, camera, lens, options, statistics, [] {}, state_->surfaces.get(), true);
 }
 
-/// Leaves the picture bound for reading; false, and nothing bound, where the driver has no memory for it.
+/// Leaves the image bound for reading. Returns false with nothing bound if the driver lacks memory.
 bool Renderer::draw_off_screen(const RenderList& list, const Camera& camera, const DrawOptions& local,
                                FrameStatistics* statistics) {
   if (!bind_target(local.width, local.height, std::min(local.samples, local.target_samples))) {
@@ -423,7 +422,7 @@ std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list
 }
 
 void Renderer::prepare(const DrawOptions& options) {
-  // Whatever is drawn: drivers compile for the state of drawing, too.
+  // Draws typical geometry: drivers also compile for the drawing state.
   vrml::Mesh triangle;
   triangle.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
   triangle.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
@@ -435,13 +434,13 @@ void Renderer::prepare(const DrawOptions& options) {
   item.mesh = std::make_shared<const vrml::Mesh>(std::move(triangle));
   list.items.push_back(std::move(item));
   Camera camera;
-  camera.world_from_camera[3] = {0, 0, 500, 1};  // some pixels are enough
+  camera.world_from_camera[3] = {0, 0, 500, 1};  // a few pixels suffice
   const Gl& gl = state_->gl;
   const int most = gl.max_renderbuffer_size;
   if (options.width < 1 || options.height < 1 || options.width > most || options.height > most) return;
   const DrawOptions local = for_target(gl, list, options, true);
   if (!draw_off_screen(list, camera, local, nullptr)) return;
-  (void)read_back(gl, local.pixel_side, local.pixel_side, local.pixel_side);  // it is drawn when somebody reads it
+  (void)read_back(gl, local.pixel_side, local.pixel_side, local.pixel_side);  // drivers draw when the result is read
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 

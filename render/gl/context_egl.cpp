@@ -9,8 +9,8 @@
 namespace gs::render {
 namespace {
 
-// From EGL 1.5, EGL_EXT_platform_device, EGL_EXT_device_enumeration and
-// EGL_MESA_platform_surfaceless; the library is opened at run time and therefore not included.
+// Definitions of EGL 1.5, EGL_EXT_platform_device, EGL_EXT_device_enumeration and EGL_MESA_platform_surfaceless. The
+// library is opened at run time, so its headers are not included.
 using Display = void*;
 using Config = void*;
 using Device = void*;
@@ -57,7 +57,7 @@ struct EglLibrary {
 class EglContext final : public GlContext {
  public:
   EglContext(const EglLibrary& library, Display display) : library_(library), display_(display) {}
-  /// The display is left alone: EGL has one for all of a process, and other contexts may use it.
+  /// Does not terminate the display: EGL shares it within the process, and other contexts may use it.
   ~EglContext() override {
     if (!context_) return;
     library_.make_current(display_, nullptr, nullptr, nullptr);
@@ -69,7 +69,7 @@ class EglContext final : public GlContext {
   Procedure proc_address(const char* name) override { return library_.get_proc_address(name); }
   [[nodiscard]] std::string_view backend() const override { return "egl"; }
 
-  /// Makes the context and makes it current; false when the display cannot.
+  /// Creates the context and makes it current. Returns false if the display cannot.
   [[nodiscard]] bool create() {
     constexpr std::array<Attribute, 5> kConfig{kRenderableType, kOpenglBit, kSurfaceType, 0, kNone};
     constexpr std::array<Attribute, 7> kContext{
@@ -78,7 +78,7 @@ class EglContext final : public GlContext {
     Attribute count = 0;
     if (!library_.bind_api(kOpenglApi) || !library_.choose_config(display_, kConfig.data(), &config, 1, &count))
       return false;
-    // EGL_KHR_no_config_context: without a matching config, none at all.
+    // Without a matching config, use EGL_KHR_no_config_context.
     context_ = library_.create_context(display_, count > 0 ? config : nullptr, nullptr, kContext.data());
     return context_ && library_.make_current(display_, nullptr, nullptr, context_);
   }
@@ -94,7 +94,7 @@ class EglContext final : public GlContext {
   Context context_ = nullptr;
 };
 
-/// The devices in the order of EGL, those that are no GPU at the end or, on demand, nowhere.
+/// Returns the devices in EGL's order; those that are no GPU come last, or are omitted if `hardware_only`.
 std::vector<Device> devices(const EglLibrary& egl, bool hardware_only) {
   std::vector<Device> all(16);
   Attribute count = 0;
@@ -112,7 +112,7 @@ std::vector<Device> devices(const EglLibrary& egl, bool hardware_only) {
 }  // namespace
 
 OpenedContext open_egl_context(bool hardware_only) {
-  // EGL opens a dozen libraries before it says the same.
+  // Without this check, EGL opens a dozen libraries for the same answer.
   if (hardware_only && !may_have_gpu()) return ContextError{"no GPU in /dev"};
   EglLibrary egl;
   if (!egl.library) return ContextError{egl.library.error()};
@@ -140,7 +140,7 @@ OpenedContext open_egl_context(bool hardware_only) {
   const std::vector<Device> found = devices(egl, hardware_only);
   for (Device device : found)
     if (auto context = open(kPlatformDevice, device)) return context;
-  // Where devices can be listed and none is a GPU, the surfaceless platform has none either.
+  // If devices can be listed and none is a GPU, the surfaceless platform has none either.
   if (hardware_only && egl.query_devices) return ContextError{found.empty() ? "no GPU" : reason};
   if (auto context = open(kPlatformSurfaceless, nullptr)) return context;
   return ContextError{reason};

@@ -6,7 +6,7 @@
 #include <utility>
 
 #if defined(__SANITIZE_ADDRESS__)
-// OSMesa 22 loses the description of the default framebuffer (about 200 bytes) with every context.
+// OSMesa 22 leaks the description of the default framebuffer (about 200 bytes) with every context.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa"; }
 #endif
@@ -14,7 +14,7 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa"; 
 namespace gs::render {
 namespace {
 
-// From the OSMesa 11.2 interface, which is opened at run time and therefore not included.
+// Constants of the OSMesa 11.2 interface. The library is opened at run time, so its header is not included.
 constexpr int kOsmesaRgba = 0x1908, kOsmesaFormat = 0x22;
 constexpr int kOsmesaDepthBits = 0x30, kOsmesaStencilBits = 0x31, kOsmesaAccumBits = 0x32;
 constexpr int kOsmesaProfile = 0x33, kOsmesaCoreProfile = 0x34;
@@ -54,7 +54,7 @@ class OsmesaContext final : public GlContext {
   }
 
  private:
-  // OSMesa wants a default framebuffer; pictures are drawn into framebuffer objects.
+  // OSMesa requires a default framebuffer; images are drawn into framebuffer objects.
   static constexpr int kSide = 16;
   OsmesaLibrary library_;
   OsmesaLibrary::Context context_;

@@ -6,7 +6,7 @@
 namespace gs::render {
 namespace {
 
-// EXT_texture_filter_anisotropic, which became core in 4.6 only.
+// EXT_texture_filter_anisotropic, in the core only since 4.6.
 constexpr GLenum kMaxTextureMaxAnisotropy = 0x84FF;
 
 bool has_extension(const Gl& gl, const char* name) {
@@ -19,7 +19,7 @@ bool has_extension(const Gl& gl, const char* name) {
   return false;
 }
 
-/// Whether GL_RENDERER names one of the rasterisers that run on the processor.
+/// Reports whether GL_RENDERER names a software rasterizer.
 bool runs_on_processor(std::string renderer) {
   for (char& c : renderer) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   for (const char* name : {"llvmpipe", "softpipe", "swrast", "software", "swiftshader"})
@@ -66,8 +66,8 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
   gl.GetIntegerv(GL_MAX_SAMPLES, &gl.max_samples);
   gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &gl.uniform_offset_alignment);
   gl.uniform_offset_alignment = std::max(gl.uniform_offset_alignment, 16);
-  // Mesa's software driver goes through the texels of a pixel's ellipse one by one, however many they are: where a
-  // texture is repeated very often in a pixel, or a surface goes through the eye, a frame would not end.
+  // Mesa's software driver visits all texels of a pixel's ellipse. With a texture repeated very often in a pixel, or a
+  // surface through the eye, a frame would not end.
   if (!gl.software && (version >= 46 || has_extension(gl, "GL_EXT_texture_filter_anisotropic")))
     gl.GetFloatv(kMaxTextureMaxAnisotropy, &gl.max_anisotropy);
   return gl;

@@ -12,15 +12,15 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kMaxSets = 60'000;
-// When so many lights were looked at in a frame, further items find the strongest near the camera alone.
+// After this many light tests per frame, further items consider only the strongest lights near the camera.
 constexpr std::size_t kManyLooks = 4'000'000, kFewLocal = 256;
-// When the sets of a frame are larger than this, further ones have fewer lights.
+// Above this total size of a frame's sets, further sets have fewer lights.
 constexpr std::size_t kManyBytes = std::size_t{32} << 20, kFewLights = 16;
 
 constexpr std::size_t kTexel = 16;  // bytes
 
-constexpr float kEverywhere = 4;  // radians: no angle is as large
-constexpr float kAtOnce = 1e30f;  // how fast light fades at an edge that is not soft
+constexpr float kEverywhere = 4;  // radians: larger than any angle
+constexpr float kAtOnce = 1e30f;  // fading factor of a hard edge
 
 float attenuation_at(const glm::vec3& coefficients, float distance) {
   return 1.0f / std::max(coefficients.x + coefficients.y * distance + coefficients.z * distance * distance, 1.0f);
@@ -60,7 +60,7 @@ std::size_t LightSets::stride(std::size_t count) const {
   return (offsetof(ShaderSet, lights) + count * sizeof(ShaderLight) + alignment - 1) / alignment * alignment;
 }
 
-/// Seen from everywhere alike: what the shader does with local lights leaves it as it is.
+/// Returns a light that is equal everywhere, so that the shader's terms for local lights have no effect.
 LightSets::ShaderLight LightSets::directional_light(const glm::vec3& to_light) {
   ShaderLight result{};
   result.location = to_light;
@@ -124,13 +124,13 @@ void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera
   sets_.push_back(last_choice_);
 }
 
-// To choice_, as many as it has room for, in the order of the file.
+// Appends the strongest local lights to choice_ in file order, as many as fit.
 void LightSets::choose_local(const glm::vec3& center, float radius, std::size_t most) {
   reaching_.clear();
   (looked_at_ < kManyLooks ? local_ : few_).each_near(center, radius, [&](const LightTree::Sphere& sphere) {
     const ShaderLight& light = lights_[sphere.number];
     const float distance = glm::length(light.location - center);
-    // A light that ends before most of the item counts for less.
+    // A light that reaches only a part of the item counts less.
     const float covered = radius > 0 ? std::min((light.radius + radius - distance) / (2 * radius), 1.0f) : 1.0f;
     const float strength = covered * light.intensity * std::max({light.color.r, light.color.g, light.color.b}) *
                            attenuation_at(light.attenuation, std::max(distance - std::max(radius, 0.0f), 0.0f));
@@ -171,7 +171,7 @@ std::uint32_t LightSets::choose(const LightList& directional, const glm::vec3& c
   return last_number_;
 }
 
-/// VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view.
+/// Headlight of VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view.
 LightSets::ShaderLight LightSets::headlight() {
   ShaderLight result = directional_light({0, 0, 1});
   result.color = glm::vec3(1);
@@ -193,7 +193,7 @@ glm::vec3 LightSets::color_of(std::uint32_t set, const glm::vec3& normal, const 
 void LightSets::upload() {
   const PhaseScope phase(gl_.phases, Phase::upload);
   const ShaderLight ahead = headlight();
-  // Behind the last set as much as a whole uniform block may be bound.
+  // A whole uniform block must be bindable at the last set.
   std::vector<std::byte> bytes(bytes_ + sizeof(ShaderSet));
   for (std::size_t i = 0; i < sets_.size(); ++i) {
     std::byte* const to = bytes.data() + offsets_[i];
@@ -223,8 +223,8 @@ void LightSets::bind(std::uint32_t set, const LightUniforms& uniforms) {
     gl_.Uniform1i(uniforms.first, static_cast<GLint>(offsets_[set] / kTexel));
     return;
   }
-  // OpenGL wants the whole block to be bound. Mesa's software drivers copy what is bound each time, and they do without
-  // what the shader never reads.
+  // OpenGL requires the whole block to be bound. Mesa's software drivers copy the bound range on each use and accept a
+  // range without the unused part.
   const std::size_t size = gl_.software ? stride(count) : sizeof(ShaderSet);
   gl_.BindBufferRange(GL_UNIFORM_BUFFER, kBinding, buffer_.name(), static_cast<GLintptr>(offsets_[set]),
                       static_cast<GLsizeiptr>(size));

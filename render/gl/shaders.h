@@ -1,13 +1,13 @@
 #pragma once
 
-// GLSL 3.30 without the #version line, which make_program writes together with the #defines.
+// GLSL 3.30 without the #version line; make_program adds it together with the #defines.
 namespace gs::render {
 
-/// For the fragment stage of lit variants: the lighting equation of VRML97 4.14.4, in camera space. Defines:
-/// LOCAL_LIGHTS (point and spot lights), SPECULAR, EMISSIVE (emissive and ambient parts), and those of LightSets:
-/// MANY_LIGHTS, or MOST_LIGHTS, and ALL_LIGHTS ("ADD(0) ADD(1)") where the number of lights is fixed; else the set
-/// tells it. A software driver draws one or two lights faster when they have constant numbers, but takes 0.1 s to
-/// compile each of them: a loop over any number of lights compiles as fast as two.
+/// Lighting equation of VRML97 4.14.4 in camera space, for the fragment stage of lit variants. Defines: LOCAL_LIGHTS
+/// (point and spot lights), SPECULAR, EMISSIVE (emissive and ambient parts), and those of LightSets: MANY_LIGHTS, or
+/// MOST_LIGHTS and ALL_LIGHTS ("ADD(0) ADD(1)") for a fixed number of lights; otherwise the set gives the number. A
+/// software driver draws one or two lights faster with constant numbers, but takes 0.1 s to compile each; a loop over
+/// any number of lights compiles as fast as two.
 inline constexpr char kLightingShader[] = R"glsl(
 struct Light {
   vec4 location_local;
@@ -82,7 +82,7 @@ vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_
 }
 )glsl";
 
-/// For the fragment stage where there is fog: VRML97 4.14.4 and Table 4.8, in camera space. FogUniforms sets it.
+/// Fog of VRML97 4.14.4 and Table 4.8 in camera space, for the fragment stage. FogUniforms sets it.
 inline constexpr char kFogShader[] = R"glsl(
 uniform mat3 fog_ranges;  // the Fog's own space, in visibilityRanges
 uniform vec4 fog_color;   // w: 1 where fogType is EXPONENTIAL
@@ -95,8 +95,8 @@ vec3 fogged(vec3 color, vec3 place) {
 }
 )glsl";
 
-/// Defines: LIT, NORMALS, TEXTURE, FOG; LOCAL_LIGHTS, SPECULAR, EMISSIVE. Only what the fragments
-/// use is passed on: software drivers keep all of it for every triangle of a frame.
+/// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG; LOCAL_LIGHTS, SPECULAR, EMISSIVE. Passes on only what
+/// the fragments use, since software drivers store it for every triangle of a frame.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
 #ifdef NORMALS
@@ -185,9 +185,9 @@ void main() {
 }
 )glsl";
 
-/// Defines: those of the vertex shader, and with TEXTURE: CUT_OUT, which keeps drivers from testing the depth first,
-/// SMOOTH_EDGES, where alpha becomes samples, and MASK, where a face has one colour and the texture cuts it out.
-/// Colours as in VRML97 Tables 4.5 and 4.6.
+/// Fragment shader of meshes. Defines: those of the vertex shader. With TEXTURE also CUT_OUT, which prevents an early
+/// depth test; SMOOTH_EDGES, which turns alpha into sample coverage; and MASK, for faces of one colour that the texture
+/// cuts out. Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION
@@ -282,7 +282,7 @@ void main() {
 }
 )glsl";
 
-/// The two spheres of VRML97 6.5. `rings` holds colour and angle of the sky's rings, then of the ground's.
+/// Spheres of VRML97 6.5. `rings` holds colour and angle of the sky's rings, then of the ground's.
 inline constexpr char kBackgroundFragmentShader[] = R"glsl(
 uniform sampler2D rings;
 uniform ivec2 counts;  // sky, ground
@@ -314,7 +314,7 @@ void main() {
 }
 )glsl";
 
-/// A face of the panorama's cube (VRML97 6.5), four corners of a strip, infinitely far away.
+/// Face of the panorama's cube (VRML97 6.5): four corners of a strip, infinitely far away.
 inline constexpr char kPanoramaVertexShader[] = R"glsl(
 uniform mat3 camera_from_face;  // to the right, up and ahead in the picture
 uniform vec2 tangents, center;  // of half the angles of view, and of what is in the middle

@@ -9,7 +9,7 @@ namespace {
 
 constexpr GLenum kTextureMaxAnisotropy = 0x84FE;  // EXT_texture_filter_anisotropic
 constexpr float kAnisotropy = 8;
-constexpr std::size_t kOfMasks = 4;  // the first sampler
+constexpr std::size_t kOfMasks = 4;  // index of the first sampler for masks
 
 bool can_be_uploaded(const Image& image) {
   return image.width > 0 && image.height > 0 && image.components >= 1 && image.components <= 4 &&
@@ -29,10 +29,12 @@ TextureStore::Alpha alpha_of(const Image& image) {
   return result;
 }
 
-/// The means of what each pixel covers of the image, half as large in each direction in which that has more than one
-/// pixel. Of an odd number of pixels each of the fewer ones covers parts of three.
+/// Halves the image in each direction with more than one pixel, by exact area averages. For odd sizes, each output
+/// pixel covers parts of three.
 Image halved(const Image& image) {
-  struct Cover {  // of one pixel along one direction: the first of up to three, and how much of each, of `whole`
+  // Source of one pixel in one direction: the first of up to three source pixels, and their weights, relative to
+  // `whole`.
+  struct Cover {
     std::size_t first;
     std::array<std::uint32_t, 3> weights;
   };
@@ -97,7 +99,7 @@ TextureStore::TextureStore(const Gl& gl) : gl_(gl) {
 
 const TextureStore::Entry* TextureStore::find(const std::shared_ptr<const Image>& image) {
   Entry& entry = entries_[image.get()];
-  if (entry.image.expired()) {  // new, or another image lay at the same address
+  if (entry.image.expired()) {  // new, or the address was reused by another image
     entry = {};
     entry.image = image;
     if (can_be_uploaded(*image)) upload(*image, entry);
@@ -161,7 +163,7 @@ void TextureStore::upload(const Image& given, Entry& entry) {
   }
   entry.alpha = alpha_of(given);
   entry.intensity = given.components <= 2;
-  // The picture of a movie takes the place of the one before.
+  // A movie frame replaces the previous one in place.
   const bool in_place = entry.texture && entry.width == image->width && entry.height == image->height &&
                         entry.components == image->components;
   entry.version = given.version;
@@ -194,7 +196,7 @@ void TextureStore::upload(const Image& given, Entry& entry) {
   };
   fill(0);
   if (gl_.software) {
-    // Drivers on the processor compile a shader for that and draw with it: ten times as long.
+    // Software drivers compile a shader for mipmaps and draw with it, which takes ten times as long.
     GLint level = 0;
     while (image->width > 1 || image->height > 1) {
       Image half = halved(*image);

@@ -27,8 +27,8 @@ constexpr std::array<ImageFormat, 14> kImageFormats = {{
     {"AVI"sv, "RIFF"sv, decode_movie},
     {"Matroska"sv, "\x1a\x45\xdf\xa3"sv, decode_movie},
     {"Ogg"sv, "OggS"sv, decode_movie},
-    {"ISO media"sv, ""sv, decode_movie},  // its mark stands behind its first number
-    {"Targa"sv, ""sv, decode_targa},      // has no mark, so it is the last one
+    {"ISO media"sv, ""sv, decode_movie},  // its signature comes after a length field
+    {"Targa"sv, ""sv, decode_targa},      // without a signature, therefore last
 }};
 
 std::string hexadecimal(std::span<const std::byte> bytes) {
@@ -72,7 +72,7 @@ std::span<const ImageFormat> image_formats() { return kImageFormats; }
 
 std::optional<ImageError> refuse_size(const char* format, std::uint64_t width, std::uint64_t height,
                                       const ImageLimits& limits) {
-  // No picture of a world is that long; libpng's own row buffers stay small by it.
+  // Larger than any practical image; keeps libpng's row buffers small.
   constexpr std::uint64_t kMaxSide = 1'000'000;
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   if (width == 0 || height == 0)
@@ -150,7 +150,7 @@ std::variant<ImageDifference, ImageError> compare(const Image& a, const Image& b
                       " and " + std::to_string(b.width) + "x" + std::to_string(b.height)};
 
   ImageDifference difference;
-  // Different kinds are compared as what they look like: RGBA, opaque where there is no alpha.
+  // Different formats are compared by their appearance as RGBA, opaque without alpha.
   const bool alike = a.components == b.components;
   const std::size_t components = alike ? a.components : 4;
   const std::size_t pixels = std::size_t{a.width} * a.height;

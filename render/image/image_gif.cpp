@@ -9,13 +9,13 @@
 namespace gs::render {
 namespace {
 
-/// The bytes of the file. While pixels are read, a file that ends early looks to giflib as if its last
-/// block were just as long as what is left, and then the picture ends: so every whole row is kept.
+/// Bytes of the file. If they end inside the pixels, giflib sees a last block of just the remaining length and then the
+/// end of the picture, so every complete row is kept.
 struct GifSource {
   std::span<const std::byte> bytes;
   std::size_t position = 0;
   bool in_pixels = false;
-  bool length_next = true;  // of the sub-blocks: a length, then that many bytes
+  bool length_next = true;  // position in the sub-blocks: a length, then that many bytes
 
   [[nodiscard]] std::size_t left() const { return bytes.size() - position; }
 
@@ -51,7 +51,7 @@ ImageError gif_error(int code) {
   return {std::string("broken GIF: ") + (text ? text : "the data end too early")};
 }
 
-/// Reads extensions up to the first picture; the index that is transparent, or -1, in `transparent`.
+/// Reads extensions up to the first picture. Sets `transparent` to the transparent index, or -1.
 std::optional<ImageError> find_first_picture(GifFileType& gif, int& transparent) {
   transparent = NO_TRANSPARENT_COLOR;
   while (true) {
@@ -71,7 +71,7 @@ std::optional<ImageError> find_first_picture(GifFileType& gif, int& transparent)
   }
 }
 
-/// How a picture's palette becomes components: VRML97 4.6.11.2, as for PNG.
+/// Palette converted to components by VRML97 4.6.11.2, as for PNG.
 struct Palette {
   std::uint32_t components = 0;
   std::array<std::array<std::uint8_t, 4>, 256> entries{};  // indices beyond the table are black
@@ -96,7 +96,7 @@ Palette make_palette(const ColorMapObject& map, int transparent, bool needs_alph
   return palette;
 }
 
-/// Where the picture is made smaller, one pixel of a square stands for all.
+/// Writes a row. In a reduced image, one pixel of each square represents it.
 void put_row(Image& image, const GifImageDesc& frame, std::uint32_t y, const std::vector<GifPixelType>& line,
              const Palette& palette) {
   const std::uint32_t step = image.reduction, row = static_cast<std::uint32_t>(frame.Top) + y;
@@ -110,7 +110,7 @@ void put_row(Image& image, const GifImageDesc& frame, std::uint32_t y, const std
   }
 }
 
-/// The rows in the order in which the file has them.
+/// Returns the rows in file order.
 std::vector<std::uint32_t> row_order(const GifImageDesc& frame) {
   const auto height = static_cast<std::uint32_t>(frame.Height);
   std::vector<std::uint32_t> rows;
@@ -143,7 +143,7 @@ DecodedImage decode_gif(std::span<const std::byte> bytes, const ImageLimits& lim
   const ColorMapObject* map = frame.ColorMap ? frame.ColorMap : gif->SColorMap;
   if (!map || !map->Colors) return ImageError{"broken GIF: no palette; expected a global or a local colour table"};
 
-  // What the first picture leaves free of the canvas is transparent, as browsers show it.
+  // Canvas outside the first picture is transparent, as in browsers.
   const bool covers = frame.Left == 0 && frame.Top == 0 && static_cast<std::uint64_t>(frame.Width) >= width &&
                       static_cast<std::uint64_t>(frame.Height) >= height;
   const Palette palette = make_palette(*map, transparent, transparent != NO_TRANSPARENT_COLOR || !covers);

@@ -11,12 +11,12 @@
 namespace gs::render {
 namespace {
 
-constexpr int kMaxScans = 100;  // a hostile progressive file may hold thousands, each a walk over the picture
+constexpr int kMaxScans = 100;  // a hostile progressive file may contain thousands, each a pass over the image
 constexpr int kMaxBrokenScans = 8;
 constexpr std::uint32_t kAllRows = std::numeric_limits<std::uint32_t>::max();
 
-/// What the callbacks of libjpeg share with us. libjpeg leaves its functions by longjmp, so everything
-/// that must be freed lives here or in the caller, and the functions with a setjmp have only plain locals.
+/// State shared with the callbacks of libjpeg. libjpeg leaves functions by longjmp, so resources are owned here or by
+/// the caller; functions with setjmp have only trivial locals.
 struct JpegReader {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -25,14 +25,14 @@ struct JpegReader {
   std::jmp_buf escape{};
   char message[JMSG_LENGTH_MAX] = "unknown error";
   bool created = false;
-  bool ran_out = false;  // of bytes
+  bool ran_out = false;  // the bytes ended
   int broken_scans = 0, last_broken_scan = 0;
-  std::uint32_t whole_rows = kAllRows;  // rows of which all data came
-  std::uint32_t components = 0;         // as we keep them
+  std::uint32_t whole_rows = kAllRows;  // rows with complete data
+  std::uint32_t components = 0;         // of our image
   std::uint32_t reduction = 1;          // by libjpeg: 1, 2, 4 or 8
-  RowReducer* reducer = nullptr;        // takes the rows, where that is not enough
+  RowReducer* reducer = nullptr;        // receives the rows if a further reduction is needed
   const ImageLimits* limits = nullptr;
-  std::uint8_t* line = nullptr;  // one row as libjpeg hands it out, where it differs from ours
+  std::uint8_t* line = nullptr;  // one row in libjpeg's format if that differs from ours
   std::uint8_t* pixels = nullptr;
 
   JpegReader() = default;
@@ -56,7 +56,7 @@ void on_error(j_common_ptr jpeg) {
   std::longjmp(reader.escape, 1);
 }
 
-/// Warnings come here. libjpeg fills what is missing with grey; we want to know where that begins.
+/// Receives warnings. libjpeg fills missing data with grey; this records where that begins.
 void on_message(j_common_ptr common, int level) {
   if (level >= 0) return;
   ++common->err->num_warnings;
@@ -77,7 +77,7 @@ void on_progress(j_common_ptr common) {
 
 void ignore(j_decompress_ptr) {}
 
-/// All bytes are there from the start: being asked for more means that the file is truncated.
+/// All bytes are present from the start, so a request for more means a truncated file.
 boolean fill_with_end(j_decompress_ptr jpeg) {
   static const JOCTET kEnd[] = {0xFF, JPEG_EOI};
   jpeg->src->next_input_byte = kEnd;
@@ -147,7 +147,7 @@ bool start(JpegReader& reader) {
   return true;
 }
 
-/// Adobe's files hold inks inverted: 255 is no ink.
+/// Converts CMYK; Adobe's files store inverted inks: 255 means no ink.
 void rgb_of_cmyk(const std::uint8_t* cmyk, std::uint8_t* rgb, std::uint32_t width, bool inverted) {
   for (std::uint32_t x = 0; x < width; ++x, cmyk += 4, rgb += 3) {
     const unsigned black = inverted ? cmyk[3] : 255u - cmyk[3];
@@ -158,7 +158,7 @@ void rgb_of_cmyk(const std::uint8_t* cmyk, std::uint8_t* rgb, std::uint32_t widt
   }
 }
 
-/// Rows of libjpeg's result of which all data came.
+/// Returns the number of output rows with complete data.
 std::uint32_t whole_rows(const JpegReader& reader) {
   return reader.whole_rows == kAllRows ? kAllRows : reader.whole_rows / reader.reduction;
 }
@@ -178,7 +178,7 @@ bool read_rows(JpegReader& reader) {
   return true;
 }
 
-/// Why a picture that is decoded as a whole before its first row comes does not get the memory for that.
+/// Returns an error if an image that must be decoded as a whole needs too much memory.
 std::optional<ImageError> refuse_coefficients(JpegReader& reader, const ImageLimits& limits) {
   const std::uint64_t bytes = std::uint64_t{reader.jpeg.image_width} * reader.jpeg.image_height *
                               static_cast<std::uint64_t>(reader.jpeg.num_components) * sizeof(JCOEF);
@@ -190,7 +190,7 @@ std::optional<ImageError> refuse_coefficients(JpegReader& reader, const ImageLim
 
 ImageError jpeg_error_of(const JpegReader& reader) { return {std::string("broken JPEG: ") + reader.message}; }
 
-/// Where the last marker begins, leaving out those inside of scans; 0 when there is none.
+/// Returns the position of the last marker outside scans; 0 if there is none.
 std::size_t last_marker(std::span<const std::byte> bytes) {
   for (std::size_t i = bytes.size() < 2 ? 0 : bytes.size() - 2; i > 0; --i) {
     const auto code = static_cast<unsigned>(bytes[i + 1]);
@@ -237,7 +237,7 @@ DecodedImage decode_once(std::span<const std::byte> bytes, const ImageLimits& li
   if (!finished && reader.jpeg.output_scanline == 0) return jpeg_error_of(reader);
   if (reader.whole_rows == 0) return ImageError{"broken JPEG: the data end before the first rows of the picture"};
   if (whole_rows(reader) / rest < image.height) {
-    // Rows of libjpeg's filler may have been written before it said so.
+    // libjpeg may have written filler rows before it reported the problem.
     const std::size_t kept = std::size_t{image.width} * image.components * (whole_rows(reader) / rest);
     std::memset(image.pixels.data() + kept, 0, image.pixels.size() - kept);
   }
@@ -247,8 +247,8 @@ DecodedImage decode_once(std::span<const std::byte> bytes, const ImageLimits& li
 }  // namespace
 
 DecodedImage decode_jpeg(std::span<const std::byte> bytes, const ImageLimits& limits) {
-  // A progressive file may end inside the tables of a later scan, which libjpeg takes for an error; without
-  // them the scans before are a coarse picture. Tables may hold what looks like a marker: hence the tries.
+  // A progressive file may end inside the tables of a later scan, which libjpeg treats as an error; without them, the
+  // earlier scans are a coarse image. Tables may contain bytes that look like a marker, hence several tries.
   constexpr int kTries = 4;
   for (int attempt = 1;; ++attempt) {
     bool cut_in_marker = false;

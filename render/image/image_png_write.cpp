@@ -15,9 +15,8 @@
 #include <utility>
 #include <vector>
 
-// PNG (ISO/IEC 15948) as the others of the room write it, but for the threads: strips of rows are filtered and
-// compressed side by side, each as deflate blocks that end at a byte and refer to nothing before, so that they stand
-// one behind the other.
+// Writes PNG (ISO/IEC 15948) on several threads. Strips of rows are filtered and compressed in parallel, as deflate
+// blocks that end on a byte and have no references to earlier data, so that they can be concatenated.
 namespace gs::render {
 namespace {
 
@@ -32,7 +31,7 @@ std::uint8_t paeth(int left, int up, int corner) {
                                                                                     : corner);
 }
 
-/// `row` and `above` have `pixel` zeros in front of their first byte.
+/// `row` and `above` have `pixel` zero bytes before their first byte.
 void filter_row(RowFilter filter, const std::uint8_t* row, const std::uint8_t* above, std::size_t count,
                 std::size_t pixel, std::uint8_t* to) {
   const std::uint8_t *left = row - pixel, *corner = above - pixel;
@@ -53,9 +52,9 @@ void filter_row(RowFilter filter, const std::uint8_t* row, const std::uint8_t* a
   }
 }
 
-/// How badly bytes compress, as libpng guesses it: the sum of how far they are from 0.
+/// Estimates how badly bytes compress, by libpng's heuristic: the sum of their distances from 0.
 std::size_t row_roughness(const std::vector<std::uint8_t>& bytes) {
-  std::uint32_t sum = 0;  // of fewer than 2^25 bytes, each 128 at most
+  std::uint32_t sum = 0;  // of fewer than 2^25 bytes, each at most 128
   for (const std::uint8_t byte : bytes) sum += std::min(byte, static_cast<std::uint8_t>(-byte));
   return sum;
 }
@@ -70,9 +69,9 @@ void compress_strip(const std::vector<std::uint8_t>& filtered, bool last, PngStr
   strip.bytes = filtered.size();
   strip.checksum = adler32(adler32(0, nullptr, 0), filtered.data(), static_cast<uInt>(filtered.size()));
   z_stream stream{};
-  // A third of the time of the defaults, for files larger by a tenth (docs/benchmarks.md).
+  // A third of the time of the defaults, for files a tenth larger (docs/benchmarks.md).
   if (deflateInit2(&stream, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_RLE) != Z_OK) throw std::bad_alloc();
-  constexpr std::size_t kFlush = 64;  // what the end of the blocks may take
+  constexpr std::size_t kFlush = 64;  // bytes for the end of the blocks
   try {
     strip.compressed.resize(deflateBound(&stream, static_cast<uLong>(filtered.size())) + kFlush);
   } catch (...) {
@@ -88,11 +87,11 @@ void compress_strip(const std::vector<std::uint8_t>& filtered, bool last, PngStr
   deflateEnd(&stream);
 }
 
-/// `before`: the row above the image; empty: none.
+/// `before` is the row above the image; empty if there is none.
 PngStrip encode_strip(const Image& image, std::size_t first, std::size_t end, bool last,
                       const std::vector<std::uint8_t>& before) {
   const std::size_t pixel = image.components, count = std::size_t{image.width} * pixel;
-  // Zeros stand for what is left of the first pixel and above the first row.
+  // Zeros represent the pixels left of the first column and above the first row.
   std::vector<std::uint8_t> above(pixel + count), row(pixel + count), filtered;
   filtered.reserve((end - first) * (count + 1));
   const auto load = [&](std::size_t y, std::vector<std::uint8_t>& to) {
@@ -151,13 +150,13 @@ class PngChunks {
 
 PngWriter::PngWriter(std::uint32_t width, std::uint32_t height, std::uint32_t components, double dots_per_inch)
     : width_(width), height_(height), components_(components) {
-  // A strip is to fit into what zlib counts with, and a chunk into what PNG does.
+  // A strip must fit zlib's counters, and a chunk those of PNG.
   constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
   good_ =
       components >= 1 && components <= 4 && width > 0 && height > 0 && width < kMost / 4 / kStripRows && height < kMost;
   if (!good_) return;
   static constexpr std::array<unsigned char, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  static constexpr std::array<unsigned char, 4> kColorTypes = {0, 4, 2, 6};  // grey, with alpha, RGB, with alpha
+  static constexpr std::array<unsigned char, 4> kColorTypes = {0, 4, 2, 6};  // grey, grey with alpha, RGB, RGBA
   PngChunks writer(bytes_);
   writer.bytes(kSignature.data(), kSignature.size());
   writer.begin("IHDR", 13);

@@ -1,4 +1,4 @@
-// Pictures of the kinds that VRML97 does not ask for and real worlds name: Windows bitmaps, portable pixmaps, Targa.
+// Decoders of formats that VRML97 does not require but real worlds use: Windows bitmaps, portable pixmaps, Targa.
 #include "render/image/image_codecs.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-// Compiled in here, with these decoders only and without files.
+// Compiled here with only these decoders and without file access.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_BMP
@@ -53,7 +53,7 @@ DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& lim
   if (components < 1 || components > 4) return failure();
   const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
   if (auto refused = refuse_size(kName, columns, rows, limits)) return std::move(*refused);
-  // The decoder holds all of it, and for some kinds a second time while it changes the order of the rows.
+  // The decoder holds the whole image, and for some formats a second copy while it reorders rows.
   const std::uint64_t all = std::uint64_t{columns} * rows * static_cast<unsigned>(components);
   if (all > limits.working_bytes / 2) return ImageError{"it is too large to be decoded"};
   const std::unique_ptr<stbi_uc, Freer> pixels(stbi_load_from_memory(data, size, &width, &height, &components, 0));
@@ -73,7 +73,7 @@ DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& lim
 }
 
 bool is_targa(std::span<const std::byte> bytes) {
-  // Without a mark at its beginning: what its head says has to make sense.
+  // There is no signature, so the header must be plausible.
   if (bytes.size() < 18) return false;
   const auto at = [&](std::size_t i) { return static_cast<unsigned>(bytes[i]); };
   const unsigned map = at(1), kind = at(2), bits = at(16);

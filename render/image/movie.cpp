@@ -15,11 +15,11 @@ namespace gs::render {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kSpan = 1;  // seconds that are decoded at a time, backwards
+constexpr double kSpan = 1;  // seconds decoded at a time when going backwards
 constexpr double kBeforeJump =
-    1.5;                           // before what is looked for: pictures behind a jump may refer to what lies before it
-constexpr double kFarAhead = 10;   // seconds: beyond, it is jumped to
-constexpr double kUsualRate = 25;  // pictures a second, of a movie that does not say
+    1.5;  // seconds before the target at which decoding starts: frames after a seek may refer to earlier ones
+constexpr double kFarAhead = 10;   // seconds; for larger distances it seeks
+constexpr double kUsualRate = 25;  // frames per second if the movie specifies none
 
 }  // namespace
 
@@ -59,14 +59,14 @@ struct Movie::State {
   double start = 0, last_time = -1;  // seconds
   std::string problem;
   bool over = false;
-  // Of `at`: the picture in `frame`, and the time of that in `following`; kNever: there is none.
+  // State of `at`: time of `frame`, and of the next frame in `following`; kNever if there is none.
   double frame_time = 0, following_time = -1;
-  bool begun = false, kept_first = false;  // kept_first: the first of the kept ones is the movie's
-  std::deque<Frame> kept;                  // the last one is that in `frame`, if it was wanted
+  bool begun = false, kept_first = false;  // kept_first: the first cached frame is the movie's first
+  std::deque<Frame> kept;                  // the last one is that in `frame`, if it was requested
   std::size_t kept_bytes = 0;
 };
 
-// At the front.
+// Opens the movie at its beginning.
 std::optional<ImageError> Movie::State::open() {
   const Libav& av = libav();
   close();
@@ -93,7 +93,7 @@ std::optional<ImageError> Movie::State::open() {
   return std::nullopt;
 }
 
-// False at the end, with `problem` where there is an error.
+// Decodes the next frame. Returns false at the end, and on errors, with the reason in `problem`.
 bool Movie::State::decode(AVFrame& into, double& time) {
   if (over || !input.decode(stream, *decoder, into, problem)) {
     over = true;
@@ -133,7 +133,7 @@ std::variant<Image, ImageError> Movie::State::picture() {
     scaler = av.sws_getContext(
         frame->width, frame->height, from, static_cast<int>(image.width), static_cast<int>(image.height), to,
         image.reduction > 1 ? SWS_AREA : SWS_BICUBIC | SWS_ACCURATE_RND, nullptr, nullptr, nullptr);
-    // What says nothing of its colours is as movies were when worlds were made: ITU-R BT.601.
+    // Without colour information, use ITU-R BT.601, as for movies of that time.
     if (scaler && frame->colorspace == AVCOL_SPC_BT709) {
       const int* const table = av.sws_getCoefficients(SWS_CS_ITU709);
       constexpr int kOne = 1 << 16;
@@ -145,7 +145,7 @@ std::variant<Image, ImageError> Movie::State::picture() {
   scaled_width = frame->width;
   scaled_height = frame->height;
   scaled_format = frame->format;
-  // Rows are written by whole vectors: room for the last one.
+  // Rows are written in whole vectors; reserve room for the last one.
   constexpr std::size_t kBeyond = 64;
   const std::size_t row = std::size_t{image.width} * image.components, size = row * image.height;
   image.pixels.resize(size + kBeyond);
@@ -158,9 +158,9 @@ std::variant<Image, ImageError> Movie::State::picture() {
   return image;
 }
 
-// ---- The picture at a time
+// ---- Random access by time
 
-// To the front, or to a key picture before `seconds`.
+// Seeks to the start, or to a key frame before `seconds`.
 std::optional<ImageError> Movie::State::go_to(double seconds) {
   const Libav& av = libav();
   const double wanted = seconds - kBeforeJump;
@@ -203,7 +203,7 @@ std::optional<ImageError> Movie::State::keep() {
   return std::nullopt;
 }
 
-// Until the picture that follows is later; pictures of `keep_from` on are kept.
+// Advances until the next frame is later than `seconds`; caches frames from `keep_from` on.
 std::optional<ImageError> Movie::State::advance(double seconds, double keep_from) {
   const Libav& av = libav();
   const bool from_front = kept_first && kept.empty();
@@ -255,7 +255,7 @@ std::variant<const Movie::Frame*, ImageError> Movie::at(double seconds) {
   return found;
 }
 
-// ---- One after the other
+// ---- Sequential access
 
 Movie::Movie(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Movie::~Movie() = default;

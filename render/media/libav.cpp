@@ -5,7 +5,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostAtOnce = std::size_t{1} << 29;  // bytes that it may ask for
+constexpr std::size_t kMostAtOnce = std::size_t{1} << 29;  // bytes per allocation
 
 }  // namespace
 

@@ -27,7 +27,7 @@ constexpr std::array<MediaContainer, 13> kContainers = {{
     {"MPEG audio", {0, "\xff"sv}, {}, "mp3", false, true},  // see is_mpeg_audio
 }};
 
-/// Decoders that worlds have a use for; of the others, which are many and old, nobody is asked.
+/// Decoders that worlds use. All others, many of them old, are disabled.
 constexpr const char* kDecoders =
     "mpeg1video,mpeg2video,mpeg4,mjpeg,h263,h264,hevc,vp8,vp9,libdav1d,theora,cinepak,indeo2,indeo3,indeo4,indeo5,"
     "msmpeg4v1,msmpeg4v2,msmpeg4,msrle,msvideo1,qtrle,rpza,smc,svq1,svq3,rawvideo,gif,"
@@ -35,7 +35,8 @@ constexpr const char* kDecoders =
     "pcm_s24be,pcm_s32le,pcm_s32be,pcm_f32le,pcm_f32be,pcm_f64le,pcm_f64be,pcm_alaw,pcm_mulaw,adpcm_ms,adpcm_ima_wav,"
     "adpcm_ima_qt,adpcm_yamaha,gsm_ms";
 
-// Eleven bits set, a version, a layer, a rate and a sampling rate that there are (ISO/IEC 11172-3, 2.4.2.3).
+// Detects an MPEG audio header: eleven set bits and valid version, layer, bit rate and sampling rate (ISO/IEC 11172-3,
+// 2.4.2.3).
 bool is_mpeg_audio(std::span<const std::byte> bytes) {
   if (bytes.size() < 4) return false;
   const auto byte = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
@@ -197,7 +198,7 @@ bool MediaInput::decode(int stream, AVCodecContext& decoder, AVFrame& frame, std
     }
     if (av.av_read_frame(format_, packet_) < 0) {
       if (std::exchange(drained_, true)) return false;
-      (void)av.avcodec_send_packet(&decoder, nullptr);  // what it still holds
+      (void)av.avcodec_send_packet(&decoder, nullptr);  // drains buffered frames
       continue;
     }
     if (packet_->stream_index == stream) (void)av.avcodec_send_packet(&decoder, packet_);
@@ -224,8 +225,8 @@ double MediaInput::begin_of(int stream) const {
 
 double MediaInput::measure(int stream) {
   const Libav& av = libav();
-  constexpr std::size_t kMostBytes = std::size_t{128} << 20;  // that are read through
-  constexpr double kLongest = 1e7;                            // seconds; what is longer is no number of anyone's
+  constexpr std::size_t kMostBytes = std::size_t{128} << 20;  // maximum bytes to scan
+  constexpr double kLongest = 1e7;                            // seconds; longer durations are invalid
   const AVStream& chosen = *format_->streams[stream];
   const double base = av_q2d(chosen.time_base);
   const double told = chosen.duration != AV_NOPTS_VALUE     ? static_cast<double>(chosen.duration) * base
@@ -246,7 +247,7 @@ double MediaInput::measure(int stream) {
       av.av_packet_unref(packet_);
     }
     const double found = all_timed ? end : sum;
-    // How long the last picture is to be seen, packets do not always tell.
+    // Packets do not always give the duration of the last frame.
     constexpr double kLastPicture = 1;
     const bool longer = chosen.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && container_.timed && told > found &&
                         told < found + kLastPicture;

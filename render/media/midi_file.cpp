@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-// Standard MIDI files: chunks of 4 letters and a length, tracks of delta times and messages.
+// Reads standard MIDI files: chunks of 4 letters and a length, tracks of delta times and messages.
 namespace gs::render {
 namespace {
 
@@ -16,7 +16,7 @@ constexpr double kLongestSong = 1e6;  // seconds
 struct Cursor {
   std::span<const std::byte> bytes;
   std::size_t at = 0;
-  bool over = false;  // something was expected behind the end
+  bool over = false;  // data was missing at the end
 
   std::uint8_t byte() {
     if (at >= bytes.size()) {
@@ -30,7 +30,7 @@ struct Cursor {
     for (int i = 0; i < count; ++i) value = value << 8 | byte();
     return value;
   }
-  // Of 7 bits a byte, at most 4 bytes.
+  // Reads a variable-length number: 7 bits per byte, at most 4 bytes.
   std::uint32_t length() {
     std::uint32_t value = 0;
     for (int i = 0; i < 4; ++i) {
@@ -53,11 +53,11 @@ struct Cursor {
 struct Timed {
   std::uint64_t tick;
   std::uint32_t order;
-  std::uint32_t tempo;  // microseconds a quarter; 0: a message
+  std::uint32_t tempo;  // microseconds per quarter note; 0 means a message
   MidiEvent event;
 };
 
-// False: there are more than may be.
+// Returns false if there are too many events.
 bool read_track(std::span<const std::byte> bytes, std::vector<Timed>& events, std::uint64_t& last) {
   Cursor at{bytes};
   std::uint64_t tick = 0;
@@ -111,12 +111,12 @@ std::variant<MidiSong, MediaError> read_midi(std::span<const std::byte> bytes) {
   Cursor at{bytes, 4};
   const std::uint32_t header = at.number(4);
   const std::uint32_t type = at.number(2);
-  (void)at.number(2);  // tracks, as it says; those that are there count
+  (void)at.number(2);  // declared number of tracks; the actual chunks count
   const std::uint32_t division = at.number(2);
   if (at.over || header < 6) return wrong("expected a header of 6 bytes");
   if (type > 1) return wrong("expected type 0 or 1, found " + std::to_string(type));
   (void)at.take(header - 6);
-  // Ticks a quarter; or frames a second, negative, and ticks a frame.
+  // Ticks per quarter note; or negative frames per second and ticks per frame.
   const double frames = 256.0 - (division >> 8), ticks = division & 0xff;
   const bool by_frames = (division & 0x8000) != 0;
   if (division == 0 || (by_frames && ticks == 0)) return wrong("expected a division of time");

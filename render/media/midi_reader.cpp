@@ -12,7 +12,7 @@
 namespace gs::render {
 namespace {
 
-/// What is called of FluidSynth 2 or 3, as its manual declares it: opened when the first MIDI file is played.
+/// Functions of FluidSynth 2 or 3 as declared in its manual, opened for the first MIDI file.
 struct FluidSynth {
   using Settings = void;
   using Synth = void;
@@ -80,7 +80,7 @@ const FluidSynth& fluid_synth() {
   return library;
 }
 
-/// Where Debian puts sound fonts of General MIDI, the system's choice first.
+/// Debian's paths of General MIDI sound fonts, the system default first.
 constexpr std::array<const char*, 5> kSoundFonts = {
     "/usr/share/sounds/sf3/default-GM.sf3", "/usr/share/sounds/sf2/default-GM.sf2",
     "/usr/share/sounds/sf2/FluidR3_GM.sf2", "/usr/share/sounds/sf2/TimGM6mb.sf2", "/usr/share/soundfonts/default.sf2"};
@@ -94,7 +94,7 @@ class MidiReader final : public SampleReader {
     if (settings_) fluid.delete_fluid_settings(settings_);
   }
 
-  /// What is missing; empty: nothing.
+  /// Returns the missing part; empty on success.
   std::string open() {
     const FluidSynth& fluid = fluid_synth();
     if (!fluid.problem.empty()) return fluid.problem;
@@ -137,7 +137,7 @@ class MidiReader final : public SampleReader {
     (void)fluid_synth().fluid_synth_system_reset(synth_);
     const double to = std::isfinite(seconds) ? std::clamp(seconds, 0.0, song_.duration) : 0;
     at_ = static_cast<std::uint64_t>(std::llround(to * rate_));
-    // What was set before holds; notes that began before are not heard.
+    // Replays earlier settings; notes that began earlier stay silent.
     for (next_ = 0; next_ < song_.events.size() && sample_of(song_.events[next_]) < at_; ++next_)
       play(song_.events[next_], false);
   }
@@ -185,8 +185,8 @@ class MidiReader final : public SampleReader {
   double rate_;
   FluidSynth::Settings* settings_ = nullptr;
   FluidSynth::Synth* synth_ = nullptr;
-  std::size_t next_ = 0;  // of the events
-  std::uint64_t at_ = 0;  // pairs since the start
+  std::size_t next_ = 0;  // index of the next event
+  std::uint64_t at_ = 0;  // sample pairs since the start
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 constexpr int kMostChannels = 8;
 constexpr int kHighestRate = 768'000;
 
-/// The sample of a channel as a number of about -1 to 1.
+/// Returns a channel's sample as a number from about -1 to 1.
 float value_of_sample(const AVFrame& frame, bool planar, int channels, int channel, int index) {
   const std::uint8_t* plane = planar ? frame.extended_data[channel] : frame.extended_data[0];
   const std::size_t at =
@@ -43,15 +43,15 @@ float value_of_sample(const AVFrame& frame, bool planar, int channels, int chann
   }
 }
 
-/// What each channel gives to the left and right, in the order of FFmpeg's usual layouts: left, right, centre, low,
-/// back or side left, right, and so on.
+/// Mixing weights of each channel for left and right, in FFmpeg's usual order: left, right, centre, low, back or side
+/// left, back or side right, and so on.
 struct Fold {
   float left, right;
 };
 constexpr Fold kFolds[kMostChannels] = {{1, 0},       {0, 1},       {0.7071f, 0.7071f}, {0, 0},
                                         {0.7071f, 0}, {0, 0.7071f}, {0.7071f, 0},       {0, 0.7071f}};
 
-/// Sound that FFmpeg decodes.
+/// Sound decoded by FFmpeg.
 class LibavReader final : public SampleReader {
  public:
   LibavReader(std::span<const std::byte> bytes, const MediaContainer& container, std::function<bool()> stopped)
@@ -113,7 +113,7 @@ class LibavReader final : public SampleReader {
 
   void seek(double seconds) override {
     if (!decoder_) return;
-    constexpr double kBefore = 0.2;  // what decoders need to hear before what they give is right
+    constexpr double kBefore = 0.2;  // decoders need this much earlier input to be accurate
     constexpr double kLongest = 1e7;
     const double to = std::isfinite(seconds) ? std::clamp(seconds, 0.0, kLongest) : 0;
     wanted_ = static_cast<std::int64_t>(std::llround(to * rate_));
@@ -134,7 +134,7 @@ class LibavReader final : public SampleReader {
     if (decoder_) libav().avcodec_free_context(&decoder_);
   }
 
-  // The next stretch into samples_. False: there is none.
+  // Decodes the next block into samples_. Returns false if there is none.
   bool decode() {
     samples_.clear();
     next_ = 0;
@@ -169,8 +169,8 @@ class LibavReader final : public SampleReader {
     return false;
   }
 
-  // How far the stretch in frame_, the first behind a jump, is from what is wanted. False: it lies behind that by so
-  // much that it is better counted from the start.
+  // Computes the offset of the block in frame_, the first after a seek, from the target. Returns false if the block is
+  // so late that decoding from the start is better.
   bool find_place() {
     seeking_ = false;
     const std::int64_t stamp = frame_->best_effort_timestamp;
@@ -192,8 +192,8 @@ class LibavReader final : public SampleReader {
   double rate_ = 1;
   int channels_ = 1;
   std::vector<float> samples_;          // pairs
-  std::size_t next_ = 0;                // of samples_
-  std::size_t skip_ = 0, silence_ = 0;  // pairs, before what comes
+  std::size_t next_ = 0;                // index in samples_
+  std::size_t skip_ = 0, silence_ = 0;  // pairs to drop or insert before the next block
   bool seeking_ = false;
   std::int64_t wanted_ = 0;
 };
@@ -231,7 +231,7 @@ std::variant<MediaInfo, MediaError> examine_media(std::span<const std::byte> byt
   info.pictures = pictures >= 0;
   info.sound = sound >= 0;
   if (!info.pictures && !info.sound) return MediaError{input.error("it has neither pictures nor sound")};
-  // Decoded a little, so that what cannot be decoded is known for what it is.
+  // Decodes a few samples to detect unsupported content.
   if (!info.pictures) {
     auto opened = open_samples(bytes, 48000, stopped);
     if (auto* wrong = std::get_if<MediaError>(&opened)) return std::move(*wrong);
