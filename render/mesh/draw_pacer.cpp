@@ -6,10 +6,11 @@
 namespace gs::render {
 namespace {
 
-// The first slice of a frame may fill the whole target so many times: some tenths of a second of a software rasteriser.
+// Overdraw of the first slice: it may fill the whole target this many times, some tenths of a second in a software
+// rasterizer.
 constexpr std::size_t kFirstPixels = std::size_t{1} << 27;
 constexpr std::size_t kLargestSlice = std::size_t{1} << 24;
-// What a driver on the processor is to keep of a picture before it fills pixels: some megabytes.
+// Limit of data that a software driver stores before it fills pixels: some megabytes.
 constexpr std::size_t kSoftwareSlice = std::size_t{1} << 14;
 constexpr GLuint64 kLongestWait = 10'000'000'000;  // nanoseconds; a slice may fill the target many times
 constexpr std::chrono::milliseconds kShort{40}, kLong{150};

@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <utility>
 
-// Batches of items become calls of OpenGL.
+// Turns batches of items into OpenGL calls.
 namespace gs::render {
 namespace {
 
-// One frame draws no more than this: USE can ask for more than any driver ends in a day.
+// Maximum number of primitives per frame: USE can request more than any driver draws in a day.
 constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
 
 std::size_t corners_of(GLenum primitive) { return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1; }
 
 }  // namespace
 
-/// Where somebody measures, the first primitive that a program draws is drawn on its own: drivers compile for a state
-/// of drawing when they first draw with it. The instance that it belongs to is then drawn.
+/// When phases are measured, draws a program's first primitive separately, since drivers compile for a drawing state at
+/// the first draw. Afterwards the whole instance is drawn.
 void MeshPass::draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
                           DrawPacer& pacer) {
   const auto corners = static_cast<GLsizei>(corners_of(mesh.primitive));
@@ -33,7 +33,7 @@ void MeshPass::draw_first(const MeshStore::Slice& mesh, std::size_t& first, std:
   --count;
 }
 
-/// Instances of a mesh, `count` from `first` on, with pauses; as far as the pacer goes on.
+/// Draws `count` instances of a mesh from number `first`, in slices, until the pacer cancels.
 void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
                            DrawPacer& pacer) {
   while (count > 0 && !pacer.given_up()) {
@@ -46,7 +46,7 @@ void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives,
       count -= some;
       continue;
     }
-    // One instance is too much: a part of its primitives at a time.
+    // One instance is too large; draw parts of its primitives.
     const std::size_t corners = corners_of(mesh.primitive);
     MeshStore::Slice part = mesh;
     for (std::size_t drawn = 0; drawn < primitives && !pacer.given_up();) {
@@ -90,7 +90,7 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
   }
 }
 
-/// Of what has just been drawn: the edges of its triangles make it darker.
+/// Darkens the edges of the triangles just drawn.
 void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
   constexpr float kDarker = 0.45f;
   gl_.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <span>
 
-// Small texts, each of a few rectangles: as one draw, since a call of OpenGL takes longer than the corners of a label.
+// Merges small texts of a few rectangles each into one draw, since a call takes longer than the vertices of a label.
 namespace gs::render {
 namespace {
 
-/// The direction of a flat mesh in camera space, towards the viewer; as the vertex shader turns normals.
+/// Returns the normal of a flat mesh in camera space, towards the viewer, as the vertex shader transforms normals.
 glm::vec3 facing_normal(const vrml::Mesh& mesh, const float (&rows)[3][4], const glm::vec3& center) {
   glm::vec3 x(rows[0][0], rows[0][1], rows[0][2]), y(rows[1][0], rows[1][1], rows[1][2]),
       z(rows[2][0], rows[2][1], rows[2][2]);
@@ -37,8 +37,8 @@ bool MeshPass::find_glyphs() {
   return glyphs_ != nullptr;
 }
 
-/// Prepares a text whose pixels all have one colour, so that it needs no light and none of its own instance; its mesh
-/// is not uploaded. False where it is no such text.
+/// Prepares a text whose pixels have a single colour, so that it needs neither lights nor an instance; its mesh is not
+/// uploaded. Returns false for other texts.
 bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float radius, const glm::vec3& origin,
                             Prepared& prepared) {
   const vrml::Mesh& mesh = *item.mesh;
@@ -80,7 +80,7 @@ void MeshPass::add_text(const Prepared& prepared) {
   room(text_indices_, text_index_count_ + corners);
   const glm::vec3* positions = mesh.positions.data();
   const glm::vec2* places = mesh.texture_coordinates.data();
-  // Copies: floats that are written might be any others.
+  // Local copies, since written floats might alias the members.
   const auto row = [&](int axis) {
     const auto& r = prepared.instance.camera_from_node[axis];
     return glm::vec4(r[0], r[1], r[2], r[3]);
@@ -103,8 +103,8 @@ void MeshPass::add_text(const Prepared& prepared) {
   text_index_count_ += corners;
 }
 
-/// Triangles of the texts in camera space, those of one layer and state as one slice, the nearest first; behind all
-/// instances that which leaves them where they are.
+/// Transforms the triangles of the texts to camera space, one slice per layer and state, nearest first. Appends an
+/// identity instance for them.
 void MeshPass::merge_texts() {
   text_vertex_count_ = text_index_count_ = 0;
   text_slices_.clear();

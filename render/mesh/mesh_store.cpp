@@ -10,16 +10,16 @@ namespace gs::render {
 namespace {
 
 constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4;
-// Larger meshes get a page of their own, exactly as large as they are.
+// Larger meshes get a page of exactly their size.
 constexpr std::size_t kLargestShared = 16 * 1024;
 constexpr std::size_t kSmallestPage = 8 * 1024, kLargestPage = 256 * 1024;  // vertices
 constexpr std::size_t kIndicesPerVertex = 6;                                // of a page; a closed surface has about 6
 
-// Attribute locations; shaders.h names them alike.
+// Attribute locations, as named in shaders.h.
 enum Location : GLuint { kPosition, kNormal, kColor, kTextureCoordinate, kFirstInstance };
 constexpr GLuint kInstanceVectors = sizeof(Instance) / (4 * sizeof(float));
 
-/// One of the arrays of a vertex buffer: all positions lie in front, then all normals, ...
+/// One array of a vertex buffer; the buffer contains all positions, then all normals, and so on.
 struct ArrayPlace {
   Location location;
   GLint components;
@@ -66,7 +66,7 @@ bool indices_in_range(const vrml::Mesh& mesh) {
 }  // namespace
 
 glm::vec3 local_origin(const vrml::Bounds& bounds) {
-  constexpr float kFar = 8;  // times the half extent: near enough for the differences to be exact
+  constexpr float kFar = 8;  // times the half extent; below, differences are exact
   if (bounds.empty()) return glm::vec3(0);
   const glm::vec3 center = bounds.center(), half = bounds.size() * 0.5f;
   const float extent = std::max({half.x, half.y, half.z});
@@ -75,13 +75,13 @@ glm::vec3 local_origin(const vrml::Bounds& bounds) {
 }
 
 MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)) {
-  // What meshes without colours have for them: w = 0, where an array of three components has 1.
+  // Value for meshes without colours: w = 0, whereas arrays of three components have w = 1.
   gl.VertexAttrib4f(kColor, 0, 0, 0, 0);
 }
 
 const MeshStore::Slice* MeshStore::find(const std::shared_ptr<const vrml::Mesh>& mesh) {
   Entry& entry = entries_[mesh.get()];
-  // An expired entry belonged to another mesh that lay at the same address.
+  // An expired entry belonged to another mesh at the same address.
   if (entry.mesh.expired()) {
     release(entry);
     entry.mesh = mesh;
@@ -136,7 +136,7 @@ bool MeshStore::place(unsigned format, std::size_t vertices, std::size_t indices
     if (!add_page(format, vertices, indices)) return false;
     return place_in(bound_page_, vertices, indices, entry);
   }
-  std::size_t largest = 0;  // page of this format so far: the next one is twice as large
+  std::size_t largest = 0;  // largest page of this format; the next one is twice as large
   for (std::uint32_t i = 0; i < pages_.size(); ++i) {
     if (!pages_[i] || pages_[i]->format != format || pages_[i]->vertices > kLargestPage) continue;
     largest = std::max(largest, pages_[i]->vertices);
@@ -148,7 +148,7 @@ bool MeshStore::place(unsigned format, std::size_t vertices, std::size_t indices
   return place_in(bound_page_, vertices, indices, entry);
 }
 
-/// Makes a page and binds it; false when the driver has no memory for it.
+/// Makes and binds a page. Returns false if the driver lacks memory.
 bool MeshStore::add_page(unsigned format, std::size_t vertices, std::size_t indices) {
   auto page = std::make_unique<Page>();
   page->format = format;
@@ -301,7 +301,8 @@ void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
                                         static_cast<GLsizei>(count), slice.base_vertex);
   }
   if (slice.sorted)
-    gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, pages_[slice.page]->index_buffer.name());  // the vertex array keeps it
+    // Restores the vertex array's index buffer.
+    gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, pages_[slice.page]->index_buffer.name());
 }
 
 }  // namespace gs::render

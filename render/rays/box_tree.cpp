@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kBins = 16;
 
-// Halves are taken first: a box may be as large as floats are.
+// Halves first, since a box may span the float range.
 glm::vec3 middle_of(const vrml::Bounds& box) {
   return box.empty() ? glm::vec3(0) : box.lower * 0.5f + box.upper * 0.5f;
 }
@@ -20,8 +20,8 @@ double half_area(const vrml::Bounds& box) {
 
 }  // namespace
 
-// Parts entries at the plane through their middles for which area times number of the parts is smallest, of some planes
-// across the longest axis; in halves where that is asked for or no plane parts them. The size of the first part.
+// Splits entries at the plane through box centres with the lowest sum of area times count, among planes across the
+// longest axis. Splits in halves if requested or if no plane separates them. Returns the size of the first part.
 std::size_t BoxTree::part(Entry* entries, std::size_t count, bool halves) {
   vrml::Bounds middles;
   for (std::size_t i = 0; i < count; ++i) middles.add(middle_of(entries[i].box));
@@ -43,7 +43,7 @@ std::size_t BoxTree::part(Entry* entries, std::size_t count, bool halves) {
       bin.box.add(entries[i].box);
       ++bin.count;
     }
-    std::array<double, kBins> costs{};  // of what is before the bin
+    std::array<double, kBins> costs{};  // cost of the entries before each bin
     Bin sum;
     for (std::size_t i = 0; i + 1 < kBins; ++i) {
       sum.box.add(bins[i].box);
@@ -77,7 +77,7 @@ std::size_t BoxTree::part(Entry* entries, std::size_t count, bool halves) {
 BoxTree::BoxTree(std::vector<Entry> entries) {
   struct Open {
     std::size_t first, count;
-    std::uint32_t parent, depth;  // parent: whose second child it is, or kNobody
+    std::uint32_t parent, depth;  // parent: node with this as second child, or kNobody
   };
   constexpr std::uint32_t kNobody = UINT32_MAX;
   if (entries.empty()) return;

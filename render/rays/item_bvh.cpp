@@ -12,7 +12,7 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kMostRefits = 64;
-constexpr std::size_t kMostTriangles = std::size_t{1} << 24;  // whose trees are kept
+constexpr std::size_t kMostTriangles = std::size_t{1} << 24;  // total size of meshes with cached trees
 
 bool is_finite(const glm::dmat4& m) {
   double sum = 0;
@@ -20,7 +20,7 @@ bool is_finite(const glm::dmat4& m) {
   return sum == 0;
 }
 
-/// The box in world space, not too small by rounding. Empty where nothing can be met.
+/// Returns the world-space box, enlarged for rounding. Empty if nothing can be hit.
 vrml::Bounds world_box(const DrawItem& item) {
   vrml::Bounds box;
   if (!item.mesh || item.mesh->empty() || item.mesh->primitive != vrml::Mesh::Primitive::triangles) return box;
@@ -43,7 +43,7 @@ vrml::Bounds world_box(const DrawItem& item) {
 bool is_sought(const DrawItem& item, Sought sought) {
   switch (sought) {
     case Sought::met:
-      return item.met && !item.overlay;  // what goes with the viewer is not in his way
+      return item.met && !item.overlay;  // overlays move with the viewer and never block
     case Sought::overlay:
       return item.seen && item.overlay;
     default:
@@ -91,13 +91,13 @@ std::size_t ItemBvh::bytes() const {
 void ItemBvh::update(const RenderList& list) {
   const bool counted = list.items.size() == items_.size();
   bool changed = !counted;
-  std::size_t others = 0;  // that are not what they were
+  std::size_t others = 0;  // items with another mesh
   items_.resize(list.items.size());
   boxes_.resize(list.items.size());
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     Item& known = items_[i];
-    // NaN is never the same, and looked at anew each time.
+    // NaN never compares equal, so such items are updated each time.
     const bool same_mesh = !known.mesh.owner_before(item.mesh) && !item.mesh.owner_before(known.mesh);
     if (counted && same_mesh && known.world_from_node == item.world_from_node) continue;
     others += same_mesh ? 0 : 1;
@@ -113,7 +113,7 @@ void ItemBvh::update(const RenderList& list) {
     triangles_ -= entry.second.triangles;
     return true;
   });
-  // A list that was gathered anew, or another one, has little to do with the old tree.
+  // A list that was collected anew has little in common with the old tree.
   if (counted && others <= list.items.size() / 8 && ++refits_ <= kMostRefits) {
     tree_.refit(boxes_);
     return;
@@ -124,7 +124,7 @@ void ItemBvh::update(const RenderList& list) {
   tree_ = BoxTree(std::move(entries));
 }
 
-// Another mesh may come to the place in memory of one that has gone: then the weak pointer has expired.
+// A new mesh may have the address of a deleted one; the weak pointer has then expired.
 std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml::Mesh>& mesh,
                                                 std::size_t max_triangles) {
   const auto known = meshes_.find(mesh.get());
@@ -240,7 +240,7 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
     glm::dvec3 extent(0);
     for (int i = 0; i < 3; ++i) extent += glm::abs(glm::dvec3(node_from_world[i])) * half[i];
     const vrml::Mesh& mesh = *searched.mesh;
-    // Without a tree most are far away, and told so by their own coordinates.
+    // Without a tree most triangles are far away, which their own coordinates show.
     const glm::dvec3 least_inside = inside - extent, greatest_inside = inside + extent;
     const auto is_near = [&](std::uint32_t triangle) {
       const std::uint32_t* corners = mesh.indices.data() + std::size_t{3} * triangle;
@@ -260,7 +260,7 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
         least = glm::min(least, met.corners[i]);
         greatest = glm::max(greatest, met.corners[i]);
       }
-      bool touches = true;  // false for numbers that are none
+      bool touches = true;  // false for NaN
       for (int i = 0; i < 3; ++i) touches = touches && least[i] <= upper[i] && greatest[i] >= lower[i];
       if (touches) found.push_back(met);
       return found.size() < most;

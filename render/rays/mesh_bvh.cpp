@@ -8,8 +8,8 @@
 namespace gs::render {
 namespace {
 
-// Moeller and Trumbore. A line that goes through an edge to within rounding meets both triangles of the edge, lest it
-// slip through between them.
+// Tests a triangle (Moeller and Trumbore). A line through an edge, within rounding, hits both adjacent triangles, so
+// that it cannot pass between them.
 void meet_triangle(const vrml::Mesh& mesh, std::uint32_t triangle, const SightLine& line,
                    std::optional<TriangleHit>& nearest) {
   constexpr double kEdge = 1e-9;

@@ -19,7 +19,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// What the splatters share, in double precision.
+// Shared constants of the splatters, in double precision.
 constexpr double kCubeMargin = double{splat::kCubeMargin}, kSampleMargin = double{splat::kSampleMargin},
                  kBackMargin = double{splat::kBackMargin}, kCubeBell = double{splat::kCubeBell},
                  kDiscCover = double{splat::kDiscCover}, kDiscBell = double{splat::kDiscBell},
@@ -33,7 +33,7 @@ struct Lens {
   dvec2 tangents, center;
   int width, height;  // samples
 
-  /// Camera space, of depth 1.
+  /// Returns the ray in camera space, at depth 1.
   [[nodiscard]] dvec3 ray(int x, int y) const {
     return {((x + 0.5) / width * 2 - 1) * tangents.x + center.x, ((y + 0.5) / height * 2 - 1) * tangents.y + center.y,
             -1};
@@ -61,7 +61,7 @@ struct Vector {
   double alpha, area;
 };
 
-/// In front of the camera, nearest first.
+/// Returns the vectors in front of the camera, nearest first.
 std::vector<Vector> vectors_of(const qnv::Cloud& cloud, const SplatView& view, const Lens& lens,
                                const VolumeOptions& options) {
   std::vector<Vector> vectors;
@@ -95,11 +95,11 @@ std::vector<Vector> vectors_of(const qnv::Cloud& cloud, const SplatView& view, c
 double alpha_at(const Vector& v, const dvec3& ray) {
   const dvec3 away = ray * -v.place.z - v.place;
   const double exponent = glm::dot(away, away) / v.area;
-  return exponent > 60 ? 0 : v.alpha * std::exp(-exponent);  // below 1e-26: nothing that a float could tell
+  return exponent > 60 ? 0 : v.alpha * std::exp(-exponent);  // below 1e-26, no float changes
 }
 
 struct Disc {
-  dvec3 place, normal;  // node space, from the camera
+  dvec3 place, normal;  // node space, relative to the camera
   dvec3 clip;           // centre of the cube or of the disc
   double plane, reach, bell;
   bool cube;
@@ -147,11 +147,11 @@ std::vector<Disc> discs_of(const qnv::Cloud& cloud, const Lens& lens, const dvec
 }
 
 struct Sample {
-  double depth = 0;  // 0: nothing
+  double depth = 0;  // 0 means no hit
   dvec3 normal{0}, color{0};
 };
 
-/// `ray` in node space.
+/// `ray` is in node space.
 Sample sample_of(const std::vector<Disc>& discs, const dvec3& ray, double near_plane, bool smooth) {
   Sample sample;
   double side = 0;
@@ -200,7 +200,7 @@ RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, const Vo
   const auto cast_row = [&](std::size_t row) {
     for (std::size_t column = 0; column < columns; ++column) {
       const dvec3 ray = lens->ray(static_cast<int>(column), static_cast<int>(row));
-      // Of equation (1), k = 0 is the farthest; here the nearest comes first, and `clear` is the product.
+      // In equation (1), k = 0 is the farthest; here the nearest comes first, and `clear` is the product.
       double clear = 1, depth = 0;
       dvec3 color(0);
       for (const Vector& v : vectors) {

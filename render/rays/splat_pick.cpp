@@ -21,20 +21,20 @@ namespace {
 
 using qnv::finite;
 
-constexpr std::size_t kPickedRange = 65536;  // vectors that one task looks at
-constexpr std::size_t kPickedBlock = 256;    // vectors that are looked at together
-constexpr float kDiagonal = 1.7321f;         // of a cube of edge 1
-constexpr float kBeam = 4;                   // pixels about the ray in which a cut is as fine as in the picture
-constexpr float kLeastOpacity = 0.01f;       // of a volume that counts
-constexpr float kVolumeReach = 4.5f;         // square of the spacings beyond which a vector's opacity is not seen
+constexpr std::size_t kPickedRange = 65536;  // vectors per task
+constexpr std::size_t kPickedBlock = 256;    // vectors tested together
+constexpr float kDiagonal = 1.7321f;         // of a cube with edge 1
+constexpr float kBeam = 4;                   // pixels around the ray in which a cut is as fine as in the image
+constexpr float kLeastOpacity = 0.01f;       // minimum opacity of a hit volume
+constexpr float kVolumeReach = 4.5f;         // squared distance, in spacings, beyond which opacity is negligible
 constexpr float kLeastDeterminant = 1e-30f;
 
-/// The ray as a cloud sees it.
+/// Ray in a cloud's space.
 struct NodeRay {
-  glm::vec3 origin, direction;  // one length of `direction` is one world unit
-  glm::vec3 across, up;         // at right angles to `direction` and to each other, unit length
+  glm::vec3 origin, direction;  // the length of `direction` is one world unit
+  glm::vec3 across, up;         // unit vectors, orthogonal to `direction` and to each other
   float along = 0;              // along * dot(p - origin, direction) is the distance of p
-  float sample = 0;             // node units that a pixel is wide at distance 1
+  float sample = 0;             // width of a pixel at distance 1, in node units
   float farthest = 0;
 };
 
@@ -66,21 +66,21 @@ std::optional<NodeRay> in_node(const PickRay& ray, const glm::dmat4& world_from_
   return node;
 }
 
-/// Some discs of a cloud, and the nearest of them that a ray meets.
+/// Finds the nearest splat hit by a ray in a part of a cloud.
 class DiscPicker {
  public:
   DiscPicker(const qnv::Cloud& cloud, float growth, bool two_sided, const NodeRay& ray)
       : cloud_(cloud), growth_(growth), two_sided_(two_sided), ray_(ray) {}
 
-  /// The nearest of these before `nearest`, or `nearest`.
+  /// Returns the nearest hit before `nearest`, or `nearest`.
   [[nodiscard]] DiscPick run(std::size_t first, std::size_t last, DiscPick nearest) const {
     cloud_.cells.empty() ? discs(first, last, nearest) : cubes(first, last, nearest);
     return nearest;
   }
 
  private:
-  // Where the ray meets a disc's plane, it is no farther from the disc's centre than the disc reaches: so the ray
-  // passes no farther from it either. That tells nearly all of them apart without a branch that is hard to foresee.
+  // The hit on a splat's plane is within the splat's reach from its centre, so the ray passes no farther from the
+  // centre. This rejects nearly all splats without unpredictable branches.
   void discs(std::size_t first, std::size_t last, DiscPick& nearest) const {
     const glm::vec3* positions = cloud_.positions.data();
     const float* weights = cloud_.weights.data();
@@ -88,7 +88,7 @@ class DiscPicker {
                 least = ray_.sample * splat::kLeastReach;
     const glm::vec3 origin = ray_.origin, across = ray_.across, up = ray_.up,
                     forward = ray_.direction * (ray_.along * least);
-    std::array<float, kPickedBlock> outside;  // > 0: the ray passes
+    std::array<float, kPickedBlock> outside;  // > 0: the ray misses
     for (std::size_t begin = first; begin < last; begin += kPickedBlock) {
       const std::size_t count = std::min(kPickedBlock, last - begin);
       for (std::size_t i = 0; i < count; ++i) {
@@ -122,7 +122,7 @@ class DiscPicker {
     }
   }
 
-  /// The definition, as raycast_surface has it.
+  /// Exact test, by the definition in raycast_surface.
   void exact(std::size_t i, DiscPick& nearest) const {
     const glm::vec3 place = cloud_.positions[i] - ray_.origin;
     const glm::vec3& normal = cloud_.normals[i];
@@ -143,7 +143,7 @@ class DiscPicker {
                                      : std::max(cube.edge * splat::kCubeMargin, sample * splat::kSampleMargin);
       reach = std::max(cube.edge * 0.5f + margin, sample * splat::kLeastReach);
     }
-    // What has no size that is a number is not drawn either.
+    // Splats with a non-finite size are not drawn.
     if (!(radius > 0 && std::isfinite(radius) && std::isfinite(reach))) return;
     const bool hit = cloud_.cells.empty() ? glm::dot(off, off) < reach * reach
                                           : std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < reach;
@@ -163,7 +163,7 @@ bool can_be_picked(const qnv::Cloud& cloud) {
          (cloud.cells.empty() || cloud.cells.size() == cloud.size());
 }
 
-/// A thin pyramid about the ray, in which the stream is as fine as in the picture.
+/// Returns a thin pyramid around the ray in which the stream is as fine as in the image.
 qnv::LodView view_along(const PickRay& ray, const glm::dmat4& world_from_node, const NodeRay& node,
                         std::size_t budget) {
   qnv::LodView view;
@@ -180,12 +180,12 @@ qnv::LodView view_along(const PickRay& ray, const glm::dmat4& world_from_node, c
   return view;
 }
 
-/// A vector of a volume near the ray.
+/// Volume vector near the ray.
 struct Veil {
   float depth, alpha;
 };
 
-/// Those of `first` to `last`.
+/// Finds the volume vectors near the ray in a range.
 class VeilFinder {
  public:
   VeilFinder(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
@@ -196,7 +196,7 @@ class VeilFinder {
     usable_ = std::abs(determinant) > static_cast<double>(kLeastDeterminant) && std::isfinite(determinant);
     scale_ = static_cast<float>(std::cbrt(std::abs(determinant)));
     const glm::vec3 across = any_perpendicular(ray.direction), up = glm::cross(ray.direction, across);
-    // Rows that take a position of the node to where it lies about the ray, world units.
+    // Rows that transform a node position to ray-relative world coordinates.
     const glm::dvec3 from = glm::dvec3(world_from_node[3]) - ray.origin;
     const auto row = [&](const glm::vec3& axis) {
       return glm::vec4(glm::vec3(transposed * glm::dvec3(axis)), static_cast<float>(glm::dot(glm::dvec3(axis), from)));
@@ -237,7 +237,7 @@ class VeilFinder {
   glm::vec4 across_{0}, up_{0}, forward_{0};
 };
 
-/// The depth at which `taken` of the light is gone; `veils` are sorted.
+/// Returns the depth at which `taken` of the light is absorbed; `veils` are sorted.
 float depth_where(const std::vector<Veil>& veils, float taken) {
   float clear = 1;
   for (const Veil& veil : veils) {
@@ -257,7 +257,7 @@ std::optional<DiscPick> pick_disc(const qnv::Cloud& cloud, const glm::dmat4& wor
   if (cloud.levels) {
     const qnv::LodView view = view_along(ray, world_from_node, *node, limits.level_vectors);
     const std::vector<qnv::Piece> pieces = cloud.levels->cut(view);
-    cloud.levels->forget(kPickViewport);  // the next ray has nothing to do with this one
+    cloud.levels->forget(kPickViewport);  // the next ray is unrelated
     for (const qnv::Piece& piece : pieces) {
       if (!can_be_picked(*piece.cloud)) continue;
       const DiscPicker picker(*piece.cloud, 1, piece.cloud->description.two_sided, *node);

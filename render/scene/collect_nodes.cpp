@@ -19,8 +19,8 @@ using glm::dmat3;
 using glm::dmat4;
 using glm::dvec3;
 
-constexpr std::size_t kMaxText = 1024;              // bytes kept of a description; USE could multiply a long one
-constexpr std::size_t kMaxBackgroundColors = 1024;  // rings; more than a screen has rows
+constexpr std::size_t kMaxText = 1024;              // maximum bytes of a description; USE could multiply a long one
+constexpr std::size_t kMaxBackgroundColors = 1024;  // rings; more than the rows of a screen
 constexpr std::size_t kMaxNavigationTypes = 16;
 constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
 constexpr double kTiny = 1e-12;
@@ -47,7 +47,7 @@ glm::vec3 vector(const NodeView& view, int field, const glm::vec3& otherwise) {
   return value && finite(*value) ? *value : otherwise;
 }
 
-/// The rotation nearest to a transformation: scale and shear dropped, a mirror undone.
+/// Returns the rotation nearest to a transformation, without scale, shear and mirroring.
 dmat3 rotation_part(const dmat4& matrix) {
   dvec3 x(matrix[0]), y(matrix[1]), z(matrix[2]);
   const auto usable = [](double length) { return length > kTiny * kTiny && std::isfinite(length); };
@@ -71,7 +71,7 @@ std::string bounded_text(std::string_view text) {
   return std::string(text.substr(0, end));
 }
 
-/// Colours and their non-decreasing angles; the angle of the first colour is not stored.
+/// Reads colours and their non-decreasing angles; the angle of the first colour is not stored.
 void rings(const NodeView& view, int color_field, int angle_field, float largest_angle, std::vector<glm::vec3>& colors,
            std::vector<float>& angles) {
   colors.clear();

@@ -23,10 +23,10 @@ constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bit
 constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxSounds = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
-constexpr std::size_t kMostPlaces = std::size_t{1} << 20;  // and coordinate systems; what is behind them has no path
-constexpr std::size_t kBetweenLooks = 1024;                // visits that make no mesh, at the time
+constexpr std::size_t kMostPlaces = std::size_t{1} << 20;  // also of coordinate systems; further content has no path
+constexpr std::size_t kBetweenLooks = 1024;  // visits without tessellation between two cancellation checks
 
-/// Whether one of the prototypes that the node is an instance of stands for something that is fixed to the viewer.
+/// Reports whether a PROTO of the node is a stand-in with content fixed to the viewer.
 bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
   constexpr int kMostSteps = 64;
   for (int step = 0; step < kMostSteps; ++step) {
@@ -87,7 +87,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
       continue;
     }
     const vrml::NodeId id = *top.next++;
-    visit(Frame(top), id);  // a copy: entering a group moves the path
+    visit(Frame(top), id);  // a copy, since entering a group moves the path
   }
   coarsen_primitives();
   for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
@@ -112,10 +112,10 @@ void Collector::enter(Frame frame) {
   if (path_.size() >= kMaxDepth) return;
   frame.lights_outside = active_lights_.size();
   if (frame.node) {
-    frame.opened = !(*frame.on_path)[frame.node];  // a Collision may be open with its children and its proxy
+    frame.opened = !(*frame.on_path)[frame.node];  // a Collision may be open for its children and its proxy
     (*frame.on_path)[frame.node] = true;
   }
-  // A DirectionalLight lights its siblings, whichever come first (VRML97 6.16).
+  // A DirectionalLight lights all its siblings in any order (VRML97 6.16).
   for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.seen; ++child) {
     const NodeView view = schemas_.view(*frame.scene, *child);
     if (view.kind() == NodeKind::directional_light) add_light(view, frame.world_from_local, frame.frame, true);
@@ -129,7 +129,7 @@ void Collector::leave() {
   lights_changed_ = lights_changed_ || active_lights_.size() != top.lights_outside;
   active_lights_.resize(top.lights_outside);
   if (content() == top.content_before) {
-    // Nothing here is drawn; hostile worlds have millions of such groups.
+    // The group draws nothing; hostile worlds have millions of such groups.
     list_.places.resize(top.places_before);
     list_.world_from_frame.resize(top.frames_before);
     if (sources_) {
@@ -175,7 +175,7 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
   frame.place = add_place(parent, id);
-  // Too many coordinate systems: without a path, and made anew with the whole.
+  // Beyond the limit of coordinate systems, content has no path and is collected anew on changes.
   frame.frame = frame.place == kNoPlace ? parent.frame : frame.frames_before;
   if (frame.place != kNoPlace) {
     list_.places[frame.place].frame = frame.frame;
@@ -202,7 +202,7 @@ void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::M
   enter_one(parent, id, choices->begin()[which]);
 }
 
-/// One node, which a field of the open node holds.
+/// Enters a single node in a field of the open node.
 void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
   Frame frame{parent.scene, parent.on_path, id.index, &child, &child + 1, parent.world_from_local, 0, parent.main};
   frame.frame = parent.frame;
@@ -214,7 +214,7 @@ void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::Node
   enter(frame);
 }
 
-// The proxy is met in place of the children, and not seen (6.8).
+// Enters a Collision: the proxy is collidable but invisible, instead of the children (6.8).
 void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision) {
   const auto* children = collision.find<vrml::MFNode>(CollisionFields::children);
   const auto* proxy = collision.find<vrml::SFNode>(CollisionFields::proxy);
@@ -228,7 +228,7 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
     enter_node(inside, id, children);
     return;
   }
-  // The children come first: what is entered last.
+  // The frame entered last is visited first: the children.
   inside.presence.seen = false;
   enter_one(inside, id, *proxy);
   inside.presence = parent.presence;
@@ -320,7 +320,7 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       if (parent.presence.seen) add_bindable(view, id, parent);
       break;
     default:
-      break;  // DirectionalLights were seen by enter()
+      break;  // DirectionalLights were handled by enter()
   }
 }
 
@@ -334,7 +334,7 @@ void Collector::add_light(const NodeView& light, const dmat4& world_from_local, 
   if (sources_) sources_->lights.push_back({light.node, frame});
 }
 
-// Of too many the innermost ones.
+// Returns the active directional lights; if there are too many, the innermost ones.
 const LightList& Collector::directional_lights() {
   if (std::exchange(lights_changed_, false)) {
     const std::size_t count = std::min(active_lights_.size(), kMaxLightsOfAnItem);
@@ -363,7 +363,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
                             : kind == NodeKind::fog        ? bound_->fog
                                                            : bound_->navigation_info;
   bool& have = kind == NodeKind::background ? have_background_ : kind == NodeKind::fog ? have_fog_ : have_navigation_;
-  // Bindable nodes of an Inline are not bound at start (VRML97 4.6.10).
+  // Bindable nodes of an Inline are not bound at the start (VRML97 4.6.10).
   const bool counts = bound_ ? view.node == bound : parent.main;
   if (!counts || std::exchange(have, true)) return;
   if (kind == NodeKind::background) {

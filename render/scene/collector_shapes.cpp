@@ -1,4 +1,4 @@
-// Shapes, as the collector comes upon them: what is drawn of each, and whether there is room for it.
+// Shapes in the collector: their drawable content, and the limits on it.
 #include "render/scene/collector.h"
 #include "render/scene/surface_mesh.h"
 
@@ -14,7 +14,7 @@ namespace {
 using glm::dmat4;
 using glm::dvec3;
 
-// With more triangles than that, primitives are coarser: as many segments as make no more, or the fewest.
+// Above this number of triangles, primitives get the finest segments that fit, or the coarsest.
 constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
 
 }  // namespace
@@ -62,7 +62,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, coarsest.indices.size() / 3)) return;
     ++all.count;
   } else {
-    // A texture may still come.
+    // A texture may still load.
     item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr);
     if (!item.mesh || item.mesh->empty() || !fits_float(world_from_node)) {
       if (sources_) sources_->unshown.push_back({source.geometry, parent.scene});
@@ -74,7 +74,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   add_item(parent, id, geometry, std::move(item), source, world_from_node);
 }
 
-/// What is drawn of a surface of a QNV node: what has its picture, or what has not.
+/// Prepares the part of a QNV surface that has a picture, or the part without one.
 bool Collector::surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item) {
   item.mesh = resources_.surface_mesh(item.surface, pictured);
   dress_surface(item);
@@ -93,7 +93,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
                                          sources_ && !source.appearance.texture);
     auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
     source.text_level = ShapeResources::kCoarsestText;
-    // Where the picture has no room for the finer one, the coarsest is shown.
+    // If the image has no room for the finer mesh, the coarsest is shown.
     if (mesh == item.mesh || take_triangles(mesh->indices.size() / 3)) {
       item.mesh = std::move(mesh);
       source.bounds = world_bounds(item.mesh->bounds, world_from_node);
@@ -103,7 +103,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
   }
   item.overlay = parent.presence.overlay;
   item.seen = parent.presence.seen;
-  // Text, lines and points are gone through (6.8, 6.47).
+  // Text, lines and points do not collide (6.8, 6.47).
   item.met = parent.presence.met && !item.overlay && item.mesh->font_size == 0 &&
              item.mesh->primitive == vrml::Mesh::Primitive::triangles;
   list_.overlays = list_.overlays || item.overlay;
@@ -121,7 +121,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   SplatItem item;
   item.cloud = cloud;
   item.world_from_node = world;
-  // Discs have normals, so they are lit even where no Material asks for it.
+  // Splats have normals, so they are lit even without a Material.
   item.own_color = !shape.material.lit;
   item.material = item.own_color ? Material{} : shape.material;
   item.detail = detail;
@@ -135,7 +135,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   if (sources_) sources_->splats.push_back(kept);
 }
 
-// USE and PROTO let a small file describe 2^n of anything.
+// Checks the limits: USE and PROTO let a small file describe 2^n objects.
 bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
   const std::size_t items = budget_->limit(vrml::Resource::items);
   if (list_.items.size() >= items) {

@@ -6,7 +6,7 @@
 
 namespace gs::render {
 
-// ---- The thread
+// ---- Worker thread
 
 MeshWorker::MeshWorker(std::function<void()> wake,
                        std::function<void(const std::shared_ptr<const vrml::Mesh>&)> prepare)
@@ -54,7 +54,7 @@ void MeshWorker::work() {
         *mesh = {};
         mesh->left_out = true;
       }
-      job->copy = {};  // arrays that nobody else holds now are the mesh's alone
+      job->copy = {};  // makes arrays without other owners exclusive to the mesh
       job->mesh = std::move(mesh);
       job->done = true;
       if (wake_) wake_();
@@ -66,7 +66,7 @@ void MeshWorker::work() {
   }
 }
 
-// ---- What is whose
+// ---- Bookkeeping
 
 bool LateMeshes::has_time_for(std::size_t cost) {
   if (cost > kSmallWork && cost > left_) return false;

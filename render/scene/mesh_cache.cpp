@@ -10,7 +10,7 @@
 
 namespace gs::render {
 
-// What is shown stays until there is another one, where that may take a while.
+// Renews an entry; the visible mesh stays until its replacement is ready.
 void MeshCache::renew(std::unordered_map<const vrml::Node*, Entry>::iterator entry) {
   if (entry == meshes.end()) return;
   if (!late) {
@@ -25,7 +25,7 @@ void MeshCache::renew(std::unordered_map<const vrml::Node*, Entry>::iterator ent
 void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<vrml::Budget>& budget) {
   entry.mesh = nullptr;
   entry.share = vrml::Share(budget, vrml::Resource::meshes);
-  // One that there is no room for is not tried again for every USE.
+  // If the budget does not permit the mesh, it is not tried again for every USE.
   if (!entry.share.grow(mesh->cost())) {
     *mesh = {};
     mesh->left_out = true;

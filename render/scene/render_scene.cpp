@@ -18,14 +18,14 @@ using glm::dmat4;
 using glm::dvec3;
 
 constexpr std::uint32_t kBoundsBlock = 256;
-constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: a splat, not an item
-constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index: it shows nothing so far
+constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: a splat instead of an item
+constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index of a node that shows nothing so far
 
 dvec3 usable(const dvec3& viewer) {
   return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : dvec3(0, 0, 10);
 }
 
-/// Whether the change is of this field of the node.
+/// Reports whether the change affects this field of the node.
 bool has_changed(const vrml::NodeChange& change, const NodeView& view, int field) {
   const int slot = view.schema->slots[static_cast<std::size_t>(field)];
   return slot >= 0 && (change.slots >> std::min(slot, 63) & 1) != 0;
@@ -79,7 +79,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
   bool any = false, whole = gathered_ == 0;
   for (std::size_t i = 0; i < changes.size() && !whole; ++i) {
     const vrml::NodeChange& change = changes[i];
-    if (!change.scene->contains(change.node)) continue;  // removed since; so was what showed it
+    if (!change.scene->contains(change.node)) continue;  // removed since, together with its content
     const vrml::Node& node = change.scene->node(change.node);
     const Effect effect = effect_of(change, node);
     if (effect == Effect::none) continue;
@@ -134,7 +134,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
       move_frames();
       if (!whole && refine_texts()) any = true;
     }
-    // A frame whose numbers have become too large hides what is below it.
+    // A frame with overflowing numbers hides its content.
     whole = whole || frame_lost_;
   }
   if (whole) {
@@ -148,7 +148,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
 
 RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const vrml::Node& node) {
   const NodeView view{&node, &resources_.schemas().of(*node.type)};
-  // A PROTO instance whose body has come.
+  // A PROTO instance received its body.
   if (node.type->prototype && (change.slots >> 63 & 1) != 0) return Effect::everything;
   const auto only = [&](Effect effect, int children) {
     return has_changed(change, view, children) ? Effect::everything : effect;
@@ -157,7 +157,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::transform:
       return only(Effect::frame, TransformFields::children);
     case NodeKind::billboard:
-      return only(Effect::none, BillboardFields::children);  // it is turned whenever the viewer is looked at
+      return only(Effect::none, BillboardFields::children);  // it is rotated whenever the viewer is updated
     case NodeKind::group:
       return only(Effect::none, GroupFields::children);
     case NodeKind::collision:
@@ -191,7 +191,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   return vrml::has(node.type->role, kGeometryParts) ? Effect::geometry : Effect::none;
 }
 
-// ---- Which parts of the list are made from a node
+// ---- Dependencies of the list on nodes
 
 std::span<const RenderScene::Use> RenderScene::uses_of(const Uses& uses, const vrml::Node* node) {
   const auto [first, last] = std::equal_range(uses.begin(), uses.end(), Use{node, 0},
@@ -214,7 +214,7 @@ const RenderScene::Uses& RenderScene::item_uses() {
   const auto add = [&](const vrml::Node* node, std::uint32_t index) {
     if (node) item_uses_.push_back({node, index});
   };
-  // A geometry is made of the nodes in its fields, too: coordinates, colours, a FontStyle.
+  // A geometry also depends on the nodes in its fields: coordinates, colours, a FontStyle.
   const auto add_geometry = [&](const vrml::Node* geometry, const vrml::SceneGraph* scene, std::uint32_t index) {
     add(geometry, index);
     if (!geometry || !scene) return;
@@ -245,7 +245,7 @@ void RenderScene::mark_frame(std::uint32_t frame, const dmat4& parent_from_local
   moved_frames_.push_back(frame);
 }
 
-// The outermost first: what lies below one is moved with it.
+// Moves outer frames first, since their content moves along.
 void RenderScene::move_frames() {
   std::sort(moved_frames_.begin(), moved_frames_.end());
   std::uint32_t done = 0;
@@ -299,7 +299,7 @@ void RenderScene::place_splat(std::uint32_t i) {
   splat_moved_ = true;
 }
 
-// False where other things are to be seen than before.
+// Returns false if other content becomes visible.
 bool RenderScene::follow_viewer(const dvec3& viewer) {
   for (const RenderSources::Lod& lod : sources_.lods) {
     const NodeView view{lod.node, &resources_.schemas().of(*lod.node->type)};
@@ -316,7 +316,7 @@ bool RenderScene::follow_viewer(const dvec3& viewer) {
   return true;
 }
 
-// Text is cut the more finely, the larger it is to be seen. True where any is cut anew.
+// Re-tessellates texts according to their visible size. Returns true if any changed.
 bool RenderScene::refine_texts() {
   bool any = false;
   for (const std::uint32_t i : sources_.texts) {
@@ -340,7 +340,7 @@ bool RenderScene::refine_texts() {
 
 // ---- Single parts
 
-// False where the whole is to be gathered: it shows what it did not, or no longer.
+// Returns false if everything must be collected again because content appeared or vanished.
 bool RenderScene::renew_geometry(std::uint32_t i) {
   DrawItem& item = list_->items[i];
   if (item.place == kNoPlace || item.surface) return false;
@@ -410,9 +410,9 @@ void RenderScene::renew_bindables() {
   }
 }
 
-// ---- What all items fill
+// ---- Bounds of all items
 
-// As long as anybody draws the list, it has no number twice.
+// Assigns a number that no present list has.
 void RenderScene::begin_generation() {
   static std::atomic<std::uint64_t> last{0};
   list_->generation = ++last;
@@ -420,8 +420,8 @@ void RenderScene::begin_generation() {
 }
 
 void RenderScene::item_moved(std::uint32_t item) {
-  // Where everything moves all the time, it is told anew from time to time.
-  constexpr std::size_t kLongest = 64;  // times the items
+  // If items move permanently, start a new generation from time to time.
+  constexpr std::size_t kLongest = 64;  // times the number of items
   if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation();
   list_->moved.push_back(item);
   const std::uint32_t block = item / kBoundsBlock;

@@ -14,16 +14,17 @@
 namespace gs::render {
 namespace {
 
-// What a picture's pixels cost beside themselves: the copy of who draws, of 4 bytes each, and its smaller ones.
+// Bytes per pixel besides the image itself: the renderer's copy, 4 each, and its mipmaps.
 constexpr std::size_t kPixelCopy = 6;
 
-/// The radius of a regular polygon with the area of a circle of radius 1: what fills few pixels keeps its brightness.
+/// Returns the radius of a regular polygon with the area of the unit circle, so that tiny primitives keep their
+/// brightness.
 float outside_of_circle(int segments) {
   const auto count = static_cast<float>(segments);
   return std::sqrt(glm::two_pi<float>() / (count * std::sin(glm::two_pi<float>() / count)));
 }
 
-/// Away from the Y axis.
+/// Scales a mesh away from the Y axis.
 void widen(vrml::Mesh& mesh, float factor) {
   std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
   mesh.bounds = {};
@@ -139,7 +140,7 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
   if (fineness + 1 < kSegments.size()) {
     auto coarser = primitive(scene, geometry, fineness + 1);
     if (coarser->indices.size() < mesh.indices.size()) {
-      // Of a circle of radius 1, as all default measures have it, with as many segments.
+      // Deviation from a circle of radius 1, as in all default measures, with as many segments.
       const int segments = kSegments[fineness + 1];
       const float outside = fineness + 1 > kCoarsestPrimitive ? outside_of_circle(segments) : 1;
       const float away = std::max(outside - 1, 1 - outside * std::cos(glm::pi<float>() / static_cast<float>(segments)));
@@ -150,7 +151,7 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
   return meshes_.primitives[key] = std::make_shared<const vrml::Mesh>(std::move(mesh));
 }
 
-// The OutlineGroup that says that it refines this one. Scenes with such nodes are looked through once.
+// Returns the OutlineGroup that refines this one. Searches each scene with such nodes once.
 vrml::NodeId ShapeResources::refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry) {
   constexpr vrml::NodeKind kOutlineGroup = vrml::NodeKind::outline_group;
   if (scene.node(geometry).type->read_as != kOutlineGroup) return {};
@@ -183,14 +184,14 @@ ShapeResources::TextMesh ShapeResources::text_mesh_of(const vrml::SceneGraph& sc
   MeshCache::Entry& entry = finer->levels[level];
   bring_up_to_date(entry, scene, geometry, textured, level);
   if (!entry.mesh) {
-    // Until it is there, another one that is finer than bars.
+    // Until it is ready, use another level finer than bars.
     for (std::size_t other = finer->levels.size(); other-- > 0;)
       if (finer->levels[other].mesh && !finer->levels[other].mesh->empty())
         return {finer->levels[other].mesh, static_cast<std::uint8_t>(other)};
     return {std::move(coarsest), kLast};
   }
   if (entry.mesh->empty()) return {std::move(coarsest), kLast};
-  // Those that nobody shows any more would fill the memory while the viewer goes along many.
+  // Frees unused levels, which would fill memory as the viewer passes many texts.
   for (MeshCache::Entry& other : finer->levels)
     if (&other != &entry && other.mesh && other.mesh.use_count() == 1) other = {};
   return {entry.mesh, static_cast<std::uint8_t>(level)};
@@ -209,7 +210,7 @@ void ShapeResources::bring_up_to_date(MeshCache::Entry& entry, const vrml::Scene
   LateMeshes* const late = meshes_.late.get();
   if (!late || late->has_time_for(vrml::tessellation_cost(scene, geometry)))
     return make_mesh(entry, scene, geometry, options);
-  // One at a time, each of which is shown: else what changes in every frame never would be.
+  // One job at a time, each result shown; otherwise, a geometry that changes in every frame would never appear.
   if (entry.job) return;
   meshes_.made(&scene.node(geometry));
   entry.job = late->hand_over(scene, geometry, options, text_level);
@@ -233,15 +234,15 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WorldBounds& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
-  constexpr double kMostPixels = 0.4;  // that outlines may be off
-  constexpr double kLeastLetters = 4;  // pixels of an em, of which small letters take half: below, nobody reads any
+  constexpr double kMostPixels = 0.4;  // maximum deviation of outlines
+  constexpr double kLeastLetters = 4;  // pixels per em; small letters take half and are unreadable below
   const glm::dmat3 matrix(world_from_node);
   const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
   const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])
                                             : glm::clamp(viewer, glm::dvec3(bounds.lower), glm::dvec3(bounds.upper));
   const double distance = glm::length(viewer - nearest), pixels = size * pixels_per_radian;
   if (pixels <= kLeastLetters * distance) return vrml::kTextBars;
-  // A pixel of the picture of glyphs is then as large as those that pictures have in place of samples, or smaller.
+  // An atlas pixel is then at most as large as the pixels that serve as samples.
   constexpr double kMostOfPictures = GlyphSheet::kPixelsPerEm / 2.0;
   if (pictures && pixels <= kMostOfPictures * distance) return vrml::kTextPictures;
   std::size_t level = vrml::kTextPictures - 1;

@@ -15,7 +15,7 @@
 namespace gs::render {
 namespace {
 
-// Of what one bumps into.
+// Maximum size of a mesh for collision detection.
 constexpr std::size_t kMostMetTriangles = 16384;
 
 vrml::Color color_of(const qnv::Rgb8& c) {
@@ -28,7 +28,7 @@ std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud, bool 
   if (cloud.patches)
     return mesh_of_cut(*cloud.patches, qnv::even_cut(*cloud.patches, kMostMetTriangles), cloud.description.two_sided,
                        cloud.color);
-  // What shows the picture comes last.
+  // Textured vertices come last.
   const std::size_t border = cloud.first_textured(), first = pictured ? border : 0,
                     count = (pictured ? cloud.size() : border) - first;
   const auto middle = std::ranges::find_if(cloud.triangles, [&](std::uint32_t v) { return v >= border; });
