@@ -12,12 +12,12 @@
 namespace gs::render {
 namespace {
 
-// This part of the budget is shared out evenly, so that small clouds do not vanish.
+// Fraction of the budget that is shared evenly, so that small clouds do not vanish.
 constexpr double kEvenPart = 0.125;
-// A cut at full detail has voxels of a quarter of a pixel to one (levels are whole), on two sides.
+// Voxels per pixel of a cut at full detail: edges are a quarter to one pixel (levels are integers), on two sides.
 constexpr double kMostAPixel = 8;
 
-/// More than can be used, but not by much.
+/// Returns an upper bound on the useful vectors, not far above the actual number.
 double demand_of(const SplatItem& item, double pixels) {
   const qnv::Cloud& cloud = *item.cloud;
   if (!cloud.levels) return static_cast<double>(cloud.size());
@@ -47,7 +47,7 @@ double pixels_covered(const SplatItem& item, const BudgetView& view) {
   const glm::dmat4 matrix = view.camera_from_world * item.world_from_node;
   const glm::dvec3 half = (glm::dvec3(box.upper) - glm::dvec3(box.lower)) * 0.5;
   const glm::dvec3 center(matrix * glm::dvec4(glm::dvec3(box.lower) + half, 1.0));
-  double square = 0;  // of the largest half diagonal
+  double square = 0;  // squared largest half diagonal
   for (int corner = 0; corner < 4; ++corner) {
     const glm::dvec3 d = half * glm::dvec3(1, (corner & 1) != 0 ? -1 : 1, (corner & 2) != 0 ? -1 : 1);
     const glm::dvec3 moved(matrix * glm::dvec4(d, 0.0));
@@ -58,7 +58,7 @@ double pixels_covered(const SplatItem& item, const BudgetView& view) {
   const double all = std::max(width * height, 0.0);
   if (!std::isfinite(radius) || !std::isfinite(center.x + center.y + center.z)) return 0;
   const glm::dvec2 t(view.tangents);
-  // Beyond a plane of the view; planes through the eye.
+  // Tests a plane through the eye at an edge of the view.
   const auto beyond = [&](double at, double middle, double reach) {
     const double low = middle - reach, high = middle + reach, depth = -center.z;
     return at - depth * high > radius * std::sqrt(1 + high * high) ||
@@ -86,7 +86,7 @@ std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const Bu
     shares[i] = std::min(needs[i], whole * kEvenPart / static_cast<double>(count));
     left -= shares[i];
   }
-  // Those that need least for their weight first: what they do not need is then shared by the rest.
+  // Items with the lowest demand per weight come first; the rest share their surplus.
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::erase_if(order, [&](std::size_t i) { return !(weights[i] > 0); });
@@ -100,7 +100,7 @@ std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const Bu
     left -= part;
     weight -= weights[i];
   }
-  // Streams may use more than was thought.
+  // Streams may use more than estimated.
   double streams = 0;
   const auto may_grow = [&](std::size_t i) { return items[i].cloud->levels && items[i].detail >= 1; };
   for (const std::size_t i : order) streams += may_grow(i) ? weights[i] : 0;

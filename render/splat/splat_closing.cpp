@@ -15,15 +15,15 @@ namespace gs::render {
 namespace {
 
 constexpr int kLeastClosing = 2, kMostClosing = 12;  // pixels
-constexpr std::size_t kClosingSurvey = 2048;         // discs
-constexpr int kTaskRows = 16;                        // a task
+constexpr std::size_t kClosingSurvey = 2048;         // splats
+constexpr int kTaskRows = 16;                        // rows per task
 constexpr std::uint16_t kWhole = 65535;
 
-/// What becomes of a pixel.
+/// New value of a pixel.
 struct Closed {
   std::size_t at = 0;
   std::uint16_t coverage = 0;
-  std::array<std::size_t, 4> from{};  // the pixels that it is the mean of
+  std::array<std::size_t, 4> from{};  // pixels to average
   int count = 0;
 };
 
@@ -39,7 +39,7 @@ class PinholeCloser {
       const std::uint16_t own = coverage(closed.at);
       if (own == kWhole) continue;
       std::uint16_t least = kWhole;
-      // One side after the other: see Extrusion::sides for what GCC 12 makes of a loop over a list of them.
+      // One side at a time: GCC 12 miscompiles a loop over the list; see Extrusion::sides.
       const auto look = [&](int dx, int dy) {
         if (least > own) least = std::min(least, beside(x, y, dx, dy, closed));
       };
@@ -60,7 +60,7 @@ class PinholeCloser {
   }
   [[nodiscard]] std::uint16_t coverage(std::size_t at) const { return layer_.normals[4 * at + 3]; }
 
-  // The largest coverage that is near on one side; the nearest covered pixel is taken down.
+  // Returns the largest coverage within reach on one side; records the nearest covered pixel.
   std::uint16_t beside(int x, int y, int dx, int dy, Closed& closed) const {
     std::uint16_t most = 0;
     for (int i = 1; i <= closing_ && most < kWhole; ++i) {
@@ -112,9 +112,9 @@ int closing_for(std::span<const SharedSplatPiece> shared, const SplatView& view)
   for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
   const SplatSurvey survey = survey_surface(pieces, view, kClosingSurvey);
   if (survey.discs == 0) return kLeastClosing;
-  // The bounds of a disc are about 2.7 edges of its voxel wide.
+  // The bounds of a splat are about 2.7 voxel edges wide.
   const double edge = std::sqrt(survey.samples / static_cast<double>(survey.discs)) / 2.7 / view.supersample;
-  // Of a hole that is as wide, the pixels at both of its ends count.
+  // The pixels at both ends of a hole count as part of its width.
   return static_cast<int>(std::clamp(std::ceil(edge / 2), double{kLeastClosing}, double{kMostClosing}));
 }
 
@@ -129,8 +129,8 @@ void close_pinholes(SplatLayer& layer, const SplatView& view, int closing) {
         for (int y = first; y < std::min(first + kTaskRows, layer.height); ++y) closer.row(y, found[task]);
       },
       view.threads);
-  // Not before all have been found: what was closed closes nothing else. Those that lend were covered, and stay as they
-  // were but for their coverage.
+  // Applied only after the search, so that closed pixels do not close others. Source pixels keep everything except
+  // their coverage.
   for (const auto& rows : found)
     for (const Closed& closed : rows) apply(closed, layer);
 }

@@ -12,13 +12,13 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kSurveyedDiscs = 8192;  // discs
-// Clouds that would cover more samples than this, counted once a disc, are thinned out: a driver that is busy for
-// seconds is taken to hang. Clouds that are drawn as they were meant cover a thousandth.
+constexpr std::size_t kSurveyedDiscs = 8192;  // number of sampled splats
+// Maximum number of covered samples, counted per splat; larger clouds are thinned, since a driver that is busy for
+// seconds is considered hung. Typical clouds cover a thousandth.
 constexpr double kMostCoveredSamples = 2e10;
-constexpr float kMargin = 0.05f;  // samples: of the rectangles, for the rounding of their corners
+constexpr float kMargin = 0.05f;  // samples: margin of the rectangles for rounding of their corners
 
-/// The pixels that a box with `around` on all sides can cover; empty when it is out of view.
+/// Returns the pixels that a box, enlarged by `around`, can cover; nullopt if it is out of view.
 template <class Rectangle>
 std::optional<Rectangle> covered(const qnv::Box& box, double around, const SplatView& view, const SplatCamera& camera) {
   const glm::dmat4 matrix(camera.camera_from_node);
@@ -32,7 +32,7 @@ std::optional<Rectangle> covered(const qnv::Box& box, double around, const Splat
   const double nearest = std::max(-center.z - extent.z, double{camera.rays.near_plane}),
                farthest = -center.z + extent.z;
   if (!(farthest > nearest)) return std::nullopt;
-  // Two pixels more: discs smaller than a sample are drawn larger.
+  // Two more pixels, since splats smaller than a sample are enlarged.
   const auto range = [&](int axis, double tangent, double middle, int pixels) {
     const double low = center[axis] - extent[axis], high = center[axis] + extent[axis];
     const auto pixel = [&](double slope) {
@@ -194,7 +194,7 @@ std::optional<SplatTextures> SplatGl::draw(const SplatRecords& records, const Sp
   return draw(surface, survey, view);
 }
 
-// False when there is no memory.
+// Returns false if memory does not suffice.
 bool SplatGl::upload(const Surface& surface) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   const std::size_t rows = (surface.pieces.size() + kPiecesARow - 1) / kPiecesARow;
@@ -266,7 +266,7 @@ void SplatGl::depth_pass(const Shader& shader, const Surface& surface, const Spl
   gl_.Disable(GL_BLEND);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthMask(GL_TRUE);
-  // The nearest first in value, so that the depth buffer is as precise far away as float32 is.
+  // The nearest has the largest value, so that distant depth has float32 precision.
   gl_.DepthFunc(GL_GREATER);
   constexpr std::array<GLfloat, 4> kZeros{};
   gl_.ClearBufferfv(GL_COLOR, 0, kZeros.data());
@@ -332,7 +332,7 @@ void SplatGl::draw_batches(const Shader& shader, const Surface& surface, const S
   gl_.Uniform2f(at[middle], camera.center.x, camera.center.y);
   gl_.Uniform2f(at[margin], 2 * kMargin / static_cast<float>(camera.width),
                 2 * kMargin / static_cast<float>(camera.height));
-  // Places of discs are taken relative to the eye before they are rounded.
+  // Positions are taken relative to the eye before they are rounded.
   vector(eye, kind.records ? camera.eye : glm::vec3(0));
   gl_.Uniform1i(at[stride], static_cast<GLint>(surface.step));
   gl_.Uniform1i(at[by_normal], surface.color_by_normal ? 1 : 0);

@@ -29,7 +29,7 @@ std::string constants(std::size_t pieces_a_row) {
                                     {"SMOOTHING", splat::kSmoothing},
                                     {"OFFSET_RANGE", SplatCoding::kOffsetRange},
                                     {"PI", splat::kPi}}) {
-    // Not std::to_string, which asks the locale; and in parentheses for the sign.
+    // Avoids std::to_string, which depends on the locale; parentheses protect the sign.
     const auto billionths = std::llround(std::abs(double{value}) * 1e9);
     const std::string digits = std::to_string(billionths % 1'000'000'000 + 1'000'000'000).substr(1);
     text += std::string("#define ") + name + (value < 0 ? " (-" : " (") + std::to_string(billionths / 1'000'000'000) +
@@ -41,7 +41,7 @@ std::string constants(std::size_t pieces_a_row) {
 }  // namespace
 
 const SplatGl::Shader* SplatGl::shader(Stage stage, const Kind& kind) {
-  // Only what the stage depends on, so that no program is made twice.
+  // Uses only the flags that affect the stage, so that no program is made twice.
   const bool discs = stage != Stage::resolve, blended = stage != Stage::depth;
   const std::array<std::pair<bool, const char*>, 6> flags{{{discs && kind.records, "RECORDS"},
                                                            {discs && kind.cells, "CELLS"},
@@ -94,7 +94,7 @@ bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {
   made.width = view.width;
   made.height = view.height;
   made.samples = view.supersample;
-  // What one cloud needed, others of the same picture will need as well.
+  // Attachments of earlier clouds stay, since others in the image will need them too.
   made.colored = kind.colored || (same && t.colored);
   made.smooth = kind.smooth || (same && t.smooth);
   t = {};
@@ -123,7 +123,7 @@ bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {
   gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, 0, GL_DEPTH_COMPONENT32F, view.width * s, view.height * s);
   gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
   bool good = complete();
-  // Not half floats: where thousands of discs meet in one sample they would stop to add up.
+  // Half floats would saturate where thousands of splats meet in a sample.
   open(made.blend_pass);
   attach(made.sums, GL_COLOR_ATTACHMENT0, GL_RGBA32F, GL_RGBA, GL_FLOAT, s);
   if (made.colored) attach(made.color_sums, GL_COLOR_ATTACHMENT1, GL_RGBA32F, GL_RGBA, GL_FLOAT, s);
@@ -141,7 +141,7 @@ bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {
   if (good) {
     t = std::move(made);
   } else {
-    // So that it is not tried again for every frame of this size.
+    // Prevents a retry in every frame of this size.
     t.width = made.width;
     t.height = made.height;
     t.samples = made.samples;

@@ -14,12 +14,12 @@
 #include <immintrin.h>
 #endif
 
-// Without fused multiplications and additions, so that all kernels give the same bits.
+// Disables fused multiply-add, so that all kernels give the same bits.
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #else
 #pragma GCC optimize("fp-contract=off")
-// Everything that takes or gives a vector is inlined, so that no calling convention matters.
+// All functions with vector parameters are inlined, so the calling convention does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 
@@ -29,7 +29,7 @@ namespace {
 using namespace splat;
 
 constexpr std::array<std::uint32_t, 16> kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-// Of the samples of a block.
+// Coordinates of the samples in a block.
 constexpr std::array<float, kBlockSamples> kBlockX = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 constexpr std::array<float, kBlockSamples> kBlockY = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
 

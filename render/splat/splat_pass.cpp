@@ -21,14 +21,14 @@
 namespace gs::render {
 namespace {
 
-/// Whether all arrays that a cloud has belong to the same vectors.
+/// Reports whether all arrays of a cloud have consistent sizes.
 bool has_whole_arrays(const qnv::Cloud& cloud) {
   const auto fits = [&](const auto& array) { return array.empty() || array.size() == cloud.size(); };
   return cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size() && fits(cloud.colors) &&
          fits(cloud.cells);
 }
 
-/// What SplatPass::draw changes of what the caller drew into.
+/// Saves and restores the caller's framebuffer bindings, which SplatPass::draw changes.
 class SavedTarget {
  public:
   explicit SavedTarget(const Gl& gl) : gl_(gl) {
@@ -45,7 +45,7 @@ class SavedTarget {
   GLint draw_ = 0, read_ = 0;
 };
 
-/// What a cloud is shaded as: with the colours of its vectors where they tell something, whatever its material.
+/// Returns the material for shading: with diagnostic vector colours, only its transparency counts.
 Material shown_material(const Material& material, ColorBy color_by) {
   if (color_by == ColorBy::own) return material;
   Material plain;
@@ -250,20 +250,20 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   view.near_plane = camera.near_plane;
   view.supersample = options.samples > 1 ? 2 : 1;
   view.color_by_normal = options.clouds.color_by == ColorBy::normal;
-  // Of what the whole picture shows, so that its parts fit together.
+  // Cuts for the whole image, so that its tiles match.
   SplatView whole = whole_view(view, camera);
   const std::vector<std::size_t> shares =
       share_budget(list.splats, budget_view(whole, camera_from_world), options.budget);
   std::size_t streams = 0, decodable = options.most_decoded;
   for (const SplatItem& item : list.splats) streams += item.cloud->levels ? 1 : 0;
-  std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // how often, so far
+  std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // number of instances so far
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     if (item.cloud->description.kind == qnv::Kind::volume || !has_whole_arrays(*item.cloud)) continue;
     whole.camera_from_node = view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
     CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
     if (item.cloud->levels) {
-      // A stream that is seen in several places keeps the detail of each.
+      // Each instance of a stream keeps its own detail.
       wanted.viewport += shown[item.cloud->levels.get()]++ << 16;
       if (options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
     }
@@ -281,7 +281,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     if (!textures) textures = on_processor(pieces, view, whole);
     statistics.vectors += textures->discs;
     statistics.draw_calls += textures->draw_calls;
-    // One that OpenGL could not draw is told of.
+    // A cloud that OpenGL could not draw shows in the statistics.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
     shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0, sets[i],

@@ -16,8 +16,8 @@
 namespace gs::render {
 namespace {
 
-// Discs that one task prepares: few enough to stay in the second cache until they are sorted. More, where there would
-// be more tasks than this.
+// Splats per preparation task: few enough to stay in the second-level cache until they are sorted; more if there would
+// be more than kMostTasks tasks.
 constexpr std::size_t kTaskRange = 16384, kMostTasks = 256;
 constexpr int kMostSamples = 65535;  // along an edge of the viewport
 
@@ -37,7 +37,7 @@ SplatSource source_of(const SplatPiece& piece, const SplatView& view) {
   return source;
 }
 
-/// The samples that a disc may count in, inclusive.
+/// Samples that a splat may contribute to, inclusive.
 struct Extent {
   explicit Extent(const SplatDisc& disc)
       : x0(static_cast<int>(disc.low & 0xffff)),
@@ -51,12 +51,12 @@ struct Extent {
   int x0, y0, x1, y1;
 };
 
-/// What one task prepares: parts of pieces, one after the other, and the discs of them that are in view.
+/// Work of one task: consecutive parts of pieces, and their splats in view.
 struct Segment {
   std::vector<SplatPiece> parts;
-  std::size_t first = 0, count = 0;         // among all discs
-  std::uint64_t samples = 0, width = 0;     // of all its discs together
-  std::vector<std::uint32_t> begin, discs;  // which of them meet each tile, tile by tile, in their order
+  std::size_t first = 0, count = 0;         // range among all splats
+  std::uint64_t samples = 0, width = 0;     // totals of its splats
+  std::vector<std::uint32_t> begin, discs;  // splats in each tile, tile by tile, in order
 };
 
 std::vector<Segment> segments_of(std::span<const SplatPiece> pieces) {
@@ -71,7 +71,7 @@ std::vector<Segment> segments_of(std::span<const SplatPiece> pieces) {
       part.first = piece.first + i;
       part.count = std::min(range, piece.count - i);
       if (in_task + part.count > range && in_task > 0) {
-        first += in_task + 1;  // room for one more
+        first += in_task + 1;  // one extra splat of room
         segments.emplace_back().first = first;
         in_task = 0;
       }
@@ -87,19 +87,20 @@ std::size_t room_for(const std::vector<Segment>& segments) {
   return room;
 }
 
-/// Memory for the discs of a picture, kept from one to the next: fresh memory would cost as much as the discs do.
+/// Returns memory for an image's splats, reused between images: fresh memory would cost as much as preparing the
+/// splats.
 SplatDisc* disc_memory(std::size_t count) {
   thread_local std::unique_ptr<SplatDisc[]> memory;
   thread_local std::size_t size = 0;
   if (count > size) {
-    memory.reset();  // before there is more
+    memory.reset();  // frees the old memory first
     memory.reset(new SplatDisc[count]);
     size = count;
   }
   return memory.get();
 }
 
-/// The tiles of a picture.
+/// Tiles of an image.
 struct Grid {
   explicit Grid(const SplatCamera& camera)
       : columns((camera.width + kTile - 1) / kTile), rows((camera.height + kTile - 1) / kTile) {}
@@ -107,7 +108,7 @@ struct Grid {
   int columns, rows;
 };
 
-/// The tiles that a disc meets.
+/// Tiles that a splat touches.
 struct Tiles {
   Tiles(const Extent& e, const Grid& grid)
       : first(tile(e.y0) * static_cast<std::size_t>(grid.columns) + tile(e.x0)),
@@ -117,18 +118,18 @@ struct Tiles {
   static std::size_t tile(int sample) { return static_cast<unsigned>(sample) / kTile; }
   template <class Body>
   void for_each(Body body) const {
-    if ((right | up) == 0) return body(first);  // nearly always
+    if ((right | up) == 0) return body(first);  // the usual case
     for (std::size_t y = 0; y <= up; ++y)
       for (std::size_t x = 0; x <= right; ++x) body(first + y * row + x);
   }
   std::size_t first, right, up, row;
 };
 
-/// Counts every `step`th disc of a segment in all tiles that it meets. Where they cover more than `most` samples, there
-/// is nothing in `begin` afterwards.
+/// Counts every `step`-th splat of a segment in all tiles that it touches. If they cover more than `most` samples,
+/// `begin` is empty afterwards.
 void count_in_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, std::size_t step, std::uint64_t most) {
   segment.begin.assign(grid.size() + 2, 0);
-  // Two places on, so that each tile's place can move on while it is filled, and is then where the next one begins.
+  // Offset by two: entries advance while tiles are filled, and then give the start of the next tile.
   std::uint32_t* const counts = segment.begin.data() + 2;
   std::uint64_t samples = 0, width = 0;
   for (std::size_t i = 0; i < segment.count; i += step) {
@@ -143,7 +144,7 @@ void count_in_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, 
   segment.width = width;
 }
 
-/// Sorts every `step`th disc of a segment by tiles, after they have been counted.
+/// Sorts every `step`-th splat of a segment by tile, after counting.
 void sort_by_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, std::size_t step) {
   std::vector<std::uint32_t>& begin = segment.begin;
   for (std::size_t tile = 2; tile < begin.size(); ++tile) begin[tile] += begin[tile - 1];
@@ -155,17 +156,17 @@ void sort_by_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, s
   }
 }
 
-/// The bounds of a disc are four bells wide.
+/// The bounds of a splat are four bells wide.
 bool is_smooth(double width, double discs) { return width > 4.0 * splat::kSmoothFrom * discs; }
 
-/// A power of two that leaves the samples of an edge countable.
+/// Returns a power of two at which the samples of an edge stay countable.
 int supersample_of(const SplatView& view) {
   int s = static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(view.supersample, 1, 8))));
   while (s > 1 && std::max(view.width, view.height) > kMostSamples / s) s /= 2;
   return s;
 }
 
-/// Prepares all discs and sorts them by tiles. Of so many as it returns one is drawn.
+/// Prepares all splats and sorts them by tile. Returns the step at which splats are drawn.
 std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, const SplatCamera& camera,
                         const Grid& grid, const SplatKernel& kernel, std::uint64_t most, SplatDisc* discs) {
   qnv::parallel_for(
@@ -174,7 +175,7 @@ std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, c
         Segment& segment = segments[i];
         for (const SplatPiece& part : segment.parts)
           segment.count += kernel.prepare(source_of(part, view), camera, discs + segment.first + segment.count);
-        // Sorted while they are at hand, unless they are so many that some may have to be left out.
+        // Sorts at once while the data is in the cache, unless so many splats may need thinning.
         count_in_tiles(segment, discs, grid, 1, most / segments.size());
         if (!segment.begin.empty()) sort_by_tiles(segment, discs, grid, 1);
       },
@@ -250,7 +251,7 @@ SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView
       grid.size(),
       [&](std::size_t t) {
         thread_local const auto tile = std::make_unique<SplatTile>();
-        thread_local std::vector<std::uint32_t> chosen;  // kept, with the tile, for the next
+        thread_local std::vector<std::uint32_t> chosen;  // reused for the next tile, like `tile`
         chosen.clear();
         for (const Segment& segment : segments)
           chosen.insert(chosen.end(), segment.discs.begin() + segment.begin[t],

@@ -1,12 +1,12 @@
 #pragma once
 
-// GLSL 3.30 of the surface splatter on the GPU, without the #version line, which make_program writes together with the
-// #defines. It mirrors splat_raster.cpp and splat_tile_loop.inc; the constants come from splat_constants.h.
+// GLSL 3.30 of the GPU surface splatter without the #version line; make_program adds it together with the #defines.
+// Mirrors splat_raster.cpp and splat_tile_loop.inc; the constants come from splat_constants.h.
 namespace gs::render {
 
-/// What a vector is, as the buffers of SplatStore and SplatRecords hold it. An instance draws up to 64
-/// (SplatGl::kAnInstance) vectors of one piece, four vertices each. Defines: RECORDS (8-byte records of a stream,
-/// qnv/records/record.h), CELLS (discs of an octree).
+/// Decodes a vector from the buffers of SplatStore or SplatRecords. An instance draws up to 64 (SplatGl::kAnInstance)
+/// vectors of one piece, four vertices each. Defines: RECORDS (8-byte records of a stream, qnv/records/record.h), CELLS
+/// (splats of an octree).
 inline constexpr char kSplatVectorShader[] = R"glsl(
 struct Vector {
   vec3 position, normal;
@@ -111,8 +111,8 @@ Vector read_vector(int index) {
 #endif
 )glsl";
 
-/// A rectangle around the samples that a disc may touch: what covers the surface, or with BLEND what its bell reaches.
-/// Node space, from the camera's place. Defines: those of the vectors, SIDES (seen from behind too), BLEND.
+/// Computes a rectangle around the samples that a splat may touch: its covered area, or with BLEND the extent of its
+/// bell. Node space, relative to the camera. Defines: those of the vectors, SIDES (two-sided), BLEND.
 inline constexpr char kSplatDiscVertexShader[] = R"glsl(
 uniform vec3 eye;
 uniform vec3 row_x, row_y, row_z;  // of the linear part of camera_from_node
@@ -187,7 +187,7 @@ void main() {
 }
 )glsl";
 
-/// Leaves the depth of the nearest surface of every sample, negative where its back is seen. The depth test is GREATER.
+/// Writes the depth of the nearest surface of every sample, negative for a back face. The depth test is GREATER.
 inline constexpr char kSplatDepthFragmentShader[] = R"glsl(
 uniform vec3 ray_origin, ray_right, ray_up;
 uniform float near_plane;
@@ -209,7 +209,7 @@ void main() {
 }
 )glsl";
 
-/// Adds up what the discs about the nearest surface give, weighted by their bells.
+/// Accumulates the contributions of the splats around the nearest surface, weighted by their bells.
 inline constexpr char kSplatBlendFragmentShader[] = R"glsl(
 uniform vec3 ray_origin, ray_right, ray_up;
 uniform sampler2D nearest;
@@ -247,7 +247,7 @@ void main() {
 }
 )glsl";
 
-/// Averages the samples of each pixel into what the shading pass reads, a SplatLayer in textures. Defines: COLORS,
+/// Averages the samples of each pixel into the input of the shading pass, a SplatLayer in textures. Defines: COLORS,
 /// SMOOTH.
 inline constexpr char kSplatResolveFragmentShader[] = R"glsl(
 uniform sampler2D nearest, sums;
@@ -293,8 +293,8 @@ void main() {
 }
 )glsl";
 
-/// Shades what the surface splatter left in the pixels of the viewport; comes behind kLightingShader and, with FOG,
-/// kFogShader. Defines: COLORS, FOG, those of the lights, CLOSING (does what close_pinholes of splat_closing.h says).
+/// Shades the pixels of the surface splatter; comes after kLightingShader and, with FOG, kFogShader. Defines: COLORS,
+/// FOG, those of the lights, CLOSING (works like close_pinholes of splat_closing.h).
 inline constexpr char kSplatFragmentShader[] = R"glsl(
 uniform sampler2D normals, depths;
 #ifdef COLORS

@@ -15,11 +15,11 @@ namespace {
 
 using qnv::finite;
 
-constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // codes
-constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // encoded at a time
+constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // maximum codes
+constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // splats encoded at a time
 constexpr std::uint32_t kTaskDiscs = 16384;
-constexpr std::size_t kLeastRange = 1024;      // discs: clouds are cut into smaller ones only when they are small
-constexpr std::size_t kSampledRecords = 1024;  // of a chunk
+constexpr std::size_t kLeastRange = 1024;      // splats: larger clouds are not split into smaller ranges
+constexpr std::size_t kSampledRecords = 1024;  // per chunk
 
 bool can_be_drawn(const glm::vec3& position, const glm::vec3& normal, float weight) {
   const float size = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
@@ -30,7 +30,7 @@ float radius_of(float weight) {
   return std::sqrt(std::max(weight, std::numeric_limits<float>::min()) * (1 / splat::kPi));
 }
 
-/// The code 1 for `smallest`, the last for `largest`.
+/// Returns a logarithmic coding that maps `smallest` to code 1 and `largest` to the last code.
 glm::vec2 logarithms(float smallest, float largest) {
   const float low = std::log2(smallest), step = (std::log2(largest) - low) / (kLargestLength - 1);
   return {low - step, step};
@@ -41,7 +41,7 @@ std::uint32_t length_code(float length, const glm::vec2& coding) {
   return static_cast<std::uint32_t>(std::lround(std::clamp(code, 1.0f, kLargestLength)));
 }
 
-/// Two codes of 14 bits: the octahedron unfolded to a square (Meyer et al. 2010).
+/// Returns two 14-bit codes: the octahedron unfolded to a square (Meyer et al. 2010).
 std::array<std::uint32_t, 2> splat_normal_codes(const glm::vec3& n) {
   const float size = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   float u = n.x / size, v = n.y / size;
@@ -109,7 +109,7 @@ void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size
     const float weight = cloud.weights[first + i];
     if (!can_be_drawn(position, normal, weight)) continue;
     for (int axis = 0; axis < 3; ++axis) {
-      // The reciprocal of a step that is hardly a number is infinite, and 0 times that is none.
+      // The reciprocal of a denormal step is infinite, and 0 times infinity is NaN.
       const float at = (position[axis] - coding.lower[axis]) * per_unit[axis];
       code[static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(std::lround(at >= 0 ? std::min(at, kLargestPosition) : 0.0f));
@@ -140,7 +140,7 @@ void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_
 std::size_t most_buffer_texels(const Gl& gl) {
   GLint most = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  return static_cast<std::size_t>(std::max(most, 65536));  // that many at least (OpenGL 3.3, table 6.41)
+  return static_cast<std::size_t>(std::max(most, 65536));  // guaranteed minimum (OpenGL 3.3, table 6.41)
 }
 
 Texture make_buffer_texture(const Gl& gl, const Buffer& buffer, GLenum format) {
@@ -162,12 +162,12 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds) 
   std::vector<Upload> uploads;
   for (const auto& cloud : clouds) {
     Entry& entry = entries_[cloud.get()];
-    // An expired entry belonged to another cloud that lay at the same address.
+    // An expired entry belonged to another cloud at the same address.
     if (entry.cloud.expired()) {
       give_back(entry);
       entry = {};
       entry.cloud = cloud;
-      uploads.push_back({cloud.get(), &entry});  // entries of a map stay where they are
+      uploads.push_back({cloud.get(), &entry});  // map entries have stable addresses
     }
     entry.used = frame_;
   }
@@ -189,7 +189,7 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds) 
   return !take_errors(gl_) && good;
 }
 
-// Finds memory for all discs, or takes none.
+// Allocates memory for all splats of a cloud, or none.
 bool SplatStore::place(Entry& entry) {
   std::size_t left = entry.discs, want = std::min(left, slab_discs_);
   while (left > 0) {
@@ -198,7 +198,7 @@ bool SplatStore::place(Entry& entry) {
       entry.ranges.push_back(*range);
       left -= range->count;
     } else if (want > kLeastRange) {
-      want /= 2;  // there may be room in pieces
+      want /= 2;  // smaller pieces may fit
     } else {
       give_back(entry);
       return false;
@@ -242,7 +242,7 @@ bool SplatStore::make_slab(bool cells) {
   return true;
 }
 
-// Forgets what was drawn longest ago; what this frame needs stays. False when there is nothing to forget.
+// Frees the least recently drawn clouds; keeps those of this frame. Returns false if there is nothing to free.
 bool SplatStore::make_room() {
   std::uint64_t oldest = frame_;
   for (const auto& [cloud, entry] : entries_)
@@ -286,12 +286,12 @@ void SplatStore::forget_unused() {
 
 void SplatStore::upload(std::span<const Upload> uploads) {
   const PhaseScope phase(gl_.phases, Phase::upload);
-  // A part of a range that is encoded at one go.
+  // Part of a range that is encoded by one task.
   struct Task {
     const Upload* upload;
-    std::size_t from;  // in the cloud
+    std::size_t from;  // index in the cloud
     Range to;
-    std::size_t at;  // in `codes`
+    std::size_t at;  // index in `codes`
   };
   std::vector<Task> tasks;
   std::vector<SplatCode> codes;
@@ -310,7 +310,7 @@ void SplatStore::upload(std::span<const Upload> uploads) {
         },
         0);
     for (std::size_t t = 0; t < tasks.size();) {
-      // What lies side by side goes together.
+      // Uploads consecutive ranges together.
       const Range& first = tasks[t].to;
       std::size_t end = t, count = 0;
       while (end < tasks.size() && tasks[end].to.slab == first.slab && tasks[end].to.first == first.first + count)
@@ -355,7 +355,7 @@ SplatRecords::SplatRecords(const Gl& gl, std::span<const qnv::Rgb8> palette, boo
 }
 
 bool SplatRecords::add(std::span<const std::byte> records, const qnv::RecordFrame& frame) {
-  // The shader reads records as two integers in the byte order of the machine.
+  // The shader reads records as two integers in native byte order.
   static_assert(std::endian::native == std::endian::little);
   const std::size_t count = records.size() / qnv::kRecordBytes;
   if (!qnv::valid(frame)) return false;

@@ -12,13 +12,13 @@
 #include <immintrin.h>
 #endif
 
-// Without fused multiplications and additions, so that all kernels give the same bits, and a vertex that two patches
-// share comes out the same in both.
+// Disables fused multiply-add, so that all kernels give the same bits and a vertex shared by two patches is equal in
+// both.
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #else
 #pragma GCC optimize("fp-contract=off")
-// Everything that takes or gives a vector is inlined, so that no calling convention matters.
+// All functions with vector parameters are inlined, so the calling convention does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 

@@ -21,7 +21,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
   if (surfaces == 0) return;
   const PhaseScope phase(gl_.phases, Phase::cut);
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
-  std::unordered_map<const qnv::SurfacePatches*, std::uint32_t> shown;  // how often, so far
+  std::unordered_map<const qnv::SurfacePatches*, std::uint32_t> shown;  // number of instances so far
   const bool software = options.display == DisplayMode::surface &&
                         (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && gl_.software));
   for (const DrawItem& item : list.items) {
@@ -34,7 +34,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
     view.near_plane = camera.near_plane;
     view.supersample = options.samples > 1 ? 2 : 1;
     view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
-    // Of what the whole picture shows, so that its parts fit together.
+    // Cuts for the whole image, so that its tiles match.
     auto looked = lod_view(whole_view(view, camera));
     if (!looked) continue;
     looked->budget = options.budget == 0 ? 0 : std::max<std::size_t>(options.budget / surfaces, 1);
