@@ -9,7 +9,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostFonts = 64;  // that fill in for each other
+constexpr std::size_t kMostFonts = 64;  // maximum number of fallback fonts
 
 struct DestroyPattern {
   void operator()(FcPattern* pattern) const { FcPatternDestroy(pattern); }
@@ -24,7 +24,7 @@ const FcChar8* text(const std::string& bytes) { return reinterpret_cast<const Fc
 struct Alias {
   std::string_view family, name;
 };
-// VRML97 6.20.2: those that every browser has, by the names that Fontconfig has for them.
+// Families that every browser has (VRML97 6.20.2), with their names in Fontconfig.
 constexpr Alias kAliases[] = {{"SERIF", "serif"}, {"SANS", "sans-serif"}, {"TYPEWRITER", "monospace"}};
 
 Pattern pattern_of(const std::string& family, const vrml::FontRequest& request) {
@@ -40,7 +40,7 @@ Pattern pattern_of(const std::string& family, const vrml::FontRequest& request) 
   return pattern;
 }
 
-/// What may stand for a family: itself, and what the system says is the same under another name.
+/// Returns acceptable names for a family: itself, and names that the system declares equivalent.
 std::vector<const FcChar8*> names_for(FcPattern* substituted) {
   std::vector<const FcChar8*> names;
   FcValue value;
@@ -71,7 +71,7 @@ bool usable(const FcPattern* font) {
 }  // namespace
 
 struct FontCatalogue::Configuration {
-  FcConfig* config = FcInitLoadConfigAndFonts();  // null: the system has none that can be read
+  FcConfig* config = FcInitLoadConfigAndFonts();  // null if the system has no readable configuration
 };
 
 FontCatalogue::FontCatalogue() : configuration_(std::make_unique<Configuration>()) {}

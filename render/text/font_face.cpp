@@ -15,12 +15,12 @@
 namespace gs::render {
 namespace {
 
-constexpr double kSlant = 0.2;             // of letters that are slanted by us: sideways for each unit up
-constexpr double kBoldStroke = 1.0 / 24;   // ems by which strokes are made wider
+constexpr double kSlant = 0.2;             // horizontal shear of synthetic italics
+constexpr double kBoldStroke = 1.0 / 24;   // ems; added stroke width of synthetic bold
 constexpr int kMostSegments = 64;          // of one curve
-constexpr std::size_t kContextLength = 5;  // characters beside a run that HarfBuzz may look at
+constexpr std::size_t kContextLength = 5;  // characters next to a run that HarfBuzz may examine
 
-/// FreeType's library, one a process: it has no locks of its own, so who uses fonts holds one.
+/// FreeType's library, one per process; it has no locks, so callers hold one.
 FT_Library free_type() {
   static const FT_Library library = [] {
     FT_Library made = nullptr;
@@ -29,7 +29,7 @@ FT_Library free_type() {
   return library;
 }
 
-/// Curves as they come from FT_Outline_Decompose, cut into segments; font units.
+/// Curves from FT_Outline_Decompose, flattened to segments; font units.
 struct Flattener {
   Contours contours;
   double tolerance;  // font units
@@ -38,7 +38,7 @@ struct Flattener {
   void add(const glm::dvec2& p) {
     if (contours.back().empty() || contours.back().back() != p) contours.back().push_back(p);
   }
-  /// So that a curve with this second difference of its control points stays within the tolerance.
+  /// Returns the number of segments for a curve with this second difference of control points.
   [[nodiscard]] int segments(double bend) const {
     return std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / tolerance))), 1, kMostSegments);
   }
@@ -55,7 +55,7 @@ struct Flattener {
   static int conic(const FT_Vector* control, const FT_Vector* to, void* self) {
     auto& all = *static_cast<Flattener*>(self);
     const glm::dvec2 a = all.contours.back().back(), b = point(control), c = point(to);
-    // A parabola's chord is off by an eighth of the second derivative, which is 2 (a - 2 b + c).
+    // A parabola's chord deviates by an eighth of the second derivative, which is 2 (a - 2 b + c).
     const int count = all.segments(glm::length(a - 2.0 * b + c) / 4);
     for (int i = 1; i <= count; ++i) {
       const double t = static_cast<double>(i) / count, u = 1 - t;
@@ -89,7 +89,7 @@ hb_direction_t direction_of(vrml::TextDirection direction) {
   return HB_DIRECTION_LTR;
 }
 
-/// A rectangle of the area of the shape, in the middle of its box.
+/// Returns a rectangle with the area of the shape, at the centre of its box.
 vrml::GlyphShape bar_of(const vrml::GlyphShape& shape) {
   if (shape.triangles.empty()) return {};
   glm::vec2 lower = shape.points.front(), upper = lower;
@@ -114,9 +114,9 @@ std::size_t bytes_of(const vrml::GlyphShape& shape) {
   return sizeof(shape) + shape.points.size() * sizeof(glm::vec2) + shape.triangles.size() * sizeof(std::uint32_t);
 }
 
-/// The bars of glyphs beside each other, as one that is filled as much as they fill it.
+/// Combined bar of a word's glyphs, with their mean density.
 struct Word {
-  double left = HUGE_VAL, right = -HUGE_VAL, area = 0, low = 0, high = 0;  // low, high: times area
+  double left = HUGE_VAL, right = -HUGE_VAL, area = 0, low = 0, high = 0;  // low, high: weighted by area
 
   void add(const vrml::GlyphShape& bar, const glm::dvec2& at) {
     const glm::dvec2 lower = at + glm::dvec2(bar.points[0]), upper = at + glm::dvec2(bar.points[2]);
@@ -218,7 +218,7 @@ Contours FontFace::contours(std::uint32_t glyph, double tolerance) {
   functions.line_to = &Flattener::line;
   functions.conic_to = &Flattener::conic;
   functions.cubic_to = &Flattener::cubic;
-  // Half of the tolerance is for the curves, half for what is left out of all corners.
+  // Half of the tolerance is for flattening, half for simplification.
   Flattener flattener{{}, tolerance * units_per_em_ / 2};
   if (FT_Outline_Decompose(&outline, &functions, &flattener) != 0) return {};
   for (auto& contour : flattener.contours) {
@@ -249,7 +249,7 @@ std::shared_ptr<const vrml::GlyphShape> FontFace::glyph(std::uint32_t index, std
   return found->second;
 }
 
-// What the sheet has no room for is triangles, all of whose points stand where it is solid.
+// Returns a glyph of the atlas. If the atlas is full, returns triangles whose points refer to a solid position.
 vrml::GlyphShape FontFace::picture_of(std::uint32_t index) {
   if (sheet_)
     if (auto rectangle = sheet_->add(contours(index, vrml::kTextTolerances[1]))) return std::move(*rectangle);
@@ -259,7 +259,7 @@ vrml::GlyphShape FontFace::picture_of(std::uint32_t index) {
 }
 
 void FontFace::forget_outlines() {
-  // Places in the sheet are taken for good.
+  // Positions in the atlas are permanent.
   for (std::size_t level = 0; level < outlines_.size(); ++level)
     if (level != vrml::kTextPictures) outlines_[level].clear();
   kept_ = 0;

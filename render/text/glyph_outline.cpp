@@ -25,7 +25,7 @@ double area_of(const Polygon& polygon) {
   return sum / 2;
 }
 
-/// How often the polygon goes around the point, counter-clockwise ones counted positive.
+/// Returns the winding number of the polygon around the point; counter-clockwise is positive.
 int winding(const Polygon& polygon, const dvec2& point) {
   int turns = 0;
   for (std::size_t i = 0, before = polygon.size() - 1; i < polygon.size(); before = i++) {
@@ -45,10 +45,10 @@ double distance_to_segment(const dvec2& point, const dvec2& a, const dvec2& b) {
   return glm::length(point - a - t * along);
 }
 
-/// A place inside of the polygon, near to its first clear corner; where there is none, a corner.
+/// Returns a point inside the polygon, near its first clear corner; a corner if there is none.
 dvec2 place_inside(const Polygon& polygon, double area) {
-  // Half-way along an inner chord of the lowest corner would do; a step from the middle of the longest edge is simpler
-  // and stays inside, since glyphs have no parts thinner than a ten-thousandth of that edge.
+  // A step inwards from the middle of the longest edge. It stays inside, since no part of a glyph is thinner than a
+  // ten-thousandth of that edge.
   std::size_t longest = 0;
   double most = -1;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -62,7 +62,7 @@ dvec2 place_inside(const Polygon& polygon, double area) {
 
 double turn(const dvec2& a, const dvec2& b, const dvec2& c) { return cross(b - a, c - a); }
 
-/// Whether the way from a corner to a point begins inside of the polygon, which is counter-clockwise. Cuts make corners
+/// Reports whether the path from a corner to a point starts inside the counter-clockwise polygon. Bridges make corners
 /// coincide; only one of them sees the point.
 bool sees(const Polygon& polygon, std::size_t corner, const dvec2& point) {
   const dvec2 &at = polygon[corner], &before = polygon[corner == 0 ? polygon.size() - 1 : corner - 1],
@@ -76,10 +76,10 @@ struct Hole {
   std::size_t rightmost;
 };
 
-/// Joins a hole to the polygon by a cut to the right of its rightmost corner, there and back.
+/// Joins a hole to the polygon by a bridge to the right of its rightmost corner.
 void join(Polygon& outer, const Polygon& hole, std::size_t rightmost) {
   const dvec2 from = hole[rightmost];
-  // The edge that the way to the right meets first.
+  // First edge hit by the ray to the right.
   double nearest = INFINITY;
   std::size_t edge = outer.size();
   for (std::size_t i = 0, before = outer.size() - 1; i < outer.size(); before = i++) {
@@ -89,7 +89,7 @@ void join(Polygon& outer, const Polygon& hole, std::size_t rightmost) {
     if (x >= from.x && x < nearest) nearest = x, edge = i;
   }
   if (edge == outer.size()) return;  // the contours cross: the hole is filled
-  // Its end on the right; or what stands in the way to that, the one with the smallest angle.
+  // Target: the right end of that edge, or the blocking corner with the smallest angle.
   const std::size_t before = edge == 0 ? outer.size() - 1 : edge - 1;
   std::size_t to = outer[before].x > outer[edge].x ? before : edge;
   const dvec2 hit(nearest, from.y), end = outer[to];
@@ -134,7 +134,7 @@ void keep_between(const Polygon& contour, std::size_t first, std::size_t last, d
 
 std::vector<dvec2> simplified(const std::vector<dvec2>& given, double tolerance) {
   if (given.size() <= 3) return given;
-  // From the leftmost corner to the one farthest from it, and back.
+  // Splits at the leftmost corner and the one farthest from it.
   Polygon contour = given;
   const auto left = std::min_element(contour.begin(), contour.end(),
                                      [](const dvec2& a, const dvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -148,7 +148,7 @@ std::vector<dvec2> simplified(const std::vector<dvec2>& given, double tolerance)
   keep_between(contour, 0, far, tolerance, kept);
   keep_between(contour, far, contour.size(), tolerance, kept);
   if (std::count(kept.begin(), kept.end(), true) < 3) {
-    // Thinner than the tolerance: its widest place stays.
+    // Thinner than the tolerance: keep the widest point.
     double most = 0;
     std::size_t widest = 0;
     for (std::size_t i = 1; i < contour.size(); ++i) {
@@ -179,10 +179,10 @@ vrml::GlyphShape fill(const Contours& contours, vrml::PolygonTriangulator& trian
     for (const Polygon& other : contours)
       if (&other != &contour && other.size() >= 3) around += winding(other, inside);
     const int within = around + (area > 0 ? 1 : -1);
-    if ((around == 0) == (within == 0)) continue;  // on both sides of it the glyph is filled
+    if ((around == 0) == (within == 0)) continue;  // the glyph is filled on both sides
     Part part{contour, area, inside};
     const bool outer = around == 0;
-    // Outer ones counter-clockwise, holes clockwise.
+    // Outer contours are counter-clockwise, holes clockwise.
     if ((area > 0) != outer) std::reverse(part.polygon.begin(), part.polygon.end());
     (outer ? outers : holes).push_back(std::move(part));
   }
@@ -203,7 +203,7 @@ vrml::GlyphShape fill(const Contours& contours, vrml::PolygonTriangulator& trian
   std::vector<glm::vec3> corners;
   for (std::size_t i = 0; i < outers.size(); ++i) {
     Polygon& polygon = outers[i].polygon;
-    // From right to left, so that no cut crosses a hole that is not joined yet.
+    // Joins from right to left, so that no bridge crosses a hole that is not joined yet.
     std::sort(holes_of[i].begin(), holes_of[i].end(),
               [](const Hole& a, const Hole& b) { return (*a.polygon)[a.rightmost].x > (*b.polygon)[b.rightmost].x; });
     for (const Hole& hole : holes_of[i]) join(polygon, *hole.polygon, hole.rightmost);

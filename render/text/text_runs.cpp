@@ -9,7 +9,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kLongestRun = 4096;  // longer ones are cut, so that shaping costs what the text is long
+constexpr std::size_t kLongestRun = 4096;  // longer runs are split, so that shaping takes linear time
 
 void clean(std::u32string& text) {
   std::size_t kept = 0;
@@ -21,7 +21,7 @@ void clean(std::u32string& text) {
   text.resize(kept);
 }
 
-/// Levels of UAX #9, odd ones from right to left. Empty where all characters go the way of the line.
+/// Returns the levels of UAX #9, odd ones from right to left. Empty if all characters follow the line's direction.
 std::vector<FriBidiLevel> levels_of(const std::u32string& text, bool left) {
   std::vector<FriBidiCharType> types(text.size());
   const auto length = static_cast<FriBidiStrIndex>(text.size());
@@ -44,7 +44,7 @@ bool inherits(hb_script_t script) {
   return script == HB_SCRIPT_COMMON || script == HB_SCRIPT_INHERITED || script == HB_SCRIPT_UNKNOWN;
 }
 
-/// Scripts of all characters: those that all scripts use, such as blanks, have that of what stands before them.
+/// Returns the scripts of all characters; common characters, such as blanks, take that of the previous one.
 std::vector<hb_script_t> scripts_of(const std::u32string& text) {
   hb_unicode_funcs_t* unicode = hb_unicode_funcs_get_default();
   std::vector<hb_script_t> scripts(text.size());
@@ -87,7 +87,7 @@ std::vector<TextRun> runs_of(std::u32string& text, vrml::TextDirection direction
     if (level % 2 == 1) lowest_odd = std::min(lowest_odd, level);
     first = end;
   }
-  // UAX #9, rule L2: from the highest level down, what is at that level or above is turned round.
+  // UAX #9, rule L2: from the highest level down, reverse all sequences at that level or higher.
   for (int level = highest; level >= lowest_odd; --level)
     for (std::size_t first = 0; first < runs.size(); ++first) {
       if (runs[first].level < level) continue;

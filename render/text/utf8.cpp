@@ -8,9 +8,9 @@ namespace {
 
 constexpr char32_t kReplacement = 0xFFFD;
 
-/// Of a sequence by its first byte: how many bytes follow, and between which the second one is (Unicode Table 3-7).
+/// Properties of a first byte: number of following bytes, and range of the second byte (Unicode Table 3-7).
 struct Lead {
-  int follow = -1;  // -1: no first byte
+  int follow = -1;  // -1: not a first byte
   std::uint8_t lowest = 0x80, highest = 0xBF;
 };
 

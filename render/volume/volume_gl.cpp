@@ -20,11 +20,11 @@ namespace {
 constexpr std::size_t kMostShaderLights = 8, kTransferAt = 19 + 5 * kMostShaderLights, kItemTexels = kTransferAt + 256;
 constexpr std::size_t kMostVectors = std::size_t{1} << 28;
 constexpr std::size_t kMostViewports = 16;
-constexpr std::size_t kSurveyedVectors = 8192;  // vectors
-// Pictures that would blend more samples than this are left to the processor, which stops where nothing shows through:
-// a driver that is busy for seconds is taken to hang.
+constexpr std::size_t kSurveyedVectors = 8192;  // number of sampled vectors
+// Images that would blend more samples are left to the CPU, which stops at opaque pixels: a driver that is busy for
+// seconds is considered hung.
 constexpr double kMostBlendedSamples = 2e10;
-constexpr float kOwnColor = 5, kVectorColor = 6;  // beside the numbers of ColorBy; volume_shaders.h has the same
+constexpr float kOwnColor = 5, kVectorColor = 6;  // besides the values of ColorBy; same numbers in volume_shaders.h
 
 std::string defines() {
   std::string text;
@@ -37,7 +37,7 @@ std::string defines() {
                                     {"LEAST_AREA", kVolumePixel},
                                     {"CUT", kVolumeCut},
                                     {"PI", kVolumePi}}) {
-    // Not std::to_string of a float, which asks the locale.
+    // Avoids std::to_string of a float, which depends on the locale.
     const auto billionths = std::llround(double{value} * 1e9);
     const std::string digits = std::to_string(billionths % 1'000'000'000 + 1'000'000'000).substr(1);
     define(name, std::to_string(billionths / 1'000'000'000) + "." + digits);
@@ -55,7 +55,7 @@ glm::vec4 row_of(const glm::mat4& matrix, int row) {
 
 glm::vec2 halves(std::size_t whole) { return {static_cast<float>(whole >> 16), static_cast<float>(whole & 0xFFFF)}; }
 
-/// The texels of an item, in the order of kVolumeDataShader; `start` is the number of its first vector.
+/// Appends the texels of an item in the order of kVolumeDataShader; `start` is the number of its first vector.
 void describe(const VolumeItem& item, const VolumeStore::Place& place, const VolumeLens& lens, std::size_t start,
               std::vector<glm::vec4>& out) {
   const VolumeOptions& options = item.options;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostVolumeLights = 4;
 
-/// Nothing, or a vector of unit length.
+/// Returns a unit vector, or zero.
 glm::vec3 unit(const glm::vec3& v) {
   const float length = std::sqrt(glm::dot(v, v));
   return length > 0 && std::isfinite(length) ? v / length : glm::vec3(0);
@@ -36,7 +36,7 @@ VolumeLight in_camera(const Light& light, const glm::dmat4& camera_from_world) {
   return result;
 }
 
-/// How bright a point or spot light is there, about.
+/// Estimates the brightness of a point or spot light at a position.
 float strength_at(const VolumeLight& light, const glm::vec3& place) {
   const float distance = glm::distance(light.place, place);
   const glm::vec3& a = light.attenuation;
@@ -59,7 +59,7 @@ std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& 
   lights.insert(lights.end(), local.begin(), local.end());
   if (lights.size() > kMostVolumeLights) lights.resize(kMostVolumeLights);
   if (headlight) lights.push_back(volume_headlight().front());
-  // No lights at all would mean the viewer's.
+  // An empty list would mean a light at the viewer.
   if (lights.empty()) lights.push_back({.color = glm::vec3(0)});
   return lights;
 }

@@ -16,16 +16,16 @@ namespace {
 
 using qnv::finite;
 
-constexpr std::size_t kModelRange = 16384;  // vectors that one task looks at
+constexpr std::size_t kModelRange = 16384;  // vectors per task
 constexpr float kFinestCells = 128;         // along the longest edge of the box
-constexpr float kEnough = 6;                // vectors in a cube whose number can be trusted
+constexpr float kEnough = 6;                // minimum vectors in a cube for a reliable count
 constexpr float kBoundaryLayers = 3;        // voxels across a boundary
-constexpr float kMostSpacing = 2;           // times what nine tenths have
-constexpr std::size_t kSample = 65536;      // vectors whose weights are sorted
+constexpr float kMostSpacing = 2;           // times the 90th percentile
+constexpr std::size_t kSample = 65536;      // vectors with sorted weights
 constexpr float kGloss = 16;                // exponent
 constexpr double kRootOfTwo = 1.41421356237309505;
 
-/// The value that a part `rank` of the values does not exceed; of values that stand for all when they are many.
+/// Returns the quantile `rank` of the values, from a sample if there are many.
 float quantile(const std::vector<float>& values, float rank) {
   const std::size_t step = values.size() / kSample + 1;
   std::vector<float> some;
@@ -38,7 +38,7 @@ float quantile(const std::vector<float>& values, float rank) {
   return some[static_cast<std::size_t>(at)];
 }
 
-/// How many vectors stand in the cells of grids, each twice as coarse as the one before.
+/// Counts of vectors in the cells of grids, each twice as coarse as the previous.
 class Counts {
  public:
   Counts(std::span<const glm::vec3> positions, const qnv::Box& box, float finest) : lower_(box.lower) {
@@ -52,7 +52,7 @@ class Counts {
     while (grids_.back().size() > 1) grids_.push_back(coarser(grids_.back()));
   }
 
-  /// The spacing of the vectors about `p`, for voxels of spacing `h`.
+  /// Returns the spacing of the vectors around `p`, for voxels of spacing `h`.
   [[nodiscard]] float spacing(const glm::vec3& p, float h) const {
     if (!finite(p)) return 0;
     float n = 0, e = 0;
@@ -99,7 +99,7 @@ class Counts {
     return grid;
   }
 
-  /// Between the centres of cells, so that the number has no steps.
+  /// Interpolates between cell centres, so that the result is continuous.
   [[nodiscard]] float about(const Grid& grid, const glm::vec3& p) const {
     std::array<int, 3> low{}, high{};
     glm::vec3 part;
@@ -126,7 +126,7 @@ class Counts {
   std::vector<Grid> grids_;
 };
 
-/// The description's box where it is sound: what has arrived stands for all of it.
+/// Returns the description's box if valid, since the received vectors represent all of it; extended by the positions.
 qnv::Box box_of(const qnv::Cloud& cloud) {
   qnv::Box box;
   for (const glm::vec3& p : cloud.positions)
@@ -139,7 +139,7 @@ qnv::Box box_of(const qnv::Cloud& cloud) {
   return box;
 }
 
-/// The largest floor(sqrt(2)^i) that is not more than `n` >= 1, and the next one.
+/// Return the largest floor(sqrt(2)^i) <= `n`, n >= 1, and the next one.
 std::size_t power_below(std::size_t n) {
   const std::size_t whole = std::bit_floor(n);
   const auto half = static_cast<std::size_t>(static_cast<double>(whole) * kRootOfTwo);
@@ -182,7 +182,7 @@ VolumeTransfer volume_transfer(const qnv::Description& about, std::span<const qn
   };
   for (std::size_t i = 0; i < table.size(); ++i) {
     const float value = static_cast<float>(i) / 255;
-    // The first point that is not below; points that are out of order or no numbers hide those behind them.
+    // First point that is not below; unordered or non-finite points hide the following ones.
     std::size_t next = 0;
     while (next < own.size() && own[next].value < value) ++next;
     glm::vec4 entry = color(own[std::min(next, own.size() - 1)]);
@@ -256,7 +256,7 @@ VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads, std::size_t 
                     threads);
   const float most = kMostSpacing * quantile(model.spacing, 0.9f);
   for (float& s : model.spacing) s = std::min(s, most);
-  // A vector that stands for those in a cube reaches no further than this says, unless it stands for others, too.
+  // A vector with a cell reaches no farther than the cell, unless it represents others too.
   if (cloud.cells.size() == size && counted == size)
     for (std::size_t i = 0; i < count; ++i)
       if (cloud.cells[i].edge > 0) model.spacing[i] = std::min(model.spacing[i], std::max(cloud.cells[i].edge, h));
@@ -286,7 +286,7 @@ glm::vec3 volume_shade(const VolumeOptions& options, const glm::vec3& color, con
     const float half2 = glm::dot(half, half);
     if (!facing || !(half2 > 0)) continue;
     float shine = glm::dot(n, half);
-    shine = shine * shine / half2;  // the cosine's square: both sides
+    shine = shine * shine / half2;  // squared cosine: two-sided
     shine *= shine, shine *= shine, shine *= shine;
     static_assert(kGloss == 16);
     gloss += light.color * (strength * options.specular * shine);

@@ -14,10 +14,10 @@
 namespace gs::render {
 namespace {
 
-constexpr double kShareSteps = 8;               // an octave
-constexpr std::uint64_t kKeptModelFrames = 64;  // of the model of a prefix that is not drawn
+constexpr double kShareSteps = 8;               // per octave
+constexpr std::uint64_t kKeptModelFrames = 64;  // frames for which the model of an undrawn prefix is kept
 
-/// Shares of a budget for several clouds change with every step of the viewer: not the numbers that are shown.
+/// Quantizes a share: shares change with every movement of the viewer, but the shown numbers should not.
 std::size_t steady(std::size_t share) {
   if (share < 2) return share;
   return static_cast<std::size_t>(
@@ -28,8 +28,8 @@ bool is_volume(const SplatItem& item) {
   return item.cloud && item.cloud->description.kind == qnv::Kind::volume && !item.cloud->empty();
 }
 
-/// The depths with which a layer is laid over a picture, window space; -1: over whatever is there. Of pixels whose
-/// samples differ one between; without stops that where a pixel becomes opaque.
+/// Returns window-space depths for compositing a layer; -1 means without depth test. If the samples of a pixel differ,
+/// the depth lies between them; without stops, it is that at which the pixel becomes opaque.
 std::vector<float> window_depths(const VolumeLayer& layer, const VolumeStops& stops, const Projection& projection) {
   std::vector<float> depths(layer.depth.size(), -1.0f);
   const auto window = [&](float depth) {
@@ -165,7 +165,7 @@ void VolumePass::lay_over(const VolumeLayer& layer, const std::vector<float>& de
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, layer.width, layer.height, 0, GL_RED, GL_FLOAT, depths.data());
   draw_overlay(overlay_, layer, layer.pixels, projection, options);
   if (!layer.edge_pixels.empty()) {
-    // The samples of a pixel that the first did not take.
+    // The remaining samples of each pixel.
     gl_.DepthFunc(projection.reversed ? GL_LESS : GL_GREATER);
     draw_overlay(edge_overlay_, layer, layer.edge_pixels, projection, options);
   }
@@ -208,7 +208,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
     if (const auto drawn = volume_gl_.draw(scene.held, scene.items, gl_view)) {
       statistics.vectors += drawn->vectors;
       statistics.pending = statistics.pending || drawn->pending;
-      // One that OpenGL could not draw is told of.
+      // A volume that OpenGL could not draw shows in the statistics.
       if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
       ++statistics.draw_calls;
       return;

@@ -15,11 +15,11 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kPreparedRange = 16384;               // vectors that one task prepares
-constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // splats of tiles that are copied at a time
+constexpr std::size_t kPreparedRange = 16384;               // vectors per preparation task
+constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // tile entries copied at a time
 constexpr unsigned kDepthDigitBits = 11, kDepthDigits = 1u << kDepthDigitBits;
 
-/// The vectors of a volume that are in view.
+/// Prepares the vectors of a volume that are in view.
 class Preparer {
  public:
   /// The item must have a cloud and a model.
@@ -31,7 +31,7 @@ class Preparer {
     count_ = std::min({item.count, cloud_.size(), model_.spacing.size()});
   }
 
-  /// How many there are to look at; 0 when nothing of it can be seen.
+  /// Returns the number of vectors to examine; 0 if nothing is visible.
   [[nodiscard]] std::size_t count() const { return count_; }
 
   void run(std::size_t first, std::size_t last, std::vector<VolumeSplat>& out) const {
@@ -43,7 +43,7 @@ class Preparer {
     }
   }
 
-  /// All but the colour. False when it cannot be seen.
+  /// Computes everything except the colour. Returns false if the vector is invisible.
   bool place(std::size_t i, VolumeSplat& splat) const {
     splat.alpha = volume_alpha(cloud_, model_, options_, i);
     if (!(splat.alpha >= kVolumeLeastAlpha)) return false;
@@ -93,7 +93,7 @@ std::vector<Preparer> preparers_of(std::span<const VolumeItem> items, const Spla
   return preparers;
 }
 
-/// Front to back, splats of one depth in their order. Depths that differ by less than a few millionths are one.
+/// Sorts front to back, stable. Depths that differ by less than a few millionths are equal.
 class Sorter {
  public:
   std::span<const std::uint32_t> sort(std::span<const VolumeSplat> splats) {
@@ -101,7 +101,7 @@ class Sorter {
     keys_.resize(count);
     order_.resize(count);
     other_.resize(count);
-    // A positive float's bits, read as an integer, are in the order of the floats.
+    // The bits of positive floats, read as integers, have the order of the floats.
     std::uint32_t least = 0xFFFFFFFFu, most = 0;
     for (std::size_t i = 0; i < count; ++i) {
       keys_[i] = std::bit_cast<std::uint32_t>(splats[i].depth);
@@ -134,7 +134,7 @@ class Sorter {
   std::vector<std::uint32_t> keys_, order_, other_;
 };
 
-/// The splats in view, tile by tile, and the picture of them.
+/// Sorts the splats in view by tile and draws the image.
 class Painter {
  public:
   Painter(const std::vector<std::vector<VolumeSplat>>& parts, const SplatView& view, const VolumeStops& stops,
@@ -156,7 +156,8 @@ class Painter {
           for (const VolumeSplat& splat : parts_[r]) for_tiles(splat, [&](std::size_t tile) { ++counts_[r][tile]; });
         },
         view_.threads);
-    // As many tiles at a time as bounded memory holds; one tile always, which has no more than all vectors.
+    // Processes as many tiles at a time as the memory limit permits; always at least one, which has at most all
+    // vectors.
     std::size_t first = 0;
     while (first < tiles_) {
       std::size_t last = first, entries = 0;
@@ -215,7 +216,7 @@ class Painter {
         last - first, [&](std::size_t i) { paint(first + i, begin_[i], begin_[i + 1]); }, view_.threads);
   }
 
-  /// The pixels of a tile that lie in the viewport: body(of the tile, of the viewport).
+  /// Calls body(index in tile, index in viewport) for the pixels of a tile inside the viewport.
   template <class Body>
   void for_pixels(int left, int bottom, Body body) const {
     for (int y = bottom; y < std::min(bottom + kVolumeTile, view_.height); ++y)
@@ -224,10 +225,10 @@ class Painter {
              static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) + static_cast<std::size_t>(x));
   }
 
-  /// Whether any of them hides something that is not deeper than `deepest`.
+  /// Reports whether any stop hides content at or before `deepest`.
   bool put_stops(std::span<const float> stops, int left, int bottom, float deepest, VolumeTile& tile) const {
     bool hides = false;
-    tile.stop.fill(0);  // beside the viewport nothing need be blended
+    tile.stop.fill(0);  // pixels outside the viewport need no blending
     for_pixels(left, bottom, [&](std::size_t in_tile, std::size_t at) {
       tile.stop[in_tile] = stops[at];
       hides = hides || !(stops[at] >= deepest);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// The shaders of volumes. "#version 330 core" is put before each by make_program; those for sorting have 430.
+/// Shaders of volumes. make_program adds "#version 330 core" before each; those for sorting have 430.
 namespace gs::render {
 
 /// One triangle that covers the viewport, from gl_VertexID alone.
@@ -11,8 +11,8 @@ void main() {
 }
 )glsl";
 
-/// What the processor made of volumes. Where `depths` is below 0, whatever the depth of the pixel; EDGES: only
-/// elsewhere.
+/// Composites the CPU's volumes. If `depths` is below 0, ignores the pixel's depth; with EDGES, draws only the other
+/// pixels.
 inline constexpr char kVolumePixelsFragmentShader[] = R"glsl(
 uniform sampler2D pixels;
 uniform sampler2D depths;  // window space
@@ -31,7 +31,7 @@ void main() {
 }
 )glsl";
 
-/// What OpenGL made of volumes, one sample at a time.
+/// Composites OpenGL's volumes, one sample at a time.
 inline constexpr char kVolumeLayerFragmentShader[] = R"glsl(
 uniform ivec2 origin;
 #ifdef SAMPLES
@@ -47,7 +47,7 @@ void main() {
 }
 )glsl";
 
-/// The least and the most of the depths of the samples of a pixel.
+/// Returns minimum and maximum depth of the samples of a pixel.
 inline constexpr char kVolumeExtremesFragmentShader[] = R"glsl(
 uniform sampler2DMS depths;
 uniform int samples;
@@ -63,7 +63,7 @@ void main() {
 }
 )glsl";
 
-/// Where vectors lie in the buffer textures (volume_gl.cpp writes `items`), and what their codes mean.
+/// Layout of vectors in the buffer textures (volume_gl.cpp writes `items`), and decoding of their codes.
 inline constexpr char kVolumeDataShader[] = R"glsl(
 uniform usamplerBuffer codes;
 uniform samplerBuffer items;
@@ -96,7 +96,7 @@ vec3 position_of(int item, uvec4 code) {
 }
 )glsl";
 
-/// The rest of a vector, and its light: volume_model.h in the same order.
+/// Completes and lights a vector, in the order of volume_model.h.
 inline constexpr char kVolumeShadeShader[] = R"glsl(
 vec3 normal_of(uvec4 code) {
   uvec2 c = (code.xy >> 20) & 1023u;
@@ -194,7 +194,7 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
 }
 )glsl";
 
-/// A rectangle that faces the viewer for each vector, in the order of `number`.
+/// Draws a viewer-facing rectangle for each vector, in the order of `number`.
 inline constexpr char kVolumeVertexShader[] = R"glsl(
 uniform samplerBuffer spacings;
 uniform vec4 lens;         // pixels at depth 1 and of the viewport
@@ -251,8 +251,8 @@ void main() {
 }
 )glsl";
 
-/// Sorting: four bits at a time, least significant first. A group of 256 looks at a block of 4096 entries; a thread of
-/// it, where order matters, at 16 that follow one another.
+/// Sorts four bits at a time, least significant first. A group of 256 threads processes a block of 4096 entries; where
+/// order matters, each thread takes 16 consecutive ones.
 inline constexpr char kVolumeSortShader[] = R"glsl(
 layout(local_size_x = 256) in;
 uniform int total, shift, groups;
@@ -264,7 +264,7 @@ layout(std430, binding = 4) buffer SortedValues { uint sorted_values[]; };
 layout(std430, binding = 5) buffer Counts { uint counts[]; };  // by digit, then by block
 )glsl";
 
-/// The keys and the numbers, the last vector first (volume_sort.cpp does the same).
+/// Writes the keys and the numbers, last vector first, like volume_sort.cpp.
 inline constexpr char kVolumeKeysShader[] = R"glsl(
 void main() {
   for (uint k = 0u; k < EACH; ++k) {
@@ -297,7 +297,7 @@ void main() {
 }
 )glsl";
 
-/// Where the entries of each digit of each block begin. One group.
+/// Computes the start of the entries of each digit of each block. One group.
 inline constexpr char kVolumeScanShader[] = R"glsl(
 shared uint sums[256];
 void main() {

@@ -20,14 +20,14 @@ unsigned digit(std::uint64_t entry, unsigned pass) {
   return static_cast<unsigned>(entry >> (32 + pass * kKeyDigitBits)) & (kKeyDigits - 1);
 }
 
-/// `entries` and `other` are room to work in.
+/// `entries` and `other` are working memory.
 void far_first_order(std::span<const VolumeSortPart> parts, std::vector<std::uint64_t>& entries,
                      std::vector<std::uint64_t>& other, std::vector<std::uint32_t>& order) {
   std::size_t base = 0;
   for (const VolumeSortPart& part : parts) base += part.count;
   entries.clear();
   entries.reserve(base);
-  // The last one first: of one depth, what comes later lies behind.
+  // Last one first: at equal depth, later vectors are farther.
   for (std::size_t i = parts.size(); i-- > 0;) {
     const VolumeSortPart& part = parts[i];
     const std::vector<glm::vec3>& positions = part.cloud->positions;
@@ -48,7 +48,7 @@ void far_first_order(std::span<const VolumeSortPart> parts, std::vector<std::uin
 
 std::uint32_t far_first_key(float depth) {
   if (std::isnan(depth)) return std::numeric_limits<std::uint32_t>::max();
-  // The bits of a float, read as an integer, are in the order of its magnitude.
+  // The bits of a float, read as an integer, have the order of its magnitude.
   const auto bits = std::bit_cast<std::uint32_t>(depth + 0.0f);
   const std::uint32_t ascending = bits >> 31 ? ~bits : bits | 0x80000000u;
   return ~ascending;
@@ -62,7 +62,7 @@ void sort_by_key(std::vector<std::uint64_t>& entries, std::vector<std::uint64_t>
   const std::size_t count = entries.size();
   for (unsigned pass = 0; pass < kKeyPasses; ++pass) {
     auto& places = counts[pass];
-    if (std::find(places.begin(), places.end(), count) != places.end()) continue;  // all digits are the same
+    if (std::find(places.begin(), places.end(), count) != places.end()) continue;  // all digits are equal
     std::size_t next = 0;
     for (std::size_t& place : places) next += std::exchange(place, next);
     for (std::size_t i = 0; i < count; ++i) other[places[digit(entries[i], pass)]++] = entries[i];
@@ -89,7 +89,7 @@ VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::s
   bool same = true;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const VolumeSortPart& part = parts[i];
-    // Not by address: another cloud may have come to lie there.
+    // Compares ownership, since another cloud may have the same address.
     if (seen[i].count != part.count || seen[i].cloud.owner_before(part.cloud) || part.cloud.owner_before(seen[i].cloud))
       return Likeness::far;
     if (seen[i].row == part.row) continue;
@@ -104,7 +104,7 @@ VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::s
 VolumeSorter::Order VolumeSorter::order(std::span<const VolumeSortPart> parts) {
   std::unique_lock lock(mutex_);
   if (!newest_ || likeness(newest_->of, parts) != Likeness::same) {
-    // That of the frame before this one will do; of a view that has been asked for already, only its own.
+    // The previous frame's order suffices for a new view; a repeated request gets only its own.
     std::uint64_t oldest = asked_;
     if (asked_ == 0 || likeness(asked_for_, parts) != Likeness::same) {
       wanted_.assign(parts.begin(), parts.end());
@@ -145,7 +145,7 @@ void VolumeSorter::run(const std::stop_token& stop) {
     } catch (const std::bad_alloc&) {
       result->far_first.clear();
     }
-    parts.clear();  // so that no cloud is held longer than that
+    parts.clear();  // releases the clouds
     lock.lock();
     newest_ = std::move(result);
     changed_.notify_all();

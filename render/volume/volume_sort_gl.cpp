@@ -10,11 +10,11 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kSortBlock = 4096, kMostGroups = 65535;  // OpenGL 4.3 has at least as many
+constexpr std::size_t kSortBlock = 4096, kMostGroups = 65535;  // guaranteed minimum of OpenGL 4.3
 constexpr unsigned kShaderDigitBits = 4, kShaderDigits = 1u << kShaderDigitBits, kShaderPasses = 32 / kShaderDigitBits;
-static_assert(kShaderPasses % 2 == 0);  // so that the result lies where it began
+static_assert(kShaderPasses % 2 == 0);  // the result is in the original buffer
 
-/// Empty when the driver refuses it.
+/// Compiles a compute program; empty if the driver rejects it.
 Program compute_program(const Gl& gl, const std::string& source) {
   const GpuHandle<GpuObject::shader> shader(gl, gl.CreateShader(GL_COMPUTE_SHADER));
   const GLchar* text = source.data();

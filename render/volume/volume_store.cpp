@@ -18,9 +18,9 @@ using qnv::finite;
 
 constexpr std::size_t kUploaded = std::size_t{1} << 18;  // vectors at a time
 constexpr std::size_t kTask = 16384;
-constexpr std::uint64_t kKeptPlaceFrames = 16;  // of which places count when more room is taken
+constexpr std::uint64_t kKeptPlaceFrames = 16;  // frames for which data counts when memory is enlarged
 
-/// Two codes of 10 bits: the octahedron unfolded to a square (Meyer et al. 2010).
+/// Returns two 10-bit codes: the octahedron unfolded to a square (Meyer et al. 2010).
 glm::uvec2 volume_normal_codes(const glm::vec3& n) {
   const float size = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   if (!(size > 0) || !std::isfinite(size)) return glm::uvec2(VolumeCoding::kNoNormal);
@@ -82,7 +82,7 @@ void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, st
     VolumeCode& code = codes[i];
     const std::size_t k = first + i;
     for (int axis = 0; axis < 3; ++axis) {
-      // The reciprocal of a step that is hardly a number is infinite, and 0 times that is none.
+      // The reciprocal of a denormal step is infinite, and 0 times infinity is NaN.
       const float at = (cloud.positions[k][axis] - coding.lower[axis]) * per_unit[axis];
       code[static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(std::lround(at >= 0 ? std::min(at, last) : 0.0f));
@@ -166,7 +166,7 @@ VolumeStore::Entry* VolumeStore::find(const SharedVolume& volume) {
   for (Entry& entry : entries_) {
     if (!same(entry.cloud, volume.cloud)) continue;
     if (same(entry.model, volume.model)) return &entry;
-    // Of another prefix: the codes stay, unless this frame draws them with both.
+    // Another prefix: reuses the codes, unless this frame draws both.
     if (entry.used == frame_ || entry.count != volume.model->spacing.size()) continue;
     entry.model = volume.model;
     upload_spacings(*volume.cloud, *volume.model, entry);
@@ -179,7 +179,7 @@ VolumeStore::Entry* VolumeStore::add(const SharedVolume& volume) {
   const std::size_t count = volume.model->spacing.size();
   std::optional<std::size_t> first = free_.take(count);
   while (!first) {
-    // What was drawn longest ago makes room; what this frame needs stays.
+    // Frees the least recently drawn data; keeps that of this frame.
     const auto oldest = std::min_element(entries_.begin(), entries_.end(),
                                          [](const Entry& a, const Entry& b) { return a.used < b.used; });
     if (oldest == entries_.end() || oldest->used + kKeptPlaceFrames >= frame_) return nullptr;
@@ -208,7 +208,7 @@ std::vector<VolumeStore::Place> VolumeStore::place(std::span<const SharedVolume>
       places.push_back({entry->first, entry->coding});
     }
     if (places.size() == volumes.size()) return places;
-    // A larger buffer, for what other viewports draw as well; they put theirs there again when they come.
+    // Enlarges the buffer, with room for other viewports, which upload their data again.
     std::size_t others = 0;
     for (const Entry& entry : entries_)
       if (entry.used != frame_ && entry.used + kKeptPlaceFrames >= frame_) others += entry.count;
@@ -235,7 +235,7 @@ void VolumeStore::upload(const qnv::Cloud& cloud, const Entry& entry) {
 void VolumeStore::upload_spacings(const qnv::Cloud& cloud, const VolumeModel& model, const Entry& entry) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   std::vector<float> spacings = model.spacing;
-  // Codes have no words for what is not drawn.
+  // Codes cannot mark vectors as invisible.
   for (std::size_t k = 0; k < spacings.size(); ++k)
     if (!finite(cloud.positions[k]) || !(cloud.weights[k] >= 0)) spacings[k] = 0;
   gl_.BindBuffer(GL_TEXTURE_BUFFER, spacing_buffer_.name());

@@ -13,8 +13,8 @@
 namespace gs::render {
 namespace {
 
-constexpr int kStep = 64;              // of the sizes of textures
-constexpr float kSmooth = 1 / 256.0f;  // depths of one pixel that differ by less, in proportion, are of one surface
+constexpr int kStep = 64;              // granularity of texture sizes
+constexpr float kSmooth = 1 / 256.0f;  // relative depth difference in a pixel below which samples belong to one surface
 
 Program program_of(const Gl& gl, const char* defines, const char* fragment) {
   auto made = make_program(gl, defines, kVolumeScreenVertexShader, fragment);
@@ -81,7 +81,7 @@ bool VolumeTarget::make(int width, int height, int samples, GLenum depth_format,
   const bool large_enough = width <= width_ && height <= height_ && samples == samples_;
   if (framebuffer_ && large_enough && depth_format == depth_format_ && (colored_ || !colored)) return true;
   const bool same = samples == samples_;
-  // Viewports of several sizes share one, which grows.
+  // Viewports of several sizes share one texture, which grows.
   const auto size = [&](int wanted, int had) {
     return std::min(std::max((wanted + kStep - 1) / kStep * kStep, same ? had : 0), gl_.max_texture_size);
   };
@@ -120,7 +120,7 @@ bool VolumeTarget::copy_depth(const Bound& from, const TargetRectangle& r, bool 
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   std::array<GLenum, 2> formats{};
   if (!depth_formats(formats)) return false;
-  // What worked before first.
+  // Tries the last working format first.
   if (formats[1] == depth_format_ && framebuffer_) std::swap(formats[0], formats[1]);
   for (const GLenum format : formats) {
     if (format == 0) continue;
@@ -199,7 +199,7 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const Projection& proje
     return window != projection.farthest_depth() ? projection.depth_scale / (window - projection.depth_offset)
                                                  : std::numeric_limits<float>::infinity();
   };
-  // Of several samples the least and the greatest depth were read.
+  // With multisampling, minimum and maximum depth were read.
   const std::size_t nearer = several && projection.reversed ? 1 : 0;
   depths.near.resize(pixels);
   depths.far.clear();

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <cstring>
 
-// Everything that takes or gives a vector is inlined, so that no calling convention matters.
+// All functions with vector parameters are inlined, so the calling convention does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kLookEvery = 64;    // splats between two looks where the tile is full
+constexpr std::size_t kLookEvery = 64;    // splats between two checks for an opaque tile
 constexpr int kBlocks = kVolumeTile / 8;  // along an edge of a tile
-constexpr float kOpaque = 1 / 512.0f;     // less shows through: half a step of eight bits at most
-constexpr float kSolid = 0.5f;            // depth is taken where less shows through
+constexpr float kOpaque = 1 / 512.0f;     // transmittance below which a pixel is opaque: at most half an 8-bit step
+constexpr float kSolid = 0.5f;            // transmittance at which the depth is recorded
 
 namespace baseline {
 #define VOLUME_TARGET
@@ -23,7 +23,7 @@ namespace baseline {
 
 #if defined(__x86_64__)
 namespace avx2 {
-// Without fused multiplications, so that both give the same bits.
+// Without fused multiply-add, so that both give the same bits.
 #define VOLUME_TARGET __attribute__((target("avx2")))
 #include "render/volume/volume_tile_loop.inc"
 #undef VOLUME_TARGET
