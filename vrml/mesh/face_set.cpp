@@ -18,7 +18,7 @@ namespace {
 constexpr float kUnitTolerance = 0.01f;  // of the squared length; files often give three or four digits
 constexpr float kShortestSquare = 1e-24f;
 constexpr std::size_t kStretch =
-    4096;  // entries of a coordIndex that are read between two looks at the room for output
+    4096;  // entries of a coordIndex that are read between two checks of the output array's capacity
 
 /// Returns the number of indices for `entries` entries of a coordIndex if all faces are triangles, plus a margin.
 [[nodiscard]] std::size_t expected_indices(std::size_t entries) {
