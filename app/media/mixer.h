@@ -11,24 +11,25 @@
 
 namespace gs::app {
 
-/// Pairs a second that are mixed.
+/// Sample rate of the mix: stereo pairs per second.
 inline constexpr int kMixRate = 48000;
-/// Sounds that are heard at a time; see SoundRank.
+/// Maximum number of sounds played at a time; see SoundRank.
 inline constexpr std::size_t kMostVoices = 32;
 
-/// A sound that is to be heard.
+/// One sound to be mixed.
 struct Voice {
-  const void* who = nullptr;  // tells it apart from others, with `number`
+  const void* who = nullptr;  // identity of the sound, together with `number`
   std::size_t number = 0;
   std::shared_ptr<const MediaFile> file;
-  double start = 0, end = 0;  // in seconds since 1970; `end` infinite: not known
-  double rate = 1;            // > 0: pitch or speed
-  double duration = -1;       // of the file, in seconds; negative: not known
+  double start = 0, end = 0;  // seconds since 1970; an infinite `end` means unknown
+  double rate = 1;            // > 0; scales pitch or speed
+  double duration = -1;       // duration of the file in seconds; negative means unknown
   bool loop = false;
-  double left = 1, right = 1;  // factors
+  double left = 1, right = 1;  // channel gains
 };
 
-/// Adds sounds up. `set` and the others on any threads; `mix` on one, which decodes: never that of the frames.
+/// Mixes voices. `set` and the other functions may run on any thread. `mix` decodes and must run on one thread, never
+/// the thread that draws frames.
 class Mixer {
  public:
   Mixer();
@@ -36,15 +37,15 @@ class Mixer {
   Mixer(const Mixer&) = delete;
   Mixer& operator=(const Mixer&) = delete;
 
-  /// What is to be heard as of `now`, in seconds since 1970. What is not among it any more is over when its `end` said
-  /// so, else at `now`.
+  /// Replaces the voices as of `now`, in seconds since 1970. A voice that is missing from `voices` stops at its former
+  /// `end` if that has passed, else at `now`.
   void set(std::vector<Voice> voices, double now);
-  /// Everything is made louder by this, 0 and more.
+  /// Sets the master gain, >= 0.
   void set_gain(double gain);
-  /// Pairs left and right, from -1 to 1, of the time from `from` to `to`: that of one pair for each 1/kMixRate of it,
-  /// or nearly so. Levels go to what was set as straight lines.
+  /// Mixes stereo pairs in -1..1 for the time span `from`..`to`, about one pair per 1/kMixRate seconds. Gains ramp
+  /// linearly to the values last set.
   void mix(double from, double to, std::span<float> pairs);
-  /// Whether anything is to be heard, now or later.
+  /// Reports whether any voice plays now or later.
   [[nodiscard]] bool sounding() const;
 
  private:
@@ -54,10 +55,10 @@ class Mixer {
 
   mutable std::mutex mutex_;
   std::vector<Voice> wanted_;  // guarded by mutex_
-  double wanted_at_ = 0;       // likewise
-  bool fresh_ = false;         // likewise
-  double gain_ = 1;            // likewise
-  bool sounding_ = false;      // likewise
+  double wanted_at_ = 0;       // guarded by mutex_
+  bool fresh_ = false;         // guarded by mutex_
+  double gain_ = 1;            // guarded by mutex_
+  bool sounding_ = false;      // guarded by mutex_
   std::vector<std::unique_ptr<Playing>> playing_;
   double heard_gain_ = 1;
 };

@@ -14,9 +14,8 @@
 
 namespace gs::app {
 
-/// Shows the pictures of movies at the times that are asked for, decoded on a thread of its own, so that no frame waits
-/// for them; or at once, for who wants to see just these. Memory is bounded: of each movie, a picture and what
-/// render::Movie keeps. Used by one thread.
+/// Decodes movie pictures for requested times: on its own thread so that no frame waits, or synchronously for exact
+/// pictures. Memory is bounded: one picture for each movie, plus the state of render::Movie. Use from one thread.
 class MoviePlayers {
  public:
   class Player;
@@ -26,30 +25,30 @@ class MoviePlayers {
   MoviePlayers(const MoviePlayers&) = delete;
   MoviePlayers& operator=(const MoviePlayers&) = delete;
 
-  /// `first`: the picture that it begins with. Null: there is no room for it.
+  /// Opens a movie. `first` is its initial picture. Returns null if the budget has no room for it.
   [[nodiscard]] std::shared_ptr<Player> open(std::shared_ptr<const MediaFile> file, const render::Image& first,
                                              const WorldBudget& budget);
-  /// The picture at a time of the movie, in seconds, or with `wait` false a little later, the last one so far. One
-  /// player is asked always one way. True when the image is another than before.
+  /// Shows the picture at `seconds` of movie time. If `wait` is false, decodes in the background and shows the last
+  /// picture ready so far. Use the same value of `wait` for all calls on one player. Returns true if the image changed.
   bool show(const std::shared_ptr<Player>& player, double seconds, bool wait);
-  /// Whether a picture that was asked for is still to come.
+  /// Reports whether a requested picture is still pending.
   [[nodiscard]] bool waits(const Player& player);
 
  private:
   void run(const std::stop_token& stop);
 
-  std::shared_ptr<std::atomic<bool>> over_ = std::make_shared<std::atomic<bool>>(false);  // what is decoded, too
+  std::shared_ptr<std::atomic<bool>> over_ = std::make_shared<std::atomic<bool>>(false);  // tells decoders to stop
   std::mutex mutex_;
   std::condition_variable_any something_;
   std::vector<std::weak_ptr<Player>> asked_;  // guarded by mutex_
-  std::jthread thread_;                       // last: joined before what it uses goes; begins when it is needed
+  std::jthread thread_;                       // last member, so that it joins first; starts on demand
 };
 
-/// One movie as one node shows it. The image stays where it is, and its pixels change.
+/// One movie as shown by one node. The image object stays the same; its pixels change.
 class MoviePlayers::Player {
  public:
   [[nodiscard]] const std::shared_ptr<render::Image>& image() const { return image_; }
-  /// Whether others have the image: who draws it.
+  /// Reports whether anyone else, such as the renderer, holds the image.
   [[nodiscard]] bool shown() const { return image_.use_count() > kOwn; }
 
   Player(std::shared_ptr<const MediaFile> file, std::shared_ptr<render::Image> image, vrml::Share share,
@@ -58,14 +57,14 @@ class MoviePlayers::Player {
 
  private:
   friend class MoviePlayers;
-  static constexpr long kOwn = 2;  // this one, and the world's list of images
+  static constexpr long kOwn = 2;  // references held by this player and the world's image list
   struct Decoder;
 
   std::shared_ptr<const MediaFile> file_;
   std::shared_ptr<render::Image> image_;
   vrml::Share share_;
   WorldBudget budget_;
-  double shown_time_ = 0;  // of the picture in image_
+  double shown_time_ = 0;  // movie time of the picture in image_
   std::shared_ptr<std::atomic<bool>> over_;
   std::unique_ptr<Decoder> decoder_;
 };

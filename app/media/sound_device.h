@@ -10,24 +10,23 @@
 
 namespace gs::app {
 
-/// Plays what a mixer mixes on the sound device of the system, by OpenAL, on a thread of its own: decoding and mixing
-/// keep no frame waiting, and sounds go on while none is drawn. Without a library or a device nothing is heard, and
-/// nothing else happens.
+/// Plays a mixer's output on the system's sound device through OpenAL, on its own thread. Decoding and mixing never
+/// delay frames, and sounds continue while no frame is drawn. Without the library or a device, stays silent.
 class SoundDevice {
  public:
-  /// So much later than the pictures sounds are heard, in seconds: what a step starts is heard from its first sample,
-  /// although the device asks for samples in advance.
+  /// Delay of sound behind pictures, in seconds. The device requests samples in advance, so this keeps the start of a
+  /// sound that a step begins.
   static constexpr double kBehind = 0.06;
 
-  /// `clock`: seconds since 1970, on any thread. Both outlive this.
+  /// `clock` returns seconds since 1970 and may be called on any thread. `mixer` and `clock` must outlive this object.
   SoundDevice(Mixer& mixer, std::function<double()> clock);
   ~SoundDevice();
   SoundDevice(const SoundDevice&) = delete;
   SoundDevice& operator=(const SoundDevice&) = delete;
 
-  /// Something is to be heard, perhaps.
+  /// Tells the thread that there may be sound to play.
   void wake();
-  enum class State : std::uint8_t { resting, playing, silent };  // silent: there is nothing to play on
+  enum class State : std::uint8_t { resting, playing, silent };  // silent: no output device
   [[nodiscard]] State state() const { return state_; }
 
  private:
@@ -40,7 +39,7 @@ class SoundDevice {
   std::mutex mutex_;
   std::condition_variable_any something_;
   bool awake_ = false;   // guarded by mutex_
-  std::jthread thread_;  // last: joined before what it uses goes; begins with the first sound
+  std::jthread thread_;  // last member, so that it joins first; starts with the first sound
 };
 
 }  // namespace gs::app

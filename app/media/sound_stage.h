@@ -15,23 +15,23 @@
 
 namespace gs::app {
 
-/// The sounds and movies of a world, by the nodes that play them.
+/// Media files of a world, by the node that plays them.
 using MediaFiles = std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>>;
 
-/// What is heard of worlds: their Sounds, by where the viewer is, become voices of a mixer. One thread, but for the
-/// mixer.
+/// Turns the Sounds of worlds into voices of a mixer, according to the viewer's position. Use from one thread; only the
+/// mixer is thread-safe.
 class SoundStage {
  public:
-  /// For one moment: `begin`, each world that is heard, `end`.
+  /// Starts a new set of sounds. For each moment call `begin`, then `add` for every audible world, then `end`.
   void begin() { heard_.clear(); }
-  /// `list` is up to date.
+  /// Adds the audible sounds of one world. `list` must be up to date.
   void add(const render::RenderList& list, vrml::Execution& execution, const MediaFiles& media,
            const glm::dmat4& world_from_viewer);
   void end(double now);
 
   void set_muted(bool muted);
   [[nodiscard]] bool muted() const { return muted_; }
-  /// Steps of kVolumeStep dB up or down, from kLeastVolume to 0.
+  /// Changes the volume by `steps` of kVolumeStep dB, clamped to kLeastVolume..0.
   void change_volume(int steps);
   [[nodiscard]] int volume() const { return volume_; }  // dB
   static constexpr int kVolumeStep = 3, kLeastVolume = -36;

@@ -9,14 +9,14 @@
 
 namespace gs::app {
 
-/// What a mixer mixes, as a WAV of 16 bits and two channels.
+/// Recorder that writes a mixer's output as a 16-bit stereo WAV.
 class WaveFile {
  public:
-  /// So much is kept at most, in seconds; what comes later is left out.
+  /// Maximum recorded length in seconds; later samples are dropped.
   static constexpr double kLongest = 3600;
 
   void add(std::span<const float> pairs);
-  /// The whole file.
+  /// Returns the whole WAV file.
   [[nodiscard]] std::vector<std::byte> bytes() const;
 
  private:

@@ -13,28 +13,29 @@
 
 namespace gs::app {
 
-inline constexpr double kTurntableSeconds = 8, kTourSeconds = 3;  // usual: once around; from one Viewpoint to the next
-inline constexpr std::size_t kMostPictures = 100'000;             // of an animation
+inline constexpr double kTurntableSeconds = 8, kTourSeconds = 3;  // defaults for one turn, and for the way between
+                                                                  // two Viewpoints
+inline constexpr std::size_t kMostPictures = 100'000;             // max pictures in an animation
 
 /// One picture of an animation.
 struct AnimationStep {
-  double time = 0;                  // of the world, seconds from its start
-  double turned = 0;                // of a turntable: radians about the up axis
-  std::optional<std::size_t> from;  // of a tour: the Viewpoint that it comes from, in the order of the request,
-  double part = 0;                  // and how far it is on the way to the next, 0..1
+  double time = 0;                  // world time, in seconds from the start
+  double turned = 0;                // turntable angle about the up axis, radians
+  std::optional<std::size_t> from;  // tour: index of the previous Viewpoint in the request
+  double part = 0;                  // fraction of the way to the next Viewpoint, 0..1
 };
 
-/// The pictures of a request, at least one; a message where there would be too many, or nothing is to move.
-/// A turntable does not repeat its first picture at the end, so that it can go on and on. The world's time goes on with
-/// a turntable or tour where `times` says so, evenly.
+/// Plans the pictures of a request, at least one. Returns a message if there are too many, or if nothing would move. A
+/// turntable does not repeat its first picture at the end, so that it loops. If `times` is set, world time advances
+/// evenly during a turntable or tour.
 [[nodiscard]] std::optional<std::string> plan_animation(const AnimationRequest& request,
                                                         std::vector<AnimationStep>& steps);
 
-/// The camera turned about an axis through `center`: who stands still and lets things turn, to the right as seen from
-/// above for angles above 0, goes to the left himself.
+/// Rotates the camera about an axis through `center`, as if the objects turned in front of a fixed camera. Positive
+/// angles turn the objects counterclockwise as seen from above.
 [[nodiscard]] render::Camera turned_camera(render::Camera camera, const glm::dvec3& center, const glm::dvec3& up,
                                            double angle);
-/// On the way from one to the other, which begins and ends gently.
+/// Interpolates between two cameras, with smooth acceleration and deceleration.
 [[nodiscard]] render::Camera camera_between(const render::Camera& from, const render::Camera& to, double part);
 
 }  // namespace gs::app

@@ -8,14 +8,14 @@
 
 namespace gs::app {
 
-/// What an animation shows.
+/// Animation options of a request.
 struct AnimationRequest {
-  bool turntable = false;                          // once about the up axis
-  std::optional<std::pair<double, double>> times;  // the world's own, seconds from its start
-  std::vector<std::string> tour;                   // Viewpoints, by description, DEF name or number
-  std::size_t pictures = 0;                        // 0: as many as the rate and the length have
-  double rate = 25;                                // pictures a second
-  double length = 0;                               // seconds of a turntable, or between two Viewpoints; 0: the usual
+  bool turntable = false;                          // one turn about the up axis
+  std::optional<std::pair<double, double>> times;  // world times to show, in seconds from the start
+  std::vector<std::string> tour;                   // Viewpoints by description, DEF name or number
+  std::size_t pictures = 0;                        // 0 means rate times length
+  double rate = 25;                                // pictures per second
+  double length = 0;                               // seconds per turn, or per pair of Viewpoints; 0 means the default
 };
 
 }  // namespace gs::app

@@ -13,22 +13,23 @@
 
 namespace gs::app {
 
-/// What is wrong with a name for an animation, by what can be written.
+/// Checks whether the name of an animation file has a supported format. Returns a message if not.
 [[nodiscard]] std::optional<std::string> check_animation_name(const std::string& name);
 
-/// Pictures of an animation, as files of their own ("walk.%04d.png") or a movie ("walk.mp4", "walk.webm").
+/// Writer of animation pictures, as separate files ("walk.%04d.png") or as a movie ("walk.mp4", "walk.webm").
 class FrameWriter {
  public:
-  /// Why it cannot be begun: a name of no kind, something of another kind that is there, a missing encoder.
+  /// Opens a writer. Returns a message if the format is unknown, another kind of file has that name, or the encoder is
+  /// missing.
   [[nodiscard]] static std::variant<std::unique_ptr<FrameWriter>, std::string> open(const std::string& name,
                                                                                     const glm::ivec2& size, double rate,
                                                                                     double dots_per_inch);
   virtual ~FrameWriter() = default;
-  /// The next one. What is wrong, if anything.
+  /// Adds the next picture. Returns a message on failure.
   [[nodiscard]] virtual std::optional<std::string> add(const render::Image& image) = 0;
-  /// All is written. A movie's file is only made now.
+  /// Completes the output; a movie's file appears only now. Returns a message on failure.
   [[nodiscard]] virtual std::optional<std::string> finish() = 0;
-  /// "200 pictures", "H.264 by libx264": what was made.
+  /// Describes the output, for example "200 pictures" or "H.264 by libx264".
   [[nodiscard]] virtual std::string what() const = 0;
 };
 

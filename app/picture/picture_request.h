@@ -9,21 +9,20 @@
 namespace gs::app {
 
 inline constexpr int kMostPictureSide = 65536;  // pixels
-inline constexpr double kUsualDots = 300;       // an inch
+inline constexpr double kUsualDots = 300;       // default resolution, dots per inch
 
-/// How a picture is to be that is kept, beside what it shows.
+/// Output options of a saved picture, apart from its content.
 struct PictureRequest {
   bool transparent = false;
-  bool color_bar = false;  // of what has numbers for colours
+  bool color_bar = false;  // only for content with values as colours
   render::Stereo stereo = render::Stereo::none;
-  double eye_distance = 0;          // metres of the world; 0: by the distance to its middle
-  double dots_per_inch = 0;         // that the file tells; 0: nothing
-  std::optional<glm::dvec2> paper;  // millimetres, in place of a size in pixels
+  double eye_distance = 0;          // metres in the world; 0 derives it from the distance to the scene's centre
+  double dots_per_inch = 0;         // resolution written to the file; 0 means none
+  std::optional<glm::dvec2> paper;  // paper size in mm; replaces a size in pixels
 };
 
-/// The size in pixels of what is printed on so much paper, or nothing where a side has none or more than
-/// kMostPictureSide; kUsualDots an
-/// inch where none are asked for.
+/// Returns the size in pixels for the requested paper size. Returns nullopt if a side is empty or exceeds
+/// kMostPictureSide. Uses kUsualDots per inch if no resolution is requested.
 [[nodiscard]] std::optional<glm::ivec2> pixels_of(const PictureRequest& request);
 
 }  // namespace gs::app

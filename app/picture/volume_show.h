@@ -15,42 +15,42 @@
 
 namespace gs::app {
 
-/// How a picture is to show a volume.
+/// Options for how a picture shows a volume.
 struct VolumeWishes {
-  std::string transfer;  // a colour map or a file of a transfer function; empty: its own
+  std::string transfer;  // colour map or transfer function file; empty means the volume's own
   std::vector<SliceWish> slices;
-  VolumeSlices slice_look;  // but for which, and where
+  VolumeSlices slice_look;  // slice options other than which slices are shown, and where
   bool color_bar = false;
   [[nodiscard]] bool any() const { return !transfer.empty() || !slices.empty() || color_bar; }
 };
 
-/// What of a picture follows from that.
+/// Effects of VolumeWishes on one picture.
 class VolumeShow {
  public:
-  /// `path`: of the world, where a volume's values are read for slices; `key`: what the colours of its surfaces stand
-  /// for. What is wrong, if anything.
+  /// Prepares the picture; returns a message on failure. `path` is the file of the world, from which slices read
+  /// values. `key` describes the values that surface colours stand for.
   [[nodiscard]] std::optional<std::string> prepare(const VolumeWishes& wishes, const std::string& path,
                                                    const render::RenderList& list, const std::optional<ColorKey>& key,
                                                    const WorldBudget& budget);
-  /// Changes what the picture shows: its list, the look of clouds, what is drawn over it. This must outlive it.
+  /// Applies the options to the list, the splat style and the overlay of `scene`. This object must outlive `scene`.
   void apply(PictureScene& scene);
 
  private:
   VolumeWishes wishes_;
   std::optional<ColorBar> surface_bar_;
-  Transfer transfer_;  // empty: their own
+  Transfer transfer_;  // empty means the volumes' own
   VolumeSlices slices_;
   std::shared_ptr<const VolumeGrid> grid_;
   SliceScene slice_scene_;
 };
 
-/// The transfer function that a map or a file means for a volume; a message where it is neither.
+/// Returns the transfer function for a colour map's or file's name, or a message if it is neither.
 [[nodiscard]] std::variant<Transfer, std::string> named_transfer(const std::string& name,
                                                                  const qnv::Description& volume);
-/// Of what shows a volume: its transfer function, or the colours of its slices where they are alone.
+/// Returns the colour bar of a displayed volume: of its transfer function, or of its slices if only they are shown.
 [[nodiscard]] ColorBar shown_color_bar(const qnv::Description& volume, const Transfer& transfer,
                                        const VolumeSlices& slices);
-/// The first volume of a list; null: it has none.
+/// Returns the first volume of a list, or null.
 [[nodiscard]] const qnv::Description* first_volume(const render::RenderList& list);
 
 }  // namespace gs::app

@@ -9,7 +9,7 @@
 
 namespace gs::app {
 
-/// What the user can have done: by a key, by a button.
+/// Command that the user can trigger by key, button, menu or palette.
 enum class Action : std::uint8_t {
   next_viewpoint,
   previous_viewpoint,
@@ -104,40 +104,39 @@ enum class Action : std::uint8_t {
   quit,
 };
 
-/// The place of an action in a choice, whose actions stand beside each other from `first` to `last`; nothing: it is
-/// none of them.
+/// Returns the index of `action` in a group of choices, consecutive from `first` to `last`; nullopt if it is outside.
 [[nodiscard]] constexpr std::optional<int> place_in(Action first, Action last, Action action) {
   if (action < first || action > last) return std::nullopt;
   return static_cast<int>(action) - static_cast<int>(first);
 }
 
-/// Where an action stands in the menu bar.
+/// Menu in the menu bar.
 enum class Menu : std::uint8_t { file, view, navigate, window, help };
 inline constexpr std::size_t kMenus = 5;
 [[nodiscard]] std::string_view title_of(Menu menu);
 
-/// A row of the table of actions: menus, the palette of commands, keys, tooltips and the list of keys are made of it.
+/// Row of the action table. Menus, command palette, shortcuts, tooltips and the list of keys are built from it.
 struct ActionRow {
   Action action;
-  Key key;  // unknown: it has none
+  Key key;  // unknown means no key
   bool control = false, shift = false;
-  bool of_world = false;   // of what the active viewport shows: a key that text fields and panels take first
-  std::string_view label;  // on a button
-  std::string_view help;   // what it does, in one line, as it stands in menus
+  bool of_world = false;   // acts on the active viewport; text fields and panels get the key first
+  std::string_view label;  // button label
+  std::string_view help;   // one-line description, used in menus
   Menu menu = Menu::view;
-  bool alt = false;             // with the key
-  std::string_view group = {};  // the menu in the menu; empty: none. Rows of one stand together
+  bool alt = false;             // Alt is held with the key
+  std::string_view group = {};  // submenu; empty means none. Rows of a submenu must be adjacent
 };
 [[nodiscard]] std::span<const ActionRow> actions();
 [[nodiscard]] const ActionRow& row_of(Action action);
-/// The action of a key that went down, with what was held. Shift counts where it tells rows apart or a row asks for it.
+/// Returns the action of a key press with its modifiers; null if there is none. Ignores Shift unless a row needs it.
 [[nodiscard]] const ActionRow* action_of(const WindowEvent& event);
-/// The key of a name as `keys_of` has it, in letters of any case, or of the one character that it types. Nothing: there
-/// is no such key.
+/// Returns the key for a name as `keys_of` prints it (ignoring case), or for the character that it types. Returns
+/// nullopt if there is no such key.
 [[nodiscard]] std::optional<Key> find_key(std::string_view name);
-/// "Ctrl+O", "Page Down".
+/// Returns the shortcut as text: "Ctrl+O", "Page Down".
 [[nodiscard]] std::string keys_of(const ActionRow& row);
-/// "Open a file, or drop one on the window (Ctrl+O)".
+/// Returns the tooltip with the shortcut: "Open a file, or drop one on the window (Ctrl+O)".
 [[nodiscard]] std::string tooltip_of(Action action);
 
 }  // namespace gs::app

@@ -8,15 +8,14 @@
 
 namespace gs::app {
 
-/// Where somebody looks from, as text: "position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS", with "height=H"
-/// in world units behind it where he sees by parallel rays. World space; the names and units are those of VRML97's
-/// Viewpoint (6.53).
+/// Formats a pose as "position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS". A parallel projection appends
+/// "height=H" in world units. Coordinates are world space; names and units are those of VRML97's Viewpoint (6.53).
 [[nodiscard]] std::string camera_text(const Pose& pose);
-/// The same as a Viewpoint node, which has no parallel rays.
+/// Formats a pose as a Viewpoint node, which has no parallel projection.
 [[nodiscard]] std::string viewpoint_text(const Pose& pose);
 
-/// Either of them; what is left out is as in a Viewpoint that says nothing (6.53), but for `height`, which is 0. What
-/// is wrong, and what was expected. Safe for any text.
+/// Parses either format. Omitted fields have Viewpoint's defaults (6.53); height defaults to 0. Returns a message with
+/// the expected syntax on failure. Safe for untrusted text.
 [[nodiscard]] std::variant<Pose, std::string> read_camera(std::string_view text);
 
 }  // namespace gs::app

@@ -9,15 +9,15 @@
 
 namespace gs::app {
 
-/// How far apart the lines of a grid are on the ground under things that fill `bounds`: 1, 2 or 5 times a power of ten,
-/// so that they stand on some ten of its squares; 0 where there is nothing.
+/// Returns the line spacing of a ground grid for a scene of size `bounds`: 1, 2 or 5 times a power of ten, so that the
+/// scene spans about ten squares. Returns 0 for empty bounds.
 [[nodiscard]] double grid_spacing(const render::WorldBounds& bounds, const Upright& upright);
 
-/// Lines on the ground under things, at multiples of `grid_spacing`, every tenth of them brighter; null where there is
-/// nothing. World space.
+/// Builds ground lines at multiples of `grid_spacing` in world space; every tenth line is brighter. Returns null for
+/// empty bounds.
 [[nodiscard]] std::shared_ptr<const render::RenderList> ground_grid(const render::WorldBounds& bounds, const Upright& upright);
 
-/// The grids that were asked for last.
+/// Cache of the most recently used grids.
 class GroundGrids {
  public:
   [[nodiscard]] std::shared_ptr<const render::RenderList> of(const render::WorldBounds& bounds, const Upright& upright);
@@ -29,7 +29,7 @@ class GroundGrids {
     Upright upright;
     std::shared_ptr<const render::RenderList> lines;
   };
-  std::vector<Grid> grids_;  // the newest last
+  std::vector<Grid> grids_;  // newest last
 };
 
 }  // namespace gs::app

@@ -12,28 +12,28 @@
 
 namespace gs::app {
 
-/// Turns window events into NavigationInput: remembers which keys are held and which drag goes on.
+/// Converter from window events to NavigationInput; tracks held keys and the current drag.
 class InputTracker {
  public:
-  /// What an event asks of the viewer besides.
+  /// Result of an event beyond navigation input.
   struct Gesture {
-    bool needs_target = false;  // call `set_target` with what lies under the pointer
-    bool turns = false;         // a drag begins that turns about what lies under the pointer
+    bool needs_target = false;  // the caller must call `set_target` with the point under the pointer
+    bool turns = false;         // a drag starts that turns about the point under the pointer
     bool double_click = false;
-    bool click = false;  // the left button went up where it went down
+    bool click = false;  // the left button was released where it was pressed
   };
 
-  /// Takes in one event that the user interface did not want.
+  /// Processes one event that the user interface did not consume.
   Gesture take(const WindowEvent& event, NavigationMode mode);
   void set_target(const glm::dvec3& target) { target_ = target; }
-  /// What happened since the last call.
+  /// Returns the input since the last call.
   [[nodiscard]] NavigationInput input(NavigationMode mode, const Viewport& viewport);
-  /// Forgets all that is held, as when another window takes the keys.
+  /// Forgets all held keys and buttons, for example when the window loses focus.
   void release();
 
-  /// True while something is held, so that time alone changes the view.
+  /// Reports whether something is held, so that the view changes with time alone.
   [[nodiscard]] bool holding() const;
-  /// Where a drag that steers by distance went down, for a mark on the screen. Framebuffer pixels.
+  /// Returns the press position of a drag that steers by distance, in framebuffer pixels, to mark it on screen.
   [[nodiscard]] std::optional<glm::vec2> travel_anchor() const;
   [[nodiscard]] const glm::vec2& pointer() const { return pointer_; }
 
@@ -48,8 +48,8 @@ class InputTracker {
 
   std::set<Key> keys_;
   std::array<Axes, kAxisDevices> axes_{};
-  Drag drag_ = Drag::none;        // that goes on
-  Drag moved_drag_ = Drag::none;  // that `moved_` belongs to; it may have ended since
+  Drag drag_ = Drag::none;        // current drag
+  Drag moved_drag_ = Drag::none;  // drag that produced `moved_`; it may have ended since
   MouseButton button_ = MouseButton::left;
   glm::vec2 pointer_{0}, press_{0}, moved_{0};
   float wheel_ = 0;

@@ -2,15 +2,16 @@
 
 namespace gs::app {
 
-/// How coarsely a viewport is drawn while the viewer moves, so that he sees whole pictures soon enough on a machine
-/// that is too slow for all pixels. A plain value.
+/// Adaptive coarseness of a viewport during movement, so that slow machines still show complete pictures in time. A
+/// plain value.
 class PictureDetail {
  public:
   static constexpr int kMost = 8;
 
-  /// For the next picture: so many times fewer pixels each way. `changing`: it is not the same as the last one.
+  /// Returns the divisor of the resolution per axis for the next picture. `changing` means that it differs from the
+  /// last one.
   [[nodiscard]] int coarseness(bool changing) const { return changing ? coarseness_ : 1; }
-  /// A picture of this coarseness took `seconds`, or was given up for what the user did meanwhile.
+  /// Records that a picture of this coarseness took `seconds`, or was cancelled because of user input.
   void note(int coarseness, bool given_up, double seconds) {
     if (given_up)
       coarseness_ = coarseness < coarseness_ ? coarseness_ : coarseness * 2 > kMost ? kMost : coarseness * 2;
@@ -19,21 +20,21 @@ class PictureDetail {
   }
 
  private:
-  static constexpr double kCostOfHalf = 4;  // of half as coarse a picture, at the most
+  static constexpr double kCostOfHalf = 4;  // max cost ratio when coarseness halves
   static constexpr double kSoon = 0.2;      // seconds
 
   int coarseness_ = 1;
 };
 
-/// How long pictures may take while a world is read, whose progress is to be seen meanwhile: one that takes longer is
-/// given up, and for as long as it took none is tried; then the next may take longer. A plain value, of seconds.
+/// Time limit for pictures while a world loads, so that the progress stays visible. A picture over the limit is
+/// cancelled, and drawing pauses for as long as it took; then the limit doubles. A plain value; all times in seconds.
 class LoadingPace {
  public:
   static constexpr double kFirst = 0.5, kMost = 8;
 
-  /// Whether a picture that was begun at `begin` is gone on with.
+  /// Reports whether to continue a picture that was begun at `begin`.
   [[nodiscard]] bool go_on(double begin, double now) const { return begin >= rests_until_ && now - begin < patience_; }
-  /// A picture was drawn, or given up, from `begin` to `now`.
+  /// Records a picture drawn or cancelled between `begin` and `now`.
   void note(bool given_up, double begin, double now) {
     if (begin < rests_until_) return;
     if (!given_up) {

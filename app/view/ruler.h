@@ -9,32 +9,33 @@
 
 namespace gs::app {
 
-/// Places that were clicked, and what lies between them: lengths in the world's units.
+/// Measurement of clicked points; lengths are in world units.
 class Ruler {
  public:
   static constexpr std::size_t kMostPoints = 1000;
 
-  /// False, and nothing is added, for what is no place, or when there are kMostPoints.
+  /// Adds a point. Returns false if it is not finite or there are kMostPoints already.
   bool add(const glm::dvec3& place);
-  /// Takes the last one back. False when there was none.
+  /// Removes the last point. Returns false if there is none.
   bool undo();
   void clear() { points_.clear(); }
   [[nodiscard]] const std::vector<glm::dvec3>& points() const { return points_; }
 
-  /// From one point to the next.
+  /// Returns the length from point `leg` to the next one.
   [[nodiscard]] double length_of(std::size_t leg) const;
-  /// Of the whole line.
+  /// Returns the length of the whole line.
   [[nodiscard]] double length() const;
-  /// From the first point to the last, straight.
+  /// Returns the straight distance from the first point to the last.
   [[nodiscard]] double distance() const;
-  /// At the point between two legs, degrees; nothing at the ends, and where two points are the same.
+  /// Returns the angle at a point between two legs, in degrees. Returns nullopt at the ends and for coinciding points.
   [[nodiscard]] std::optional<double> angle_at(std::size_t point) const;
-  /// Of the polygon of all points, three or more: of a flat one its area, else that of its largest shadow.
+  /// Returns the area of the polygon of all points; at least three are needed. For a non-planar polygon, returns the
+  /// area of its largest projection.
   [[nodiscard]] std::optional<double> area() const;
 
-  /// Lines of text: every point, leg and angle, then length, distance and area. `unit`: of lengths; may be empty.
+  /// Lists every point, leg and angle, then length, distance and area. `unit` is the length unit and may be empty.
   [[nodiscard]] std::string text(const std::string& unit = {}) const;
-  /// What matters most, in one line: "12.4 mm", with three points "length 30.1, angle 87.2 deg, area 81.3".
+  /// Summarises the result in one line: "12.4 mm", or for three points "length 30.1, angle 87.2 deg, area 81.3".
   [[nodiscard]] std::string summary(const std::string& unit = {}) const;
 
  private:

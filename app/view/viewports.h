@@ -12,7 +12,7 @@
 
 namespace gs::app {
 
-/// Where a world is drawn in the window: framebuffer pixels, `top` from the upper edge.
+/// Rectangle of a viewport in framebuffer pixels; `top` counts from the upper edge.
 struct Viewport {
   int left = 0, top = 0, width = 1, height = 1;
 
@@ -27,31 +27,32 @@ struct Viewport {
   }
 };
 
-/// The one that has the pixel under `pointer`.
+/// Returns the index of the viewport that contains the pixel under `pointer`.
 [[nodiscard]] std::optional<std::size_t> viewport_at(std::span<const Viewport> viewports, const glm::vec2& pointer);
 
-/// Tells which viewport the pointer's events belong to: a drag stays with the one where it began.
+/// Routes pointer events to viewports. A drag stays with the viewport where it began.
 class PointerRouter {
  public:
-  /// The index in `viewports` of the one that `event` is for; nothing for events that the pointer does not make, and
-  /// for those beside all viewports. A button that goes down begins a drag.
+  /// Returns the index of the viewport for `event`. Returns nullopt for other kinds of events and outside all
+  /// viewports. A button press starts a drag.
   std::optional<std::size_t> route(const WindowEvent& event, std::span<const Viewport> viewports);
-  /// Ends all drags, as when the viewports change.
+  /// Ends all drags, for example when viewports change.
   void release() { held_ = 0; }
 
  private:
   std::size_t owner_ = 0;
-  unsigned held_ = 0;  // buttons, a bit each
+  unsigned held_ = 0;  // bit mask of held buttons
 };
 
-/// Parts of `total` in proportion to `weights`, each at least 1, and 0 for a weight of 0.
+/// Splits `total` in proportion to `weights`. Each share is at least 1; a weight of 0 gets 0.
 [[nodiscard]] std::vector<std::size_t> shares_of(std::size_t total, std::span<const std::size_t> weights);
 
-/// Tells whether to draw again because a picture gets better by that. Detail that is always promised and never comes
-/// counts as there after a while, so that a window that rests costs nothing.
+/// Decides whether to draw again for more detail. Stops after kMostFramesAlike frames without progress, so that an idle
+/// window costs nothing.
 class Refinement {
  public:
-  /// What the last frame of all viewports said: `pending` of any, the discs of all. `changed`: the view or the input.
+  /// Records the last frame: whether any viewport has pending detail, the total number of splats, and whether view or
+  /// input `changed`.
   void note(bool pending, std::size_t discs, bool changed);
   [[nodiscard]] bool wanted() const { return pending_ && frames_ < kMostFramesAlike; }
 
@@ -60,7 +61,7 @@ class Refinement {
  private:
   bool pending_ = false;
   std::size_t discs_ = 0;
-  int frames_ = 0;  // one after another that brought nothing
+  int frames_ = 0;  // consecutive frames without progress
 };
 
 }  // namespace gs::app

@@ -11,41 +11,40 @@
 
 namespace gs::app {
 
-/// The viewer's body (VRML97 6.29, avatarSize), in world units: an upright capsule of `radius` from what it steps over
-/// to the eye. All are above 0.
+/// Viewer's body (VRML97 6.29, avatarSize) in world units: an upright capsule of `radius` from step height to eye
+/// height. All values are > 0.
 struct Avatar {
-  double radius = 0.25, height = 1.6, step = 0.75;  // `height`: of the eye above the ground
-  glm::dvec3 up{0, 1, 0};                           // of length 1
-  bool gravity = true;                              // WALK: it stands on the ground. FLY: it does not
+  double radius = 0.25, height = 1.6, step = 0.75;  // `height` is the eye height above ground
+  glm::dvec3 up{0, 1, 0};                           // unit length
+  bool gravity = true;                              // true in WALK, false in FLY
 };
 
-/// What a body may meet.
+/// Collision queries for a body.
 struct Obstacles {
-  /// Triangles that may touch a box of world space.
+  /// Returns the triangles that may touch a world-space box.
   std::function<std::vector<render::WorldTriangle>(const glm::dvec3& lower, const glm::dvec3& upper)> near;
-  /// How far away the first triangle is along a half line whose direction is of length 1.
+  /// Returns the distance to the first triangle along a half line; `direction` has unit length.
   std::function<std::optional<double>(const glm::dvec3& origin, const glm::dvec3& direction)> distance;
 };
 
-/// A body on its way.
+/// State of a moving body.
 struct Walk {
-  glm::dvec3 eye{0};                // where it is, were it not for `lag`
-  double falling = 0;               // world units a second, downwards
-  bool on_ground = false;           // it stands on something
-  double lag = 0;                   // how far what is seen has yet to rise (below 0: to sink) after a step
-  std::optional<std::size_t> item;  // that it met, the last one
+  glm::dvec3 eye{0};                // position without `lag`
+  double falling = 0;               // world units per second, downwards
+  bool on_ground = false;           // stands on a surface
+  double lag = 0;                   // height that the view has yet to rise (negative: sink) after a step
+  std::optional<std::size_t> item;  // last item that it collided with
 
-  /// Whether it goes on without being moved.
+  /// Reports whether it moves without input.
   [[nodiscard]] bool moving() const { return falling != 0 || lag != 0; }
-  /// Where it sees from.
+  /// Returns the eye position to draw from.
   [[nodiscard]] glm::dvec3 seen_from(const Avatar& avatar) const { return eye - avatar.up * lag; }
 };
 
-/// The body after it was to go by `way` in `seconds`: it slides along what it meets, steps over what is no higher than
-/// avatar.step, follows the ground and falls onto it, where there is any (VRML97 4.13.4, 6.29). What it stood in at the
-/// start, as where a Viewpoint was put into a wall, lets it go, but not deeper. The same at all rates of frames, as far
-/// as paths that are cut into pieces of half a radius are. A piece of way behind kMostPieces is left out. Pure, but for
-/// what `obstacles` does; safe for any numbers.
+/// Moves the body by `way` in `seconds`. It slides along obstacles, climbs steps up to avatar.step, follows the ground
+/// and falls onto it (VRML97 4.13.4, 6.29). If it starts inside an obstacle, such as a Viewpoint in a wall, it can
+/// leave but not go deeper. The result is independent of the frame rate as far as paths cut into half-radius pieces
+/// are. Drops pieces over kMostPieces. Pure, apart from `obstacles`; safe for any numbers.
 [[nodiscard]] Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, const glm::dvec3& way,
                         double seconds);
 inline constexpr int kMostPieces = 256;

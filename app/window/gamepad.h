@@ -8,20 +8,20 @@
 
 namespace gs::app {
 
-/// How a gamepad is held, in the order of the gamepads that SDL and GLFW know.
+/// State of a gamepad, in the button and axis order of SDL and GLFW.
 struct GamepadState {
   bool connected = false;
-  /// -1..1, y down: left stick x, y; right stick x, y; left and right trigger, -1 where they are not pressed.
+  /// -1..1, y down: left stick x, y; right stick x, y; left and right trigger, -1 if released.
   std::array<float, 6> axes{0, 0, 0, 0, -1, -1};
   /// A, B, X, Y, left and right bumper, back, start, guide, left and right stick, up, right, down, left.
   std::array<bool, 15> buttons{};
 };
 
-/// Turns what is asked of a gamepad into events: the left stick moves, the right one turns, the triggers lead down and
-/// up, buttons are keys. Pure but for what it was told last.
+/// Converts gamepad state to events: the left stick moves, the right one turns, the triggers move down and up, buttons
+/// are keys. Deterministic given the previous state.
 class Gamepad {
  public:
-  /// What has changed since the last call, at `time`.
+  /// Returns the events since the last call, at `time`.
   [[nodiscard]] std::vector<WindowEvent> take(const GamepadState& state, double time);
 
  private:
@@ -30,9 +30,9 @@ class Gamepad {
   std::array<bool, 15> buttons_{};
 };
 
-/// What a button stands for, in the words of the help.
+/// Row of the table of buttons, worded for the help.
 struct GamepadButtonRow {
-  std::size_t button;  // of GamepadState
+  std::size_t button;  // index into GamepadState::buttons
   Key key;
   const char* name;
 };

@@ -8,22 +8,22 @@
 
 namespace gs::app {
 
-/// What is used of libspnav, which speaks with the daemon of 3D mice (spacenavd). Functions as spnav.h declares them.
+/// Functions of libspnav in use, declared as in spnav.h. The library talks to spacenavd, the daemon for 3D mice.
 struct SpnavLibrary {
-  /// As spnav.h has it: a union that begins with its type, of eight to ten numbers and a pointer.
+  /// Layout of spnav.h: a union that begins with its type, of eight to ten numbers and a pointer.
   struct Event {
     int type = 0;  // 1: motion, 2: button
     int values[15] = {};
   };
-  int (*open)() = nullptr;  // -1: there is no daemon
+  int (*open)() = nullptr;  // -1 means no daemon
   int (*close)() = nullptr;
-  int (*poll_event)(Event* event) = nullptr;  // 0: there is none
+  int (*poll_event)(Event* event) = nullptr;  // 0 means no event
 };
-/// The library of the system, opened at run time. Nothing: there is none.
+/// Opens the system's library at run time. Returns nullopt if it is missing.
 [[nodiscard]] std::optional<SpnavLibrary> open_spnav();
 
-/// A 3D mouse: its cap moves and turns, its first two buttons are keys. Without a library or a daemon it is not there,
-/// and nobody is told. One thread.
+/// 3D mouse: the cap moves and turns, the first two buttons are keys. Absent without a message if there is no library
+/// or daemon. Use from one thread.
 class SpaceMouse {
  public:
   explicit SpaceMouse(std::optional<SpnavLibrary> library);
@@ -33,7 +33,7 @@ class SpaceMouse {
   SpaceMouse& operator=(const SpaceMouse&) = delete;
 
   [[nodiscard]] bool there() const { return open_; }
-  /// What has happened since the last call, at `time`.
+  /// Returns the events since the last call, at `time`.
   [[nodiscard]] std::vector<WindowEvent> take(double time);
 
  private:

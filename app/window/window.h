@@ -21,10 +21,10 @@ struct GLFWwindow;
 
 namespace gs::app {
 
-/// A window of the desktop with an OpenGL 3.3 core context. Main thread only, except `wake`.
+/// Desktop window with an OpenGL 3.3 core context. Use on the main thread only, except `wake`.
 class Window final : public render::GlContext {
  public:
-  /// Opens it, with colours only: what is drawn elsewhere is shown in it.
+  /// Opens a window with a colour buffer only; pictures are rendered elsewhere and copied to it.
   static std::variant<std::unique_ptr<Window>, render::ContextError> open(const std::string& title, int width,
                                                                           int height);
   ~Window() override;
@@ -37,40 +37,41 @@ class Window final : public render::GlContext {
   [[nodiscard]] Procedure proc_address(const char* name) override;
   [[nodiscard]] std::string_view backend() const override { return "glfw"; }
 
-  /// Takes in what has happened, without or with waiting (at most `seconds`) for something to happen.
+  /// Process pending events. `wait` blocks for up to `seconds` until an event occurs.
   void poll();
   void wait(double seconds);
-  /// Ends a `wait`. Any thread, while the window exists.
+  /// Ends a `wait`. Callable on any thread while the window exists.
   static void wake();
-  /// The events since the last call, oldest first.
+  /// Returns the events since the last call, oldest first.
   [[nodiscard]] std::vector<WindowEvent> take_events();
   [[nodiscard]] bool has_events() const { return !events_.empty(); }
-  /// Whether there is a gamepad or a 3D mouse, of which the window system does not tell: `poll` asks them.
+  /// Reports whether a gamepad or 3D mouse is connected. The window system sends no events for them, so `poll` queries
+  /// them.
   [[nodiscard]] bool has_axes() const { return has_gamepad_ || space_mouse_.there(); }
 
   [[nodiscard]] bool should_close() const;
   void close();
-  /// Takes the window off the screen at once, while what it showed is still being put away.
+  /// Hides the window at once, while its contents are still being released.
   void hide();
-  /// Before other windows, as far as the desktop lets it.
+  /// Raises the window above others, if the desktop permits.
   void raise();
   void set_title(const std::string& title);
   void toggle_full_screen();
-  /// Pixels of the framebuffer; 0 when minimised.
+  /// Size in pixels; 0 if minimised.
   [[nodiscard]] glm::ivec2 framebuffer_size() const;
-  /// As `open` takes it; 0 when minimised.
+  /// Size in the units of `open`; 0 if minimised.
   [[nodiscard]] glm::ivec2 window_size() const;
-  /// Where its upper left corner is on the desktop, in screen coordinates; none: the window system does not tell
-  /// (Wayland), or it is minimised.
+  /// Returns the position of the upper left corner in screen coordinates. Returns nullopt if the window is minimised or
+  /// the window system does not report it (Wayland).
   [[nodiscard]] std::optional<glm::ivec2> place() const;
-  /// Moves it there, if enough of it would be on a monitor to take hold of it.
+  /// Moves the window to `place`, if enough of it would be on a monitor to grab it.
   void move_to(const glm::ivec2& place);
   [[nodiscard]] bool is_full_screen() const;
-  /// Of the monitor: 1 on a common screen, 2 where everything should be twice as large.
+  /// Scale of the monitor: 1 normally, 2 if content should be twice as large.
   [[nodiscard]] float content_scale() const;
-  /// Seconds, monotonic.
+  /// Seconds on a monotonic clock.
   [[nodiscard]] static double now();
-  /// For the user interface's own backend.
+  /// Returns the GLFW window, for the backend of the user interface.
   [[nodiscard]] GLFWwindow* handle() const { return window_; }
 
  private:
@@ -83,8 +84,8 @@ class Window final : public render::GlContext {
   SpaceMouse space_mouse_;
   bool has_gamepad_ = false;
   std::vector<WindowEvent> events_;
-  glm::vec2 pointer_{0};    // of the event before; what GLFW itself tells is where the pointer is by now
-  glm::ivec4 windowed_{0};  // place and size to go back to from full screen
+  glm::vec2 pointer_{0};    // at the previous event; GLFW reports only the present position
+  glm::ivec4 windowed_{0};  // position and size to restore after full screen
 };
 
 }  // namespace gs::app

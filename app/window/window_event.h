@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// The keys that GhostSpace knows. Letters and digits are their ASCII upper case.
+/// Known keys. Letters and digits are upper-case ASCII.
 enum class Key : int {
   unknown = 0,
   space = 32,
@@ -43,11 +43,11 @@ enum class Key : int {
 
 enum class MouseButton : std::uint8_t { left, right, middle };
 
-/// What has axes, which are held at a place between none and full: sticks of a gamepad, the cap of a 3D mouse.
+/// Device with analog axes: gamepad sticks, or the cap of a 3D mouse.
 enum class AxisDevice : std::uint8_t { gamepad, space_mouse };
 inline constexpr std::size_t kAxisDevices = 2;
 
-/// What the user or the window system did. Pointer places are framebuffer pixels from the upper left.
+/// Event from the user or the window system. Pointer positions are framebuffer pixels from the upper left.
 struct WindowEvent {
   enum class Kind : std::uint8_t {
     key_down,
@@ -55,8 +55,8 @@ struct WindowEvent {
     button_down,
     button_up,
     pointer,
-    pointer_left,  // the window
-    character,     // of text, as keys make it
+    pointer_left,  // pointer left the window
+    character,     // text character from the keyboard
     wheel,
     drop,
     focus_lost,
@@ -65,14 +65,14 @@ struct WindowEvent {
   };
   Kind kind = Kind::refresh;
   Key key = Key::unknown;
-  int code = 0;  // of the key, as the window system's library numbers them; of the character, its code point
+  int code = 0;  // key number of the window library; for `character`, the code point
   MouseButton button = MouseButton::left;
   bool shift = false, control = false, alt = false;
   glm::vec2 pointer{0.0f};
-  float wheel = 0;  // notches, away from the user is positive
+  float wheel = 0;  // notches; positive is away from the user
   AxisDevice device = AxisDevice::gamepad;
-  glm::vec3 move{0};               // of `axes`, -1..1 until the next ones of the device: right, up, forward
-  glm::vec2 turn{0};               // likewise: right, up
+  glm::vec3 move{0};               // for `axes`: right, up, forward in -1..1, valid until the device's next event
+  glm::vec2 turn{0};               // for `axes`: right, up in -1..1
   double time = 0;                 // seconds since the window system started
   std::vector<std::string> paths;  // dropped files
 };

@@ -12,40 +12,40 @@
 
 namespace gs::app {
 
-/// All that a picture of a viewport is made of: two that are equal are the same picture, once it is whole.
+/// All inputs of a viewport's picture: equal inputs give equal pictures, once complete.
 struct PictureSource {
-  std::weak_ptr<const render::RenderList> list;  // of the view
-  const render::RenderList* shown = nullptr;     // what is drawn: that, or one like it with slices; only compared
-  std::uint64_t changes = 0;                     // of the latter
-  std::uint64_t grown = 0;                       // how often streams and movies that it holds have changed
+  std::weak_ptr<const render::RenderList> list;  // list of the view
+  const render::RenderList* shown = nullptr;     // drawn list: `list` or a copy with slices; only compared
+  std::uint64_t changes = 0;                     // change counter of `shown`
+  std::uint64_t grown = 0;                       // change counter of its streams and movies
   render::Camera camera;
-  render::DrawOptions draw;  // without the place in the window, and how much may be decoded at a time
+  render::DrawOptions draw;  // without window position and decode limit
 };
 [[nodiscard]] bool are_same(const PictureSource& one, const PictureSource& other);
 
-/// What the pictures on the screen were made of, by viewport, so that one that has not changed is not drawn again.
+/// Inputs of the pictures on screen, by viewport, so that unchanged pictures are not drawn again.
 class PictureLedger {
  public:
-  /// What is known of the picture of a viewport that is kept.
+  /// Record of a viewport's kept picture.
   struct Kept {
     PictureSource source;
-    double seconds = 0;     // that it took
-    Refinement refinement;  // whether it gets better when it is drawn again
+    double seconds = 0;     // drawing time
+    Refinement refinement;  // reports whether another frame improves it
   };
 
-  /// Before a picture: whether the kept one is of the same.
+  /// Reports whether the kept picture was made from the same inputs. Call before drawing.
   [[nodiscard]] bool is_same(std::size_t viewport, const PictureSource& source) const;
-  /// Whether the kept one, of the same, is shown again. `busy`: somebody does something, and is not kept waiting for
-  /// detail elsewhere.
+  /// Reports whether to show the kept picture, of equal inputs, again. `busy` means that the user is interacting: slow
+  /// refinements elsewhere must wait.
   [[nodiscard]] bool stands(std::size_t viewport, bool busy) const;
-  /// A picture was drawn and is kept.
+  /// Records that a picture was drawn and is kept.
   void note(std::size_t viewport, PictureSource source, const render::FrameStatistics& statistics, double seconds);
-  /// One was given up: that before is on the screen still.
+  /// Records that a picture was cancelled; the previous one stays on screen.
   void note_given_up(std::size_t viewport, const render::FrameStatistics& statistics);
-  /// Drawn again, the picture of a viewport would be better.
+  /// Reports whether drawing the viewport again would improve its picture.
   [[nodiscard]] bool wants_more(std::size_t viewport) const;
 
-  static constexpr double kQuick = 0.03;  // seconds: a picture that is drawn though somebody does something elsewhere
+  static constexpr double kQuick = 0.03;  // seconds; faster pictures are refined even during interaction elsewhere
 
  private:
   std::map<std::size_t, Kept> kept_;

@@ -12,88 +12,87 @@
 
 namespace gs::app {
 
-/// Viewports that a window can have, and of those that a program with several files starts with.
+/// Max viewports in a window, and max viewports opened at start for several files.
 inline constexpr std::size_t kMostViewports = 12, kMostViewportsAtStart = 4;
 
-/// How the parts of a split follow each other: from left to right, from top to bottom, or along the longer side of
-/// what they share, whichever that is.
+/// Direction of a split: left to right, top to bottom, or along the longer side of the shared area.
 enum class SplitAxis : std::uint8_t { columns, rows, longer };
 
-/// A part of the window: a viewport, or several parts beside or above each other.
+/// Part of the window: a viewport, or adjacent parts in a row or column.
 struct SplitPart {
-  double weight = 1;     // > 0: its length is to those of its siblings as their weights are
-  std::size_t pane = 0;  // the viewport; where there are no parts
+  double weight = 1;     // > 0; lengths of siblings are proportional to their weights
+  std::size_t pane = 0;  // viewport number, if there are no parts
   SplitAxis axis = SplitAxis::columns;
-  std::vector<SplitPart> parts;  // none, or two at the least
+  std::vector<SplitPart> parts;  // empty, or two or more
 
   bool operator==(const SplitPart&) const = default;
 };
 
-/// How a window is split into viewports. Each of them stands in it once. A plain value; all functions below are pure.
+/// Layout of a window's viewports; each one occurs once. A plain value. All functions below are pure.
 struct SplitTree {
   SplitPart root;
-  std::optional<std::size_t> maximised;  // the viewport that is alone in sight
+  std::optional<std::size_t> maximised;  // the only visible viewport, if set
 
   bool operator==(const SplitTree&) const = default;
 };
 
-/// The splits that have a button of their own.
+/// Layout with its own button.
 enum class ViewportLayout : std::uint8_t { one, two, four };
-/// The one that shows so many files at once, as far as one can.
+/// Returns the layout that shows `files` files at once, or the largest one.
 [[nodiscard]] ViewportLayout layout_for(std::size_t files);
 [[nodiscard]] ViewportLayout next_layout(ViewportLayout layout);
-/// One viewport; a pair along the longer side; two rows of two: of the viewports in the order of their numbers, those
-/// that `active` belongs to.
+/// Returns the split for a layout: one viewport, a pair along the longer side, or two rows of two. Viewports are
+/// grouped by number; the group that contains `active` is used.
 [[nodiscard]] SplitTree split_of(ViewportLayout layout, std::size_t active);
-/// The layout that a split has, whatever its weights; nothing: none.
+/// Returns the layout of a split, regardless of weights; nullopt if it is none of them.
 [[nodiscard]] std::optional<ViewportLayout> layout_of(const SplitTree& tree);
 
-/// All viewports, from the upper left; those in sight: all, or the maximised one.
+/// Returns the viewports from the upper left: all of them, or only the visible ones.
 [[nodiscard]] std::vector<std::size_t> panes_of(const SplitTree& tree);
 [[nodiscard]] std::vector<std::size_t> panes_in_sight(const SplitTree& tree);
 [[nodiscard]] bool has_pane(const SplitTree& tree, std::size_t pane);
 
-/// The places of `panes_in_sight` in `area`. They cover it without gaps; none is narrower or lower than a pixel.
+/// Returns the rectangles of `panes_in_sight` in `area`. They cover it without gaps; each is at least one pixel wide
+/// and high.
 [[nodiscard]] std::vector<Viewport> arrange(const SplitTree& tree, const Viewport& area);
 
-/// Between two parts of a split that follow each other.
+/// Divider between two adjacent parts of a split.
 struct SplitDivider {
-  std::vector<std::size_t> way;  // of parts, from the root to the split
-  std::size_t before = 0;        // of its parts, the one on the left or above
-  bool upright = false;          // it is dragged sideways
-  Viewport place;                // framebuffer pixels: a line, behind `before`, without a width of its own
+  std::vector<std::size_t> way;  // part indices from the root to the split
+  std::size_t before = 0;        // index of the part left of it or above it
+  bool upright = false;          // vertical line, dragged sideways
+  Viewport place;                // framebuffer pixels: zero-width line after `before`
 };
-/// All in sight, outer ones first.
+/// Returns all visible dividers, outer ones first.
 [[nodiscard]] std::vector<SplitDivider> dividers_of(const SplitTree& tree, const Viewport& area);
-/// With a divider of the tree moved to this column or row of framebuffer pixels, as far as every viewport beside it
-/// keeps `least` pixels; in the middle where there is no room for that.
+/// Moves a divider to column or row `place` in framebuffer pixels. Each adjacent viewport keeps at least `least`
+/// pixels; if there is no room, the divider goes to the middle.
 [[nodiscard]] SplitTree with_divider_at(SplitTree tree, const SplitDivider& divider, const Viewport& area, int place,
                                         int least);
 
-/// As it is in `area`: columns or rows where it is along the longer side.
+/// Replaces each SplitAxis::longer by rows or columns, as they are in `area`.
 [[nodiscard]] SplitTree resolved(SplitTree tree, const Viewport& area);
-/// Half of the place of `pane`, on the right or below, goes to `added`. The same where one is in the tree, or the
-/// other not.
+/// Splits `pane` in half; `added` gets the right or lower half. Returns the tree unchanged if `pane` is missing or
+/// `added` is present.
 [[nodiscard]] SplitTree split_pane(SplitTree tree, std::size_t pane, SplitAxis axis, std::size_t added);
-/// Without a viewport, whose place the neighbour before it takes, else that behind it. The last one stays.
+/// Removes a viewport; the preceding neighbour takes its area, else the following one. The last viewport stays.
 [[nodiscard]] SplitTree without_pane(SplitTree tree, std::size_t pane);
-/// Two viewports change places. The same where one is not in the tree.
+/// Swaps two viewports. Returns the tree unchanged if one is missing.
 [[nodiscard]] SplitTree with_swapped(SplitTree tree, std::size_t one, std::size_t other);
-/// `other`, which is not in the tree, stands where `pane` did.
+/// Replaces `pane` by `other`, which must not be in the tree.
 [[nodiscard]] SplitTree with_replaced(SplitTree tree, std::size_t pane, std::size_t other);
-/// A viewport alone in sight; all again, if it is that already.
+/// Maximises a viewport; restores all if it is already maximised.
 [[nodiscard]] SplitTree with_maximised(SplitTree tree, std::size_t pane);
-/// Parts of a split as long as each other, throughout.
+/// Gives all parts of each split equal length.
 [[nodiscard]] SplitTree evened_out(SplitTree tree);
-/// The viewport after (1) or before (-1) this one, around.
+/// Returns the next (`direction` 1) or previous (-1) viewport, wrapping around.
 [[nodiscard]] std::size_t next_pane(const SplitTree& tree, std::size_t pane, int direction);
 
-/// A split as a text: viewports by their numbers from 1, `|` between those beside each other, `/` between those above
-/// each other, `+` along the longer side, in brackets where one stands in another; behind a colon the weight of a part,
-/// which is 1 without; behind `!` the maximised viewport. `1:2|(2/3)`: the first is twice as wide as the second, below
-/// which the third stands.
+/// Formats a split. Numbers from 1 are viewports; `|` separates columns, `/` rows, and `+` parts along the longer side.
+/// Parentheses enclose nested splits. `:W` is a part's weight (default 1); a final `!N` is the maximised viewport. In
+/// `1:2|(2/3)`, viewport 1 is twice as wide as viewport 2, and 3 is below 2.
 [[nodiscard]] std::string split_text(const SplitTree& tree);
-/// Reads what `split_text` writes. The text may be anything; else what is wrong with it.
+/// Parses the output of `split_text`, or returns a message. Safe for untrusted text.
 [[nodiscard]] std::variant<SplitTree, std::string> read_split(std::string_view text);
 
 }  // namespace gs::app

@@ -13,34 +13,34 @@
 
 namespace gs::app {
 
-/// Colours for numbers, from the least to the largest.
+/// Colour map from the smallest value to the largest.
 struct ColorMap {
-  std::string_view name;   // as options and files have it: "viridis"
+  std::string_view name;   // name in options and files: "viridis"
   std::string_view label;  // "Viridis"
-  std::string_view help;   // what it is for
+  std::string_view help;   // purpose
   std::string_view source;
   bool diverging = false;  // two directions from a neutral middle
   glm::vec3 (*color)(float place);
 };
-/// The table of all. The first is grey.
+/// Returns all colour maps; the first one is grey.
 [[nodiscard]] std::span<const ColorMap> color_maps();
-/// By its name; null: there is none.
+/// Finds a map by name; null if there is none.
 [[nodiscard]] const ColorMap* find_color_map(std::string_view name);
-/// The names, parted by commas.
+/// Returns the names, separated by commas.
 [[nodiscard]] std::string color_map_names();
 
-/// Display-referred sRGB, 0..1, at a place from 0 to 1; what lies outside is as at the end.
+/// Returns the display-referred sRGB colour, 0..1, at a position from 0 to 1; clamps positions outside.
 [[nodiscard]] glm::vec3 color_at(const ColorMap& map, float place);
 
-/// How the opacity of a transfer function rises over the values.
+/// Opacity curve of a transfer function over the values.
 enum class OpacityRamp : std::uint8_t {
-  linear,  // from transparent at the least value to nearly opaque at the largest
-  ends,    // opaque at both ends and transparent in the middle: of diverging maps
-  flat,    // the same everywhere
+  linear,  // from transparent at the minimum to nearly opaque at the maximum
+  ends,    // opaque at both ends, transparent in the middle; for diverging maps
+  flat,    // constant
 };
-/// A transfer function that has the colours of a map.
+/// Builds a transfer function with the colours of a map.
 [[nodiscard]] Transfer mapped_transfer(const ColorMap& map, OpacityRamp ramp);
-/// The same function with the colours of a map: its opacities stay.
+/// Replaces the colours of a function by those of a map; keeps its opacities.
 [[nodiscard]] Transfer recolored(const Transfer& transfer, const ColorMap& map);
 
 }  // namespace gs::app

@@ -11,19 +11,19 @@
 
 namespace gs::app {
 
-/// What the vectors of a volume say of a place, where its voxels are not at hand: of a stream.
+/// Value of a volume at a point, read from a stream's vectors when no voxels are available.
 struct VectorValue {
-  double value = 0;     // of the nearest vector
-  double step = 0;      // the values that vectors can have differ by so much
-  double gradient = 0;  // its magnitude: value per unit of length
+  double value = 0;     // value of the nearest vector
+  double step = 0;      // smallest difference between two values of vectors
+  double gradient = 0;  // gradient magnitude: value per unit of length
 };
 
-/// Of the vector that is nearest to `place`, in the volume's space; nothing where there is none, or none that has a
-/// value. Looks at all of them: some milliseconds a million.
+/// Returns the value of the vector nearest to `place`, in the volume's space. Returns nullopt if no vector has a value.
+/// Scans all vectors: some milliseconds per million.
 [[nodiscard]] std::optional<VectorValue> value_near(const qnv::Cloud& volume, const glm::dvec3& place);
 
-/// What the colours of a surface say where it was hit: between its corners in proportion. Nothing where it has no
-/// colours of its own there.
+/// Returns the value that a surface's colours represent at a hit, interpolated between the corners. Returns nullopt if
+/// the surface has no colours of its own there.
 [[nodiscard]] std::optional<double> value_on(const ColorKey& key, const vrml::Mesh& mesh,
                                              const render::TriangleHit& hit);
 

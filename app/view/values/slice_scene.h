@@ -10,20 +10,21 @@
 
 namespace gs::app {
 
-/// The plane of voxels that a slice shows, of the file's.
+/// Returns the index of the voxel plane that a slice shows, in voxels of the file.
 [[nodiscard]] std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
-/// The corners of that plane, in the volume's space, from one to the next around it.
+/// Returns the corners of that plane in the volume's space, in order around it.
 [[nodiscard]] std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices,
                                                       std::size_t axis);
-/// Its picture: a pixel a voxel that is kept, the first axis across it to the right, the second one upwards, of x, y
-/// and z but the slice's own. RGB, RGBA where values are missing, which are transparent.
+/// Returns the picture of that plane, one pixel per kept voxel. Of the two other axes, the first points right and the
+/// second up. RGB, or RGBA with transparency if values are missing.
 [[nodiscard]] render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
 
-/// What a world's list shows with slices of its volume: planes, seen from both sides, with edges of their own colours;
-/// without the volume where that is wanted. Keeps what did not change. One thread.
+/// Render list of a world with slices of its volume added: planes visible from both sides, with coloured edges.
+/// Optionally omits the volume itself. Reuses unchanged parts. Use from one thread.
 class SliceScene {
  public:
-  /// `list`, or one like it that lives until the next call. `grid` null: it is not there yet.
+  /// Returns `list`, or a changed copy that is valid until the next call. A null `grid` means that it is not loaded
+  /// yet.
   const render::RenderList& with_slices(const render::RenderList& list, const std::shared_ptr<const VolumeGrid>& grid,
                                         const VolumeSlices& slices);
 
@@ -38,7 +39,7 @@ class SliceScene {
   render::RenderList list_;
 };
 
-/// Where a volume's space is in the world: of the first volume of the list; nothing where it has none.
+/// Returns the world transform of the first volume in the list; nullopt if there is none.
 [[nodiscard]] std::optional<glm::dmat4> world_from_volume(const render::RenderList& list);
 
 }  // namespace gs::app

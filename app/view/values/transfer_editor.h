@@ -15,67 +15,67 @@
 #include <utility>
 #include <vector>
 
-/// What the panel for clouds does, without the panel: pure functions.
+/// Logic of the splat and volume panel, without the panel itself: pure functions.
 namespace gs::app {
 
 // The transfer function ------------------------------------------------------------------------------
 
-/// Sorted by value; values and opacities 0..1.
+/// Sorted by value; values and opacities are 0..1.
 using Transfer = std::vector<qnv::TransferPoint>;
 
 inline constexpr std::size_t kMostTransferPoints = 64;
 
-/// The same function, as far as it is one: sorted, within 0..1, without what is no number, with no more than
-/// kMostTransferPoints points. Never empty.
+/// Sanitises a function: sorts it, clamps it to 0..1, and drops non-finite points and those over kMostTransferPoints.
+/// Never returns an empty function.
 [[nodiscard]] Transfer sound_transfer(Transfer points);
-/// What a volume is shown with that nobody has edited: its own function, or the one that is made for it.
+/// Returns a volume's initial function: its own, or a default one.
 [[nodiscard]] Transfer own_transfer(const qnv::Description& volume);
-/// Colour and opacity at a value 0..1: linear between points, constant beyond them, as volume_model has it.
+/// Returns colour and opacity at a value 0..1: linear between points, constant outside, like volume_model.
 [[nodiscard]] qnv::TransferPoint transfer_at(const Transfer& transfer, float value);
 
-/// A point where the function has none yet: it takes the colour that is there. Its index; nothing when there are
-/// kMostTransferPoints already.
+/// Adds a point with the function's present colour. Returns its index; nullopt if there are kMostTransferPoints
+/// already.
 std::optional<std::size_t> add_point(Transfer& transfer, float value, float opacity);
 /// Moves a point, but not past its neighbours.
 void move_point(Transfer& transfer, std::size_t index, float value, float opacity);
-/// Removes a point, unless it is the last one. True when it did.
+/// Removes a point unless it is the last one left. Returns whether it did.
 bool remove_point(Transfer& transfer, std::size_t index);
 
-/// A transfer function to begin with.
+/// Preset of a transfer function.
 struct TransferPreset {
   const char* label;
   const char* help;
   Transfer (*make)(std::pair<float, float> value_range);
 };
-/// All but a volume's own. Those for computed tomography know Hounsfield units, and values that lie 1000 above
-/// them, by the range; in others they take about the same parts of it.
+/// Returns all presets, without the volume's own function. CT presets detect Hounsfield units, or values 1000 above
+/// them, by the range. For other ranges they use about the same fractions.
 [[nodiscard]] std::span<const TransferPreset> transfer_presets();
 
 // What is in the volumes ----------------------------------------------------------------------------
 
-/// Worth computing once for a cloud: takes time in proportion to its vectors.
+/// Statistics of a volume's vectors. Compute once per volume: the time is proportional to the number of vectors.
 struct VolumeSummary {
-  std::array<float, 256> classes{};  // by class: the sum of the magnitudes, the largest one is 1
-  std::vector<float> magnitudes;     // > 0, sorted; of up to 65,536 vectors that stand for all
+  std::array<float, 256> classes{};  // sum of magnitudes by class, scaled to a maximum of 1
+  std::vector<float> magnitudes;     // > 0, sorted; a sample of up to 65,536 vectors
   [[nodiscard]] float least() const { return magnitudes.empty() ? 0.0f : magnitudes.front(); }
   [[nodiscard]] float largest() const { return magnitudes.empty() ? 0.0f : magnitudes.back(); }
 };
 [[nodiscard]] VolumeSummary summarize(std::span<const std::shared_ptr<const qnv::Cloud>> volumes);
-/// The part, 0..1, of the vectors that are as long or longer.
+/// Returns the fraction, 0..1, of vectors with at least this magnitude.
 [[nodiscard]] float share_left(const VolumeSummary& summary, float least_magnitude);
 
 // Sliders ---------------------------------------------------------------------------------------------
 
-/// Values on a slider from 0 to 1 whose steps are proportional to the value. 0 < least < largest.
+/// Logarithmic slider scale from 0 to 1, where 0 < least < largest.
 struct LogScale {
   float least = 0.1f, largest = 10;
-  bool zero = false;  // the lower end stands for 0
+  bool zero = false;  // the lower end means 0
   [[nodiscard]] float value_at(float place) const;
   [[nodiscard]] float place_of(float value) const;
 };
-/// For CloudLook::opacity: what it is by itself lies in the middle.
+/// Returns the scale of CloudLook::opacity; the default is in the middle.
 [[nodiscard]] LogScale opacity_scale();
-/// For CloudLook::least_magnitude.
+/// Returns the scale of CloudLook::least_magnitude.
 [[nodiscard]] LogScale magnitude_scale(const VolumeSummary& summary);
 
 // The clipping plane ------------------------------------------------------------------------------------
@@ -84,16 +84,16 @@ enum class ClipAxis : std::uint8_t { x, y, z, view };
 
 struct ClipChoice {
   ClipAxis axis = ClipAxis::x;
-  bool flip = false;         // of x, y, z: keep the lower part
-  glm::vec3 view{0, 0, -1};  // of `view`: towards what is kept, unit length
-  float place = 0.5f;        // 0: everything is kept, 1: nothing
+  bool flip = false;         // for x, y, z: keeps the lower part
+  glm::vec3 view{0, 0, -1};  // for `view`: unit vector towards the kept side
+  float place = 0.5f;        // 0 keeps everything, 1 nothing
 };
 
-/// The plane, world space, for CloudLook::clip: kept is what has xyz . position + w >= 0.
+/// Returns the world-space plane for CloudLook::clip, which keeps points with xyz . position + w >= 0.
 [[nodiscard]] glm::dvec4 clip_plane(const ClipChoice& choice, const render::WorldBounds& bounds);
-/// The choice that makes this plane.
+/// Returns the choice that gives this plane.
 [[nodiscard]] ClipChoice clip_choice(const glm::dvec4& plane, const render::WorldBounds& bounds);
-/// The plane stays where it is, and the other side is kept.
+/// Keeps the other side; the plane does not move.
 [[nodiscard]] ClipChoice flipped(ClipChoice choice);
 
 }  // namespace gs::app

@@ -18,40 +18,41 @@
 
 namespace gs::app {
 
-/// The values of a volume in memory, of one that is too large every second voxel, or third, each way.
+/// Values of a volume in memory. A large volume keeps only every second or third voxel per axis.
 class VolumeGrid {
  public:
-  static constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 27;  // that are kept
+  static constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 27;  // max kept voxels
 
-  /// Reads a volume's file. `stop`: true ends it. Any thread; errors name the file. What it takes is drawn from
+  /// Reads a volume file. A true `stop` cancels it. Runs on any thread; errors name the file. Memory is charged to
   /// `budget`.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> read(
       const std::string& path, const std::atomic<bool>* stop = nullptr, const WorldBudget& budget = own_budget(),
       std::uint64_t most_voxels = kMostVoxels);
-  /// Of a source; see `read`.
+  /// Reads from a source; see `read`.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> take(
       const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
       std::uint64_t most_voxels);
 
-  /// Of the file, not of what is kept.
+  /// Returns the dimensions of the file, not of the kept voxels.
   [[nodiscard]] const std::array<std::uint32_t, 3>& dimensions() const { return layout_.dimensions; }
   [[nodiscard]] const qnv::VolumeLayout& layout() const { return layout_; }
-  /// Every so manieth voxel is kept; 1: all.
+  /// Stride of kept voxels; 1 means all.
   [[nodiscard]] std::uint32_t step() const { return step_; }
-  /// The least and the largest value.
+  /// Returns the minimum and maximum value.
   [[nodiscard]] std::pair<float, float> value_range() const { return range_; }
 
-  /// Voxels of the file at a place of the file's space, from 0 at the centre of the first one; outside too.
+  /// Convert between the file's space and voxel coordinates, with 0 at the centre of the first voxel. Positions may lie
+  /// outside.
   [[nodiscard]] glm::dvec3 voxel_at(const glm::dvec3& place) const;
   [[nodiscard]] glm::dvec3 place_of(const glm::dvec3& voxel) const;
-  /// The value of the voxel that is kept and nearest to this one; nothing where it lies outside by more than half a
-  /// voxel, or is missing.
+  /// Returns the value of the nearest kept voxel. Returns nullopt if the position is over half a voxel outside, or the
+  /// value is missing.
   [[nodiscard]] std::optional<float> nearest(const glm::dvec3& voxel) const;
-  /// Between the voxels, linear; nothing outside of the centres of the outer ones, or beside a missing one.
+  /// Interpolates linearly. Returns nullopt outside the centres of the outer voxels, or next to a missing value.
   [[nodiscard]] std::optional<float> between(const glm::dvec3& voxel) const;
-  /// What is kept of one axis.
+  /// Returns the number of kept voxels along an axis.
   [[nodiscard]] std::uint32_t kept(std::size_t axis) const { return kept_[axis]; }
-  /// A value that is kept; kMissing where it is missing.
+  /// Returns a kept value; kMissing if the value is missing.
   [[nodiscard]] float kept_value(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return values_[(std::size_t{z} * kept_[1] + y) * kept_[0] + x];
   }
