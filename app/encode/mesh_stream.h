@@ -12,21 +12,21 @@
 
 namespace gs::app {
 
-/// A mesh whose triangles are read one after the other out of its file, which may be larger than memory: binary STL,
-/// and binary PLY whose faces follow its vertices. Faces of more corners are fans. Corners have no normals. Faces with
-/// a corner that is not there are left out, and so is what a file that ends too early lacks. Any thread, one at a time.
+/// Mesh that is read triangle by triangle from its file, which may exceed memory: binary STL, or binary PLY with faces
+/// after vertices. Polygons become fans. Corners have no normals. Skips faces with invalid corners; a truncated file
+/// yields only its complete faces. Callable from any thread, one at a time.
 struct MeshStream {
-  std::uint64_t faces = 0;  // that are there, as far as the file's header and length tell
-  glm::vec3 size{0};        // of the box of its vertices, where that is known without reading all of the file
-  glm::dvec3 origin{0};     // from which the triangles count, world units
+  std::uint64_t faces = 0;  // number of faces present, by the file's header and length
+  glm::vec3 size{0};        // size of the bounding box, if known without reading the whole file
+  glm::dvec3 origin{0};     // origin of the triangles, in world units
   qnv::TriangleSource source;
 };
 
-/// Is told how many bytes from the front on need not stay in memory.
+/// Callback with a number of bytes: the caller may release the file's memory up to there.
 using PutAside = std::function<void(std::size_t)>;
 
-/// Nothing for files of another kind, those that are packed among them. The bytes must outlive it. Safe for untrusted
-/// ones.
+/// Opens a mesh file. Returns nullopt for other formats and for compressed files. `bytes` must outlive the result. Safe
+/// for untrusted input.
 [[nodiscard]] std::optional<MeshStream> open_mesh_stream(std::span<const std::byte> bytes,
                                                          const PutAside& put_aside = {});
 

@@ -14,28 +14,27 @@
 
 namespace gs::app {
 
-/// A model as outline groups need it: its polygons in world space, and how they look.
+/// Model for outline groups: polygons in world space, and their appearances.
 struct OutlineModel {
   qnv::PolygonModel model;
-  std::vector<qnv::OutlineAppearance> appearances;  // of model.appearances
-  std::size_t left_out = 0;                         // lines and points, which have no outline
-  bool averaged = false;                            // colours of corners became colours of triangles
+  std::vector<qnv::OutlineAppearance> appearances;  // indexed by model.appearances
+  std::size_t left_out = 0;                         // number of lines and points, which have no outline
+  bool averaged = false;                            // corner colours were averaged per triangle
 };
 
-/// Where the textures of a world come from, as it names them: urls resolved against the world's own, those of pictures
-/// that lie in the world itself as data: URLs.
+/// Texture URLs of a world, resolved against the world's URL. Pictures embedded in the world have data: URLs.
 using TextureUrls = std::unordered_map<const render::Image*, std::string>;
 [[nodiscard]] TextureUrls texture_urls(const OpenedWorld& world);
 
-/// Everything that a render list draws as triangles. A face whose corners differ in colour gets their mean; a mesh
-/// whose normals are not flat gets the creaseAngle that gives them best (VRML97 4.6.3.5).
+/// Converts all triangles of a render list. A face with different corner colours gets their mean. A mesh with smooth
+/// normals gets the best matching creaseAngle (VRML97 4.6.3.5).
 [[nodiscard]] OutlineModel outline_model(const render::RenderList& list, const TextureUrls& textures);
 
-/// Triangles of one look, as an isosurface has them; false of the source: it failed or was cancelled.
+/// Converts triangles of one appearance, for example an isosurface. `source` returns false if it fails or is cancelled.
 [[nodiscard]] OutlineModel outline_model(const std::function<bool(const qnv::TriangleSink&)>& source, bool two_sided);
 
-/// The creaseAngle (radians) with which the edges of a mesh come out as smooth and as sharp as its normals have them;
-/// 0 for one that is flat or has none.
+/// Returns the creaseAngle (radians) that best reproduces the smooth and sharp edges of the mesh's normals. Returns 0
+/// if the mesh is flat or has no normals.
 [[nodiscard]] float crease_angle_of(const vrml::Mesh& mesh);
 
 }  // namespace gs::app

@@ -10,14 +10,16 @@
 
 namespace gs::app {
 
-/// Of the JPEG files of textures where nobody asked for the mesh itself.
+/// Default JPEG quality of textures.
 inline constexpr int kTextureQuality = 92;
 
-/// A surface with textures as one mesh with one picture, progressive JPEG, or PNG where that is much smaller: the
-/// texture itself where there is one, else all of them, and colours without one, side by side. Triangles count from
-/// `origin`. Nothing where a picture cannot stand for all: without textures, with textures that can be seen through,
-/// with colours of vertices beside pictures or multiplied with them, or where what repeats would have to be painted too
-/// often. `quality`: of the JPEG file. Reads the list only; any thread.
+/// Converts a textured surface to one mesh with one texture image. The image is the original texture if there is only
+/// one, else an atlas of all textures and plain colours. It is encoded as progressive JPEG, or as PNG if that is much
+/// smaller. Triangles are relative to `origin`. `quality` is the JPEG quality.
+///
+/// Returns nullopt if one image cannot represent the surface: without textures, with transparent textures, or with
+/// vertex colours beside or multiplied with textures. Also returns nullopt if repeated textures would take too much
+/// space. Only reads the list; runs on any thread.
 [[nodiscard]] std::optional<qnv::TexturedSurface> textured_surface(const render::RenderList& list,
                                                                    const glm::dvec3& origin,
                                                                    int quality = kTextureQuality);

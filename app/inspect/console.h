@@ -10,47 +10,47 @@
 
 namespace gs::app {
 
-/// What a program said, and where.
+/// Line of console output.
 struct ProgramLine {
   enum class Kind : std::uint8_t {
-    printed,  // by print() and its like
-    problem,  // what is wrong with a program
-    entered,  // by the user
-    result,   // of what he entered
-    failure,  // likewise: what is wrong with it
+    printed,  // output of print() and similar functions
+    problem,  // program error
+    entered,  // input of the user
+    result,   // result of the input
+    failure,  // error in the input
   };
   Kind kind = Kind::printed;
   std::string place;  // file:line:column of a problem
   std::string text;
 };
 
-/// The lines of the script console: what the programs of a world say, as the log has it, between what the user enters
-/// and its results; and what he has entered before. Plain bookkeeping.
+/// Contents of the script console: program output from the log, the user's input with results, and the input history.
+/// No drawing.
 class ScriptConsole {
  public:
   static constexpr std::size_t kMostLines = 2000, kMostEntered = 200;
 
-  /// Takes what is new in the log of a world's file; another world's lines take the place of those that are there.
-  /// True: there are other lines than before.
+  /// Reads new entries from the log of a world's file. Another world's entries replace the present ones. Returns true
+  /// if the lines changed.
   bool take(const SessionLog& log, const std::string& path);
-  /// A line that is to be run: it is shown, and goes among those that were entered. False: there is nothing in it.
+  /// Shows an input line and adds it to the history. Returns false if it is empty.
   bool enter(const std::string& line);
   void answer(const std::string& text, bool failed);
   void clear() { lines_.clear(); }
-  /// The oldest first; of very many, the last ones.
+  /// Returns the lines, oldest first; old lines are dropped after kMostLines.
   [[nodiscard]] const std::vector<ProgramLine>& lines() const { return lines_; }
-  /// What was entered before the line that is being edited, or behind it again; nothing: there is none. `present`: what
-  /// stands there, which comes back behind the last.
+  /// Returns the previous (`before`) or next history entry; nullopt if there is none. `present` is the line being
+  /// edited; it returns after the newest entry.
   std::optional<std::string> recall(bool before, const std::string& present);
 
  private:
   void add(ProgramLine line);
   std::vector<ProgramLine> lines_;
   std::vector<std::string> entered_;
-  std::size_t recalled_ = 0;  // of entered_; its end: the line that is being edited
+  std::size_t recalled_ = 0;  // index in entered_; its size means the edited line
   std::string edited_;
   std::string path_;
-  std::size_t taken_ = 0;  // diagnostics of the file
+  std::size_t taken_ = 0;  // number of diagnostics read from the log
 };
 
 }  // namespace gs::app

@@ -9,28 +9,29 @@
 
 namespace gs::app {
 
-/// The events of a world as they go by: which eventOut has sent when, and how many a second. Costs nothing while nobody
-/// watches. One thread, that of the world.
+/// Live statistics of a world's events: last time and rate of each eventOut. Costs nothing while not watching. Use on
+/// the world's thread.
 class EventWatch {
  public:
   struct Seen {
-    double time = 0;            // of the last one, as worlds count it
-    std::uint64_t count = 0;    // since it is watched
-    double a_second = 0;        // in the last whole second
-    std::uint64_t counted = 0;  // until that began
+    double time = 0;            // time of the last event, in world time
+    std::uint64_t count = 0;    // events since watching began
+    double a_second = 0;        // events per second in the last interval
+    std::uint64_t counted = 0;  // `count` at the start of the interval
   };
   EventWatch() = default;
   ~EventWatch();
   EventWatch(const EventWatch&) = delete;
   EventWatch& operator=(const EventWatch&) = delete;
 
-  /// Watches this world in place of the former; null: none. It must outlive this, or be taken away before.
+  /// Watches this world instead of the former one; null watches none. The world must outlive this object or be replaced
+  /// first.
   void watch(vrml::Execution* world);
-  /// Counts what a second has brought; the present time of the world. True: something was sent since the last call.
+  /// Updates the rates once a second of world time. Returns true if there is something new to show since the last call.
   bool take_news();
-  /// Null: it has sent nothing.
+  /// Returns null if the eventOut has not sent anything.
   [[nodiscard]] const Seen* find(const NodeAt& node, const vrml::InterfaceDeclaration& event) const;
-  /// Eventouts that are remembered; of more than so many, the first.
+  /// Max number of eventOuts tracked; later ones are ignored.
   static constexpr std::size_t kMost = 100'000;
   [[nodiscard]] std::size_t size() const { return seen_.size(); }
 
@@ -49,7 +50,7 @@ class EventWatch {
 
   vrml::Execution* world_ = nullptr;
   std::unordered_map<Key, Seen, Hash> seen_;
-  double second_ = 0;  // when the present one began
+  double second_ = 0;  // world time at which the present interval began
   bool news_ = false;
 };
 

@@ -7,23 +7,22 @@
 #include <string>
 #include <variant>
 
-// What somebody types in the place of a field's value, and whether it may be sent.
+// Parsing and validation of field values that the user types.
 namespace gs::app {
 
-/// The eventIn by which a field or eventIn of the node is set: an exposedField by itself, a field x by `set_x` (VRML97
-/// 4.7). Null: by none.
+/// Returns the eventIn that sets a field: the exposedField itself, or `set_x` for a field x (VRML97 4.7). Returns null
+/// if there is none.
 [[nodiscard]] const vrml::InterfaceDeclaration* setter_of(const vrml::NodeType& type,
                                                           const vrml::InterfaceDeclaration& field);
-/// Why nobody can set it, in a line; for those whose setter_of is null.
+/// Explains in a line why a field without a setter cannot be set.
 [[nodiscard]] std::string why_not_set(const vrml::InterfaceDeclaration& field);
 
-/// What is wrong with a value for an eventIn or exposedField of this type, which the range that the standard prints
-/// beside the field does not allow; nothing: it is fine. Also numbers that are not finite, colours beyond 0 to 1 (5.3)
-/// and rotations without an axis (5.8), in fields without a range.
+/// Checks a value for an eventIn or exposedField against the range in the standard. Fields without a range must be
+/// finite, colours within 0..1 (5.3), and rotations need an axis (5.8). Returns a message if the value is invalid.
 [[nodiscard]] std::optional<std::string> why_not_valid(const vrml::NodeType& type,
                                                        const vrml::InterfaceDeclaration& event_in,
                                                        const vrml::FieldValue& value);
-/// The value that a text is, or why it is none.
+/// Parses and validates a text. Returns the value or an error message.
 [[nodiscard]] std::variant<vrml::FieldValue, std::string> read_edit(const vrml::NodeType& type,
                                                                     const vrml::InterfaceDeclaration& event_in,
                                                                     const std::string& text, vrml::NodeNames& names);

@@ -20,17 +20,17 @@
 
 namespace gs::app {
 
-/// What of a world somebody looks at: nothing else costs anything.
+/// Open panels of the inspection; closed ones cost nothing.
 struct InspectionWants {
   bool tree = false, inspector = false, routes = false, console = false, streams = false;
-  bool arrows = false;  // keys that go to the tree, and not to the viewer
+  bool arrows = false;  // arrow keys go to the tree instead of the viewer
   [[nodiscard]] bool any() const { return tree || inspector || routes || console || streams; }
   [[nodiscard]] bool world() const { return tree || inspector || routes || console; }
 };
 
-/// Looks into the world of a session's active viewport: its tree, one chosen node, its ROUTEs, programs and streams;
-/// and does there what the user asks for, with the next step of the session: a guest of it, as those are who control it
-/// from outside, so that events go the same way. One thread, that of the session, which must outlive it or remove it.
+/// Inspection of the world in a session's active viewport: node tree, selected node, ROUTEs, programs and streams. It
+/// applies the user's edits as a SessionGuest in the session's next step. Events thus take the same path as those of
+/// remote control. Use on the session's thread. The session must outlive it or remove it.
 class Inspection final : public SessionGuest {
  public:
   Inspection() = default;
@@ -39,52 +39,51 @@ class Inspection final : public SessionGuest {
 
   bool act(Session& session) override;
   void step_is_over() override {}
-  /// Before a picture of it is made, beside those of the worlds: all below is as the world is now. `now`: seconds of
-  /// any clock.
+  /// Updates all data below to the present world. Call before drawing the interface, with the pictures of the worlds.
+  /// `now` is in seconds of any clock.
   void prepare(Session& session, std::span<const Frame::Picture> pictures, double now);
-  /// There is something to be done or to be shown that no event will tell of: a step and a picture are to follow at
-  /// once.
+  /// Reports whether work or changes are pending that no event announces: step and draw again at once.
   [[nodiscard]] bool busy() const;
-  /// Seconds until a picture of it would be another one though nothing happens; nothing: none would.
+  /// Returns the seconds until its display changes without an event; nullopt if it will not.
   [[nodiscard]] std::optional<double> next_change() const;
-  /// Something has happened since the last call that it shows, and the last picture of it is a while ago.
+  /// Reports whether displayed data changed since the last call. Limits the rate of updates.
   [[nodiscard]] bool take_news(double now);
 
-  /// What is drawn of it in the picture that is being made: who draws says so there, each time. It is up to date from
-  /// the next step on.
+  /// Panels that are drawn in the present picture. Each panel sets its flag every time; its data are current from the
+  /// next step on.
   [[nodiscard]] InspectionWants& drawn() { return drawn_; }
   [[nodiscard]] bool takes_arrows() const { return wants_.arrows; }
-  /// Null: there is no world that lives.
+  /// Returns null if no live world is shown.
   [[nodiscard]] vrml::Execution* world() const { return world_; }
   [[nodiscard]] SceneOutline& outline() { return outline_; }
   [[nodiscard]] SceneIndex& index() { return index_; }
   [[nodiscard]] const EventWatch& events() const { return watch_; }
   [[nodiscard]] const RouteList& routes() const { return routes_; }
-  /// Only those of the chosen node are listed.
+  /// Limits the list to ROUTEs of the selected node.
   void set_routes_only(bool only) { routes_only_ = only; }
   [[nodiscard]] bool routes_only() const { return routes_only_; }
   [[nodiscard]] ScriptConsole& console() { return console_; }
   [[nodiscard]] const StreamList& streams() const { return streams_; }
 
-  /// A node is chosen from now on; null: none. `reveal`: the tree opens and shows it.
+  /// Selects a node; null selects none. `reveal` expands the tree and scrolls to the node.
   void select(const NodeAt& node, bool reveal);
   [[nodiscard]] const NodeAt& selected() const { return selected_; }
-  /// The line of the tree that is to be brought into sight, once.
+  /// Returns the tree line to scroll to, once.
   [[nodiscard]] std::optional<std::size_t> take_revealed() { return std::exchange(revealed_, std::nullopt); }
-  /// Chooses what is seen at a framebuffer pixel. False: there is nothing.
+  /// Selects the node at a framebuffer pixel. Returns false if there is none.
   bool pick(Session& session, const glm::vec2& pixel);
-  /// The next click in the picture picks.
+  /// Makes the next click in the picture select a node.
   void set_picking(bool picking) { picking_ = picking; }
   [[nodiscard]] bool picking() const { return picking_; }
-  /// The viewer flies to where he sees the chosen node. False: nothing of it is shown.
+  /// Moves the viewer to frame the selected node. Returns false if nothing of it is visible.
   bool fly_to_selected();
-  /// Chooses the match in the order of the text that follows the chosen one, or is before it.
+  /// Selects the next (or, if `before`, the previous) match in the order of the text.
   void find_next(bool before);
-  /// Looks for nodes by DEF name and type, see SceneIndex::find, and chooses the first.
+  /// Searches nodes by DEF name and type (see SceneIndex::find), and selects the first.
   void find(const std::string& text);
-  /// Which of the matches is chosen.
+  /// Returns the index of the selected match.
   [[nodiscard]] std::optional<std::size_t> match() const { return match_; }
-  /// Around what the picture shows of the chosen node; framebuffer pixels, and the viewport to which they are cut.
+  /// Outline of the selected node in framebuffer pixels, with the viewport that clips it.
   struct Mark {
     Viewport viewport;
     std::vector<PixelLine> lines;
@@ -92,17 +91,18 @@ class Inspection final : public SessionGuest {
   [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
   [[nodiscard]] const render::WorldBounds& selected_bounds() const { return bounds_; }
 
-  /// The value that is shown of an interface of the chosen node; null: an eventIn has none. Until the world goes on.
+  /// Returns the displayed value of an interface of the selected node; null for an eventIn. Valid until the world's
+  /// next step.
   [[nodiscard]] const vrml::FieldValue* value_of(const vrml::InterfaceDeclaration& interface) const;
-  /// Sends an event to the chosen node: a text as VRML97 has it, or a value. What is wrong with it, if anything: then
-  /// it is not sent.
+  /// Send an event to the selected node, from VRML97 text or a value. They return a message, and send nothing, if the
+  /// value is invalid.
   [[nodiscard]] std::optional<std::string> send_text(const vrml::InterfaceDeclaration& event_in,
                                                      const std::string& text);
   [[nodiscard]] std::optional<std::string> send(const vrml::InterfaceDeclaration& event_in, vrml::FieldValue value);
-  /// Where a url of the chosen node's leads, for who opens it; nothing: nowhere.
+  /// Resolves a url of the selected node, so that the caller can open it. Returns nullopt if it cannot be resolved.
   [[nodiscard]] std::optional<std::string> target_of_url(const vrml::InterfaceDeclaration& url,
                                                          std::size_t index) const;
-  /// One element of a list; the rest stays as it is.
+  /// Send a list with one element replaced.
   [[nodiscard]] std::optional<std::string> send_element(const vrml::InterfaceDeclaration& event_in,
                                                         const vrml::FieldValue& list, std::size_t index,
                                                         const vrml::FieldValue& element);
@@ -110,12 +110,12 @@ class Inspection final : public SessionGuest {
                                                              const vrml::FieldValue& list, std::size_t index,
                                                              const std::string& text);
 
-  /// A line for the script console, which is run in the chosen node if that is a Script, else by itself.
+  /// Evaluates a line of the script console, in the selected node if that is a Script, else on its own.
   void evaluate(const std::string& line);
-  /// The Script that lines are run in; null: none.
+  /// Returns the Script in which console lines run; null if there is none.
   [[nodiscard]] NodeAt console_script() const;
 
-  /// Stops a stream, or asks for it anew: by the url of its node, or with its whole world.
+  /// Cancel a stream, or load it again: through its node's url, or with the whole world.
   void cancel(const StreamList::Row& row) const { row.ledger->cancel(row.load.number); }
   void retry(const StreamList::Row& row);
 
@@ -132,7 +132,7 @@ class Inspection final : public SessionGuest {
   void send_again(Session& session, const StreamList::Row& row);
 
   InspectionWants wants_, drawn_;
-  std::shared_ptr<Document> document_;  // in front of all that refers to it
+  std::shared_ptr<Document> document_;  // declared before all members that refer to it
   vrml::Execution* world_ = nullptr;
   SceneIndex index_;
   SceneOutline outline_;
@@ -143,7 +143,7 @@ class Inspection final : public SessionGuest {
   std::unique_ptr<vrml::NodeNames> names_;
 
   NodeAt selected_;
-  bool finds_ = false;  // the first match is to be chosen
+  bool finds_ = false;  // select the first match when it is found
   bool reveal_ = false, picking_ = false, fly_ = false, more_ = false, routes_only_ = false;
   std::optional<std::size_t> revealed_, match_;
   render::WorldBounds bounds_;

@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// A node of a world that lives, and in which of its scenes: the root or the content of an Inline. A null node: NULL.
+/// Node of a live world, with its scene: the root scene or an Inline's content. A null id means NULL.
 struct NodeAt {
   const vrml::SceneGraph* scene = nullptr;
   vrml::NodeId id;
@@ -19,26 +19,26 @@ struct NodeAt {
   friend bool operator==(const NodeAt&, const NodeAt&) = default;
 };
 
-/// The nodes that one field of a node holds, or those that stand for it: what an Inline shows, the body of a PROTO
+/// Child nodes in one field of a node, or its implicit children: the content of an Inline, or the body of a PROTO
 /// instance.
 struct HeldNodes {
   static constexpr std::uint16_t kContent = 0xfffe, kBody = 0xffff;
-  std::uint16_t place = 0;  // of the field in the type's interfaces, or one of these
-  std::string_view field;   // its name, or "content" or "body"
+  std::uint16_t place = 0;  // index of the field in the type's interfaces, or kContent or kBody
+  std::string_view field;   // field name, "content" or "body"
   const vrml::SceneGraph* scene = nullptr;
   std::span<const vrml::NodeId> nodes;  // never empty
-  bool list = false;                    // of an MFNode
+  bool list = false;                    // true for an MFNode
 };
 
-/// Whether the node is a part of the world, now.
+/// Reports whether the node is part of the world now.
 [[nodiscard]] bool is_in(const vrml::Execution& world, const NodeAt& node);
-/// All that a node holds, in the order of its interface, into `held`; of a null node, the top-level nodes of the world.
-/// Valid until the world goes on. Work follows the interface of the node, not the length of its lists.
+/// Stores all children of a node in `held`, in the order of its interface; for a null node, the world's top-level
+/// nodes. Valid until the world's next step. The cost depends on the node's interface, not on the length of its lists.
 void held_nodes(const vrml::Execution& world, const NodeAt& node, std::vector<HeldNodes>& held);
 
-/// One step of the way from the root of a world to a node in it.
+/// Step of the path from a world's root to a node.
 struct HeldStep {
-  std::uint16_t place = 0;  // HeldNodes::place, in what the step before leads to; of the first one, 0
+  std::uint16_t place = 0;  // HeldNodes::place in the previous step's node; 0 in the first step
   std::uint32_t element = 0;
   NodeAt node;
 };

@@ -10,11 +10,11 @@
 
 namespace gs::app {
 
-/// What lines call a node: its DEF name, else its type.
+/// Returns the display name of a node: its DEF name, else its type.
 [[nodiscard]] std::string label_of(const NodeAt& node);
 
-/// The ROUTEs of a world (VRML97 4.10.2), of its Inlines and of bodies of PROTO instances among them, and which of them
-/// events go by. One thread, that of the world.
+/// ROUTEs of a world (VRML97 4.10.2), including those in Inlines and PROTO bodies, with their activity. Use on the
+/// world's thread.
 class RouteList {
  public:
   struct Row {
@@ -22,17 +22,17 @@ class RouteList {
     const vrml::InterfaceDeclaration* event_out = nullptr;
     const vrml::InterfaceDeclaration* event_in = nullptr;
   };
-  /// All of the world, or those of one node; made anew only where they are others than before.
+  /// Updates the list, of all ROUTEs or those of one node. Rebuilds it only if ROUTEs changed.
   void refresh(const vrml::Execution* world, const NodeAt& only = {});
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
-  /// Of the world; more than `rows` where only those of a node are shown.
+  /// Returns the number of ROUTEs in the world, even if `rows` shows only those of one node.
   [[nodiscard]] std::size_t all() const { return all_; }
-  /// How often the list was made.
+  /// Returns how many times the list was rebuilt.
   [[nodiscard]] std::uint64_t made() const { return made_; }
 
-  /// "Clock.fraction_changed -> Door.set_fraction"
+  /// Formats a row: "Clock.fraction_changed -> Door.set_fraction".
   [[nodiscard]] static std::string text_of(const Row& row);
-  /// How lately an event went by, 1 now to 0 half a second ago and before.
+  /// Returns the highlight of a row: 1 for an event now, fading to 0 after half a second.
   [[nodiscard]] static float light_of(const Row& row, const EventWatch& watch, double now);
 
  private:

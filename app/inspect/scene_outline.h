@@ -14,33 +14,33 @@
 
 namespace gs::app {
 
-/// A line of the tree of a world: a node at one of its places.
+/// Line of the node tree: a node at one of its positions.
 struct OutlineRow {
-  NodeAt node;  // null: NULL in a list
+  NodeAt node;  // null means NULL in a list
   std::string_view field;
-  std::optional<std::size_t> element;  // of a list
+  std::optional<std::size_t> element;  // index in a list
   std::size_t depth = 0;
   bool can_open = false, open = false;
-  bool use = false;  // the node stands elsewhere in the text, and is only used here (VRML97 4.6.2); it does not open
+  bool use = false;  // the node is defined elsewhere and only used here (VRML97 4.6.2); cannot be expanded
 };
 
-/// The tree of a world's nodes as lines, of which some are open. What it costs follows what is open and what is looked
-/// at, whatever the world holds; it is always as the world is now. Valid until the world goes on: then `refresh`. One
-/// thread, that of the world.
+/// Expandable tree of a world's nodes, as lines. Its cost depends on what is expanded and displayed, not on the world's
+/// size. It always shows the present world and is valid until the next step; then call `refresh`. Use on the world's
+/// thread.
 class SceneOutline {
  public:
-  /// `index` tells USEs apart. Both must outlive it, or be taken away before; null: there is no world.
+  /// Sets the world. `index` identifies USEs. Both must outlive this object or be replaced first; null means no world.
   void set_world(const vrml::Execution* world, const SceneIndex* index);
-  /// What is open and gone is no more, and lists are as long as they are. To be called before a frame.
+  /// Updates the lines: drops expanded nodes that are gone, and adapts to changed lists. Call before each frame.
   void refresh();
   [[nodiscard]] std::size_t size() const { return top_.rows; }
   [[nodiscard]] OutlineRow row(std::size_t index) const;
   void set_open(std::size_t index, bool open);
-  /// The line that holds the line; nothing: it is a root.
+  /// Returns the parent line; nullopt for a root.
   [[nodiscard]] std::optional<std::size_t> holder(std::size_t index) const;
-  /// Opens all that leads to a node, and tells its line. Nothing: it is not there any more.
+  /// Expands all parents of a node and returns its line. Returns nullopt if the node is gone.
   std::optional<std::size_t> reveal(std::span<const HeldStep> way);
-  /// Lines and lists that were looked at, so far: what it has cost.
+  /// Returns the total number of lines and lists visited, as a measure of cost.
   [[nodiscard]] std::uint64_t work_done() const { return work_done_; }
 
  private:
@@ -48,14 +48,14 @@ class SceneOutline {
   /// An open line, or the whole.
   struct Branch {
     NodeAt node;
-    std::size_t own = 0;                                  // nodes that it holds
-    std::size_t rows = 0;                                 // all lines below it
-    std::map<std::size_t, std::unique_ptr<Branch>> open;  // by number of what it holds
+    std::size_t own = 0;                                  // number of direct children
+    std::size_t rows = 0;                                 // number of lines below
+    std::map<std::size_t, std::unique_ptr<Branch>> open;  // by child index
   };
   struct Found {
-    std::vector<Branch*> way;        // the whole, and open lines; the last one holds the line
-    std::vector<std::size_t> lines;  // of these, but for the whole
-    std::size_t number = 0;          // in it
+    std::vector<Branch*> way;        // the root and expanded lines; the last one is the parent
+    std::vector<std::size_t> lines;  // line numbers of `way`, without the root
+    std::size_t number = 0;          // child index in the parent
     HeldNodes group;
     std::size_t element = 0;
   };

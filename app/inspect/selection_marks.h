@@ -12,16 +12,16 @@
 #include <utility>
 #include <vector>
 
-// Where a node is in the picture.
+// Position of a node in the picture.
 namespace gs::app {
 
-/// World space: all that a list shows of the first of these nodes of which it shows anything, with all its USEs.
-/// Empty: it shows nothing of them. Takes time in proportion to the list.
+/// Returns the world-space bounds of the first of `nodes` that is visible in a list, with all its USEs. Empty if none
+/// is visible. The time is proportional to the list.
 [[nodiscard]] render::WorldBounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes);
 
-/// A line from one framebuffer pixel to another.
+/// Line between two framebuffer pixels.
 using PixelLine = std::pair<glm::vec2, glm::vec2>;
-/// The edges of a box as one who looks sees them in a viewport, as far as they lie before him; they may leave it.
+/// Projects the edges of a box into a viewport. Clips them to the front of the viewer, not to the viewport.
 [[nodiscard]] std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose,
                                               const Viewport& viewport);
 

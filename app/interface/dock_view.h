@@ -9,19 +9,18 @@
 
 namespace gs::app {
 
-/// The panels of the table and the dock that they stand in: its areas with tabs, and the lines that are dragged between
-/// them and the picture.
+/// View of the dock: its areas with tabs of panels, and the draggable dividers.
 class DockView {
  public:
   DockView();
 
   [[nodiscard]] Dock& dock() { return dock_; }
   [[nodiscard]] const Dock& dock() const { return dock_; }
-  /// For the frame that is made next; `whole`: what the bars leave.
+  /// Computes the layout of the next frame. `whole` is the window without the bars.
   void lay_out(const DockRectangle& whole, float scale);
   [[nodiscard]] const DockLayout& layout() const { return layout_; }
   void build(const PanelFrame& frame, const UiModel& model, UiActions& actions);
-  /// Closes what is open in a panel that shows. False: nothing is.
+  /// Closes an open list or dialog in a visible panel. Returns false if there is none.
   bool close_one();
 
  private:
@@ -34,8 +33,8 @@ class DockView {
   DockLayout layout_;
   DockRectangle whole_;
   std::vector<std::unique_ptr<Panel>> panels_;                // by the table of panels
-  std::array<std::optional<std::size_t>, kDockSides> shown_;  // whose tabs are in front on the screen
-  std::array<float, kDockSides> grabbed_{};                   // from the pointer to the divider that it drags
+  std::array<std::optional<std::size_t>, kDockSides> shown_;  // front tab's panel on screen
+  std::array<float, kDockSides> grabbed_{};                   // offset from the pointer to the dragged divider
 };
 
 }  // namespace gs::app

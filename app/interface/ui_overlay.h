@@ -18,7 +18,7 @@
 
 namespace gs::app {
 
-/// What the interface is shown on: a window, or nothing at all in tests.
+/// Platform of the interface: a window, or a null implementation in tests.
 class InterfaceBackend {
  public:
   InterfaceBackend() = default;
@@ -26,64 +26,64 @@ class InterfaceBackend {
   InterfaceBackend& operator=(const InterfaceBackend&) = delete;
   virtual ~InterfaceBackend() = default;
 
-  /// Once, in the context of Dear ImGui.
+  /// Initialises the backend; called once in the Dear ImGui context.
   virtual void begin() = 0;
-  /// Tells Dear ImGui sizes and times of the frame that begins.
+  /// Sets size and time of the new frame in Dear ImGui.
   virtual void begin_frame() = 0;
-  /// The font atlas of Dear ImGui is another than before.
+  /// Handles a rebuilt font atlas.
   virtual void fonts_changed() = 0;
-  /// Draws what was laid out into the framebuffer that is bound.
+  /// Draws the layout into the bound framebuffer.
   virtual void draw() = 0;
 };
 
-/// The bars and panels around the picture. Belongs to the thread of the window, whose context is current.
-/// Writes no files.
+/// Bars and panels around the picture. Use on the window's thread with its context current. Writes no files.
 class UiOverlay {
  public:
-  /// `scale`: 1 on a common screen.
+  /// `scale` is the screen scale; 1 is normal.
   UiOverlay(std::unique_ptr<InterfaceBackend> backend, float scale, const UserSettings& settings = {});
   ~UiOverlay();
   UiOverlay(const UiOverlay&) = delete;
   UiOverlay& operator=(const UiOverlay&) = delete;
 
-  /// Starts a frame; after it, `wants_*` know where the pointer is. `events` came since the last frame.
+  /// Starts a frame with the events since the last one. Afterwards, `wants_*` reflect the pointer position.
   void begin_frame(double now, const std::vector<WindowEvent>& events);
-  /// Lays out everything. Call once after `begin_frame`.
+  /// Lays out the interface. Call once after `begin_frame`.
   [[nodiscard]] UiActions build(const UiModel& model);
-  /// Draws what was laid out into the framebuffer that is bound.
+  /// Draws the layout into the bound framebuffer.
   void draw();
 
-  /// True when the pointer is over a panel, or the keys go into a text field.
+  /// Report whether the pointer is over a panel, or a text field has the keyboard focus.
   [[nodiscard]] bool wants_pointer() const;
   [[nodiscard]] bool wants_keys() const;
-  /// True when another frame is needed for what the user has done.
+  /// Reports whether another frame is needed to process input.
   [[nodiscard]] bool has_input_left() const;
 
-  /// What bars and panels leave to the picture in a framebuffer of this size, for the frame that is made next.
+  /// Returns the area left for the picture in a framebuffer of this size, for the next frame.
   [[nodiscard]] Viewport picture_area(const glm::ivec2& framebuffer);
-  /// Seconds until something changes without an event, or nothing does.
+  /// Returns the seconds until the interface changes without an event; nullopt if it will not.
   [[nodiscard]] std::optional<double> next_change() const;
 
-  /// Does what is the interface's alone. False: the action is none of that kind.
+  /// Runs an action that only affects the interface. Returns false for other actions.
   bool run(Action action);
-  /// Its own, for those whose desktop has none.
+  /// Shows the built-in file dialog, for desktops without one.
   void show_open_dialog();
-  /// Where the panels are, and how large the areas of the dock (left, right, bottom); to be kept, and taken up again.
+  /// Panel positions and dock area sizes (left, right, bottom), for saving and restoring.
   [[nodiscard]] std::vector<PanelMemory> panels() const;
   [[nodiscard]] std::array<double, kDockSides> areas() const;
   void arrange(const std::vector<PanelMemory>& panels, const std::array<double, kDockSides>& areas);
   /// Opens the panel of an action, or brings it to the front.
   void show_panel(Action toggle);
-  /// The desktop's clipboard, as UTF-8.
+  /// Clipboard of the desktop, as UTF-8.
   [[nodiscard]] std::string clipboard() const;
   void set_clipboard(const std::string& text);
-  /// A line that goes away by itself; `is_error` lines stay longer.
+  /// Shows a notice that disappears after a while; errors stay longer.
   void show_notice(std::string text, bool is_error, std::string_view about = {});
   void clear_notices();
-  /// What was chosen in the Open panel shows, or `problem` says why it does not: then the panel stays, for another try.
+  /// Ends the wait of the Open panel. An empty `problem` closes the panel; otherwise it stays open and shows the
+  /// message.
   void open_ended(const std::string& problem);
-  /// Closes what is open over the picture: a menu, a list, a dialog; false: nothing is. Or what stands beside it: a
-  /// panel, a notice.
+  /// Close the topmost overlay (menu, list or dialog), or else a panel or notice beside the picture. They return false
+  /// if there is none.
   bool close_over();
   bool close_beside();
 

@@ -22,20 +22,20 @@
 
 namespace gs::app {
 
-/// What the interface remembers between frames; shared by the ui_*.cpp files only.
+/// Interface state between frames; shared only by the ui_*.cpp files.
 struct UiOverlay::State {
-  UserSettings settings;  // of the user, by the model
+  UserSettings settings;  // the user's settings, from the model
   Theme theme = Theme::dark;
-  float screen_scale = 1, scale = 1;  // of the screen alone; with the user's size of text
+  float screen_scale = 1, scale = 1;  // screen scale alone; with the user's text size
   double now = 0;
   bool help = false, statistics = false, preferences = false;
   std::unique_ptr<InterfaceBackend> backend;
   std::unique_ptr<InterfaceFonts> fonts;
-  int text_waits = 0;     // frames until the text field that appears takes the keys
-  bool has_text = false;  // some text field has them
+  int text_waits = 0;     // frames until a new text field has the focus
+  bool has_text = false;  // some text field has the focus
   std::size_t to_restore = 0;
 
-  /// A place that may be meant by what is typed.
+  /// Suggestion for typed text.
   struct Suggestion {
     std::string place, label;
     Icon icon;
@@ -45,13 +45,13 @@ struct UiOverlay::State {
   struct Address {
     std::string text;
     bool wanted = false, active = false, list_hovered = false;
-    bool typed = false;                 // its text is not what it was when it got the keys
-    std::string opening;                // what was entered last, as long as the user does nothing else
-    std::string retried;                // this could not be opened: it is there for another try
-    std::optional<std::size_t> chosen;  // of the suggestions
+    bool typed = false;                 // text differs from when the field got the focus
+    std::string opening;                // last entered text, until the user does something else
+    std::string retried;                // text that failed to open, restored for another try
+    std::optional<std::size_t> chosen;  // index in the suggestions
   } address;
 
-  /// A row of the palette.
+  /// Row of the command palette.
   struct Command {
     std::string words, keys;
     std::optional<Icon> icon;
@@ -65,21 +65,21 @@ struct UiOverlay::State {
 
   struct OpenDialog {
     bool open = false, appears = false;
-    bool wanted = false;  // its field shall have the keys
+    bool wanted = false;  // its field requests the focus
     std::string typed;
-    std::optional<std::size_t> chosen;  // of what is listed
-    bool all_files = false;             // not only those that some content type calls its own
-    bool opening = false;               // what was chosen is being read, and nothing of it shows yet
-    std::string problem;                // why it could not be
+    std::optional<std::size_t> chosen;  // index in the list
+    bool all_files = false;             // shows files of unknown type, too
+    bool opening = false;               // the chosen file is loading; nothing is shown yet
+    std::string problem;                // error message
   } dialog;
 
   Notices notices;
   InterfaceInput input;
 
-  // Whether a question stands, and whether a key has answered it.
+  // A question is shown; a key has refused it.
   bool question = false, question_refused = false;
 
-  float menus_width = 0;  // of the row of menus; 0: not known yet
+  float menus_width = 0;  // width of the menu row; 0 means unknown
   Tooltips tooltips;
   DockView dock;
 
@@ -100,7 +100,7 @@ struct UiOverlay::State {
 
   void address_bar(const UiModel& model, UiActions& actions, float width);
   [[nodiscard]] std::vector<Suggestion> suggestions(const UiModel& model, const std::string& typed);
-  /// The one that is clicked.
+  /// Returns the clicked row.
   static std::optional<std::size_t> suggestion_rows(const std::vector<Suggestion>& rows,
                                                     std::optional<std::size_t> chosen);
 
@@ -137,15 +137,15 @@ struct UiOverlay::State {
   void axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   void grid_line(const UiViewport& viewport, const std::string& grid);
 
-  // In the units of Dear ImGui.
+  // Heights in Dear ImGui units.
   [[nodiscard]] float menu_bar_height() const;
   [[nodiscard]] float tool_bar_height() const;
   [[nodiscard]] float restore_height() const {
     return to_restore > 0 ? ImGui::GetFrameHeight() + 2 * std::round(4 * scale) : 0.0f;
   }
   [[nodiscard]] float top_height() const { return menu_bar_height() + tool_bar_height() + restore_height(); }
-  [[nodiscard]] float status_bar_height() const;  // 0 when it is off
-  /// Says more about the item before, once the pointer rests on it.
+  [[nodiscard]] float status_bar_height() const;  // 0 if it is hidden
+  /// Sets the tooltip of the previous item.
   void tooltip(std::string_view text) { tooltips.show(text); }
   bool toggle_panel(Action action);
 };

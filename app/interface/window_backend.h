@@ -6,7 +6,8 @@ struct GLFWwindow;
 
 namespace gs::app {
 
-/// For a window whose context is current. It hears of the window's size and cursor alone: events come by UiOverlay.
+/// Creates the backend for a window with a current context. It handles only window size and cursor; events come through
+/// UiOverlay.
 [[nodiscard]] std::unique_ptr<InterfaceBackend> make_window_backend(GLFWwindow* window);
 
 }  // namespace gs::app

@@ -9,34 +9,32 @@
 
 namespace gs::app {
 
-/// The letters of the interface: one font for what most texts have, and glyphs of others that the system has (by
-/// Fontconfig) for whatever else is to be shown, drawn when they are needed first. They belong to the context of Dear
-/// ImGui of the time, which keeps them in its font atlas.
+/// Fonts of the interface: one font for common text, plus glyphs from system fonts (by Fontconfig), rendered on first
+/// use. They belong to one Dear ImGui context and live in its font atlas.
 class InterfaceFonts {
  public:
-  static constexpr std::size_t kMostGlyphs = 4000;  // besides those of the first font; what comes later shows as '?'
+  static constexpr std::size_t kMostGlyphs = 4000;  // max glyphs beyond the first font; further ones show as '?'
 
   InterfaceFonts();
   ~InterfaceFonts();
   InterfaceFonts(const InterfaceFonts&) = delete;
   InterfaceFonts& operator=(const InterfaceFonts&) = delete;
 
-  /// Of the context that is current; null: it has none of ours.
+  /// Returns the fonts of the current context; null if it has none.
   [[nodiscard]] static InterfaceFonts* current();
-  /// Letters of so many pixels. Before the first frame, and between frames.
+  /// Sets the size in pixels. Call before the first frame or between frames.
   void set_size(float pixels);
-  /// Whether texts need glyphs that are not there yet, or another size.
+  /// Reports whether text needs missing glyphs or another size.
   [[nodiscard]] bool stale() const;
-  /// Makes the font atlas anew; whoever has its texture must make that anew. Between frames.
+  /// Rebuilds the font atlas; the caller must then recreate its texture. Call between frames.
   void build();
 
-  /// `utf8` as Dear ImGui is to be given it: what is written from right to left is in the order in which it is seen,
-  /// its letters joined; characters beyond the first plane of Unicode, which it cannot show, stand for themselves in
-  /// the private area. Notes which glyphs that needs.
+  /// Converts text to the form that Dear ImGui displays: right-to-left text in visual order with joined letters.
+  /// Characters outside the BMP, which it cannot show, map to the private use area. Requests the glyphs needed.
   [[nodiscard]] std::string shown(std::string_view utf8);
-  /// One character of such a text, as Dear ImGui is to be given it; notes that it is needed.
+  /// Converts one character of such a text and requests its glyph.
   [[nodiscard]] char32_t drawn(char32_t character);
-  /// Notes a character that the user types.
+  /// Requests the glyph of a character that the user types.
   void note(char32_t character);
 
  private:
@@ -44,7 +42,7 @@ class InterfaceFonts {
   std::unique_ptr<Glyphs> glyphs_;
 };
 
-/// InterfaceFonts::shown of the current context.
+/// Calls InterfaceFonts::shown in the current context.
 [[nodiscard]] std::string shown(std::string_view utf8);
 
 }  // namespace gs::app

@@ -5,8 +5,9 @@
 
 namespace gs::app {
 
-/// How well `text` fits what was typed: each word of it must stand somewhere in `text`, whole or as letters in the same
-/// order, in letters of any case. Higher is better; nothing: it does not fit. Nothing typed fits everything alike.
+/// Scores how well `text` matches a query; higher is better. Each typed word must occur in `text`, as a substring or as
+/// letters in the same order; case is ignored. Returns nullopt if it does not match. An empty query matches everything
+/// equally.
 [[nodiscard]] std::optional<int> fuzzy_score(std::string_view text, std::string_view typed);
 
 }  // namespace gs::app

@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// Small drawings beside words.
+/// Icon of a button or menu row.
 enum class Icon : std::uint8_t {
   open,
   back,
@@ -49,16 +49,16 @@ enum class Icon : std::uint8_t {
 };
 inline constexpr std::size_t kIcons = 34;
 
-/// Draws it in a square of this size, whose upper left corner is `place`, in the colour of text.
+/// Draws an icon in a square of this size with its upper left corner at `place`, in text colour.
 void draw_icon(ImDrawList& draw, Icon icon, const ImVec2& place, float size, ImU32 color);
-/// The icon of what an action does; nothing: it has none.
+/// Returns the icon of an action; nullopt if it has none.
 [[nodiscard]] std::optional<Icon> icon_of(Action action);
 
-/// A button with an icon and, unless `word` is empty, a word behind it. `id`: what Dear ImGui knows it by.
+/// Draws a button with an icon and, unless `word` is empty, a label after it. `id` is the Dear ImGui ID.
 bool icon_button(std::string_view id, Icon icon, std::string_view word, bool on = false);
-/// How wide that is.
+/// Returns the width of such a button.
 [[nodiscard]] float icon_button_width(std::string_view word);
-/// An icon in a line of text; the cursor goes on behind it.
+/// Draws an icon inline; the cursor continues after it.
 void inline_icon(Icon icon);
 
 }  // namespace gs::app

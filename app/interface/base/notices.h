@@ -8,11 +8,10 @@
 
 namespace gs::app {
 
-/// Short lines that are shown for a while and go away by themselves, one below the other: a new one takes the place of
-/// none that is still to be read.
+/// Stack of notices (toasts) that disappear after a while. A new one does not replace an unread one.
 class Notices {
  public:
-  static constexpr std::size_t kMost = 5;  // at a time; then the oldest goes
+  static constexpr std::size_t kMost = 5;  // max at a time; then the oldest is removed
   static constexpr double kSeconds = 3.5, kProblemSeconds = 12;
 
   struct Line {
@@ -22,18 +21,18 @@ class Notices {
     std::string about = {};
   };
 
-  /// What is shown already stays longer, and is not shown twice. `about`: of what changes step by step, a speed, only
-  /// the newest line is shown, and none when its text is empty; empty: of nothing like that.
+  /// Shows a notice. An equal one already shown stays longer instead. `about` groups notices of a value that changes in
+  /// steps, such as speed: only the newest is shown, and an empty text removes it. An empty `about` means no group.
   void show(std::string text, bool is_problem, double now, std::string_view about = {});
-  /// Drops what has been shown long enough.
+  /// Removes expired notices.
   void expire(double now);
   void close(std::size_t index);
-  /// The newest goes. False when there is none.
+  /// Removes the newest notice. Returns false if there is none.
   bool close_one();
   void clear() { lines_.clear(); }
-  /// Oldest first.
+  /// Returns the notices, oldest first.
   [[nodiscard]] const std::vector<Line>& lines() const { return lines_; }
-  /// When `expire` will drop something.
+  /// Returns the time of the next expiry.
   [[nodiscard]] std::optional<double> next() const;
 
  private:

@@ -8,17 +8,17 @@
 
 namespace gs::app {
 
-/// What is in a folder, for those who choose files. Read again when another folder is asked for, or on demand.
+/// Contents of a folder for the file dialogs. Read again if another folder is requested, or after `forget`.
 class FolderListing {
  public:
   struct Entry {
     std::string name;
     bool is_folder = false;
-    bool is_known = false;  // some content type calls files of this name its own
+    bool is_known = false;  // a content type claims this file name
   };
   static constexpr std::size_t kMostEntries = 5000;
 
-  /// Folders first, by name. `problem` says why it cannot be read.
+  /// Returns the entries by name, folders first. `problem` returns the error message if the folder is unreadable.
   [[nodiscard]] const std::vector<Entry>& entries_of(const std::string& folder);
   [[nodiscard]] const std::string& problem() const { return problem_; }
   void forget() { folder_.clear(); }
@@ -28,24 +28,24 @@ class FolderListing {
   std::vector<Entry> entries_;
 };
 
-/// A path as it is typed: the folder that its last part is in, as typed and as the system knows it.
+/// Partially typed path, split into folder and last component.
 struct TypedPath {
-  std::string before;  // up to the last /, with it; as typed
-  std::string folder;  // for the system; of nothing: the current one
-  std::string part;    // behind it
+  std::string before;  // as typed, up to and including the last /
+  std::string folder;  // `before` with ~ expanded; empty means the current folder
+  std::string part;    // last component
 };
 [[nodiscard]] TypedPath typed_path(std::string_view typed);
-/// True for what is a path for sure: it begins at the root, at home or in a folder.
+/// Reports whether the text is certainly a path: it contains / or begins with ~, and is no URL.
 [[nodiscard]] bool looks_like_path(std::string_view typed);
-/// True for URLs.
+/// Reports whether the text is a URL.
 [[nodiscard]] bool looks_like_url(std::string_view typed);
 
-/// What Tab makes of a typed path: as far as all that fit agree; behind a folder that is the only one comes a /.
+/// Completes a path as Tab does: up to the common prefix of all matches. A single matching folder gets a trailing /.
 [[nodiscard]] std::string completed_path(const std::string& typed, FolderListing& listing);
-/// Paths that a typed one may become, at most `most`; files that nothing can open are left out.
+/// Returns up to `most` completions of a typed path. Omits files that cannot be opened.
 [[nodiscard]] std::vector<std::string> suggested_paths(std::string_view typed, FolderListing& listing,
                                                        std::size_t most);
-/// A path as it is opened: with the user's home in the place of ~, without blanks around it.
+/// Returns the path to open: expands ~ and trims blanks.
 [[nodiscard]] std::string opened_path(std::string_view typed);
 
 }  // namespace gs::app

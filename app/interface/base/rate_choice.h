@@ -5,7 +5,7 @@
 
 namespace gs::app {
 
-/// A list of rates, of which `rate` is chosen: bits a second; 0: any. The one that the user has chosen instead.
+/// Draws a list of rates in bits/s, with `rate` selected; 0 means unlimited. Returns the user's new choice.
 [[nodiscard]] std::optional<std::uint64_t> rate_choice(const char* id, std::uint64_t rate, float width);
 
 }  // namespace gs::app

@@ -7,27 +7,27 @@
 
 namespace gs::app {
 
-/// What the user has done in a text field in this frame.
+/// Events of a text field in this frame.
 struct FieldEvents {
-  bool active = false;   // the keys go into it
-  bool changed = false;  // its text is another than before
-  bool entered = false;  // Enter
-  int moved = 0;         // Up is -1, Down is 1: through the list that belongs to it
+  bool active = false;   // has the keyboard focus
+  bool changed = false;  // text changed
+  bool entered = false;  // Enter was pressed
+  int moved = 0;         // selection moved in the associated list: Up is -1, Down is 1
 };
 
-inline constexpr std::size_t kLongestTyped = 20'000;  // bytes of a text field
+inline constexpr std::size_t kLongestTyped = 20'000;  // max length of a text field in bytes
 
-/// What keys make of the text in a field.
+/// Key handlers that change a field's text.
 struct FieldKeys {
-  /// Of Tab; null: Tab goes on to the next item.
+  /// Returns the completion for Tab. If null, Tab moves to the next item.
   std::function<std::string(const std::string&)> complete{};
-  /// Of Up (true) and Down; nothing: it stays. Null: they are counted in FieldEvents::moved.
+  /// Returns the text for Up (true) or Down; nullopt keeps the text. If null, FieldEvents::moved counts the keys.
   std::function<std::optional<std::string>(bool up, const std::string&)> recall{};
 };
 
-/// A field of one line, in which what is written from right to left is seen so. `width`: pixels; 0: the room that there
-/// is, negative: but for so many. `selects_all`: of what is in it when it gets the keys. A text of more than
-/// kLongestTyped bytes is cut.
+/// Draws a one-line text field that shows right-to-left text correctly. `width` is in pixels: 0 uses the available
+/// width; a negative width leaves that much free. `selects_all` selects the text on focus. Truncates text over
+/// kLongestTyped bytes.
 FieldEvents text_field(const char* id, const char* hint, std::string& text, float width, bool selects_all,
                        const FieldKeys& keys = {});
 

@@ -13,43 +13,43 @@
 
 namespace gs::app {
 
-/// Colours of the interface, by the theme of the time.
+/// Interface colours of the present theme.
 struct UiColors {
   static inline ImVec4 kText, kQuiet, kAccent, kBar, kPanel, kPopup, kError, kWarning, kNote;
-  /// Over pictures, on a dark ground in both themes.
+  /// For text over pictures, on a dark background in both themes.
   static inline const ImVec4 kOnPicture{0.88f, 0.89f, 0.91f, 1}, kQuietOnPicture{0.62f, 0.65f, 0.70f, 1};
-  static inline ImVec4 kContrast;  // what buttons and lines are shades of: white on dark, black on light
+  static inline ImVec4 kContrast;  // base of button and line shades: white in the dark theme, black in the light one
 };
 [[nodiscard]] ImVec4 color_of(vrml::Severity severity);
 [[nodiscard]] ImVec4 with_alpha(ImVec4 color, float alpha);
 
-/// Letters at scale 1, in pixels.
+/// Font size in pixels at scale 1.
 inline constexpr float kFontSize = 14.5f;
 
-/// Sizes, colours and corners of everything, for a screen of this scale.
+/// Sets sizes, colours and corner radii for a screen of this scale.
 void set_style(Theme theme, float scale);
 
-/// A button that shows whether what it stands for is on: a state of the view, or only an open panel.
+/// Draws a toggle button that shows its state. `is_panel` means that it opens a panel rather than changes the view.
 bool switch_button(const char* label, bool on, bool is_panel = false);
-/// Any text, as InterfaceFonts shows it.
+/// Draw text through InterfaceFonts.
 void text(std::string_view text);
 void colored_text(const ImVec4& color, std::string_view text);
-/// A label for Dear ImGui that shows `text`, whatever is in it, and is known by `id`.
+/// Builds a Dear ImGui label that shows any `text` and has the ID `id`.
 [[nodiscard]] std::string label_of(std::string_view text, std::string_view id);
 
-/// Says more about what the pointer rests on, after a while.
+/// Tooltips that appear after the pointer rests on an item for a while.
 class Tooltips {
  public:
-  /// Before any item of a frame. `wanted`: false where they would only be in the way.
+  /// Starts a frame; call before any item. If `wanted` is false, shows no tooltips.
   void begin(double now, bool wanted);
-  /// Of the item before.
+  /// Sets the tooltip of the previous item.
   void show(std::string_view text);
   void end();
-  /// Seconds until one appears.
+  /// Returns the seconds until a tooltip appears.
   [[nodiscard]] std::optional<double> next() const;
 
  private:
-  ImVec2 item_{-1, -1};  // that the pointer rests on: its upper left corner
+  ImVec2 item_{-1, -1};  // upper left corner of the hovered item
   double now_ = 0, since_ = 0;
   bool hovers_ = false, wanted_ = true;
 };

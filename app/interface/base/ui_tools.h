@@ -15,52 +15,52 @@
 
 namespace gs::app {
 
-/// As what an animation is saved.
+/// Output format of an animation.
 enum class AnimationFile : std::uint8_t { pictures, mp4, webm };
 
-/// How pictures are saved, as the user has chosen it last.
+/// Picture settings, as last chosen by the user.
 struct PictureWish {
-  bool of_window = true;  // as many pixels as the viewport has, times `scale`
+  bool of_window = true;  // uses the viewport's size times `scale`
   int scale = 1;          // 1..8
   glm::ivec2 size{1920, 1080};
   PictureRequest request;
   AnimationFile animation = AnimationFile::pictures;
-  double seconds = 8;  // of a turntable
-  double leg = 3;      // seconds from one view of a tour to the next
+  double seconds = 8;  // seconds per turn of a turntable
+  double leg = 3;      // seconds between two views of a tour
   double rate = 25;
 };
 
-/// What the interface shows for who measures, looks into volumes and saves pictures; of the active viewport.
+/// State of the measure, volume and picture tools for the active viewport.
 struct UiTools {
-  // The ruler.
-  bool measuring = false;                        // clicks set its points
-  std::vector<std::optional<glm::vec2>> points;  // framebuffer pixels; none: behind the viewer
+  // Ruler.
+  bool measuring = false;                        // clicks add points
+  std::vector<std::optional<glm::vec2>> points;  // framebuffer pixels; empty if behind the viewer
   std::vector<std::string> legs;                 // lengths
-  std::string measured;                          // what matters most of it
-  std::string measured_text;                     // all of it, to be copied
-  // What lies under the pointer.
+  std::string measured;                          // one-line summary
+  std::string measured_text;                     // full text for copying
+  // Value under the pointer.
   std::string value;
   // Volumes.
   VolumeSlices slices;
-  std::array<std::uint32_t, 3> dimensions{};  // of the voxels; 0: not known yet
-  bool has_file = false;                      // values can be read
-  std::string slices_problem;                 // why they cannot
+  std::array<std::uint32_t, 3> dimensions{};  // in voxels; 0 means unknown
+  bool has_file = false;                      // values can be read from the file
+  std::string slices_problem;                 // error message if they cannot be read
   bool reading = false;
-  std::vector<glm::vec2> slice_edge;  // corners of the one that is held, or could be; framebuffer pixels
+  std::vector<glm::vec2> slice_edge;  // corners of the hovered or dragged slice, framebuffer pixels
   bool color_bar = false;
-  std::optional<ColorBar> bar;  // null: nothing has one
-  // Series of files.
-  std::size_t files = 0, file = 0;  // how many; the one that shows
+  std::optional<ColorBar> bar;  // empty if nothing has a colour bar
+  // File series.
+  std::size_t files = 0, file = 0;  // number of files, and index of the current one
   bool playing = false;
-  double rate = 25;  // files a second
+  double rate = 25;  // files per second
   // Pictures.
   PictureWish picture;
-  std::string folder;              // where they go
-  std::optional<float> exporting;  // how far that is
-  std::size_t tour = 0;            // views that a tour of this file has
+  std::string folder;              // target folder
+  std::optional<float> exporting;  // export progress, 0..1
+  std::size_t tour = 0;            // number of tour views of this file
 };
 
-/// What the user wants of it.
+/// Requests of the user to the tools.
 struct UiToolActions {
   std::optional<bool> measure, color_bar, play;
   bool forget_points = false, undo_point = false, wants_value = false;

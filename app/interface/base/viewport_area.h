@@ -8,13 +8,13 @@
 
 namespace gs::app {
 
-/// Of lines and cards over a picture, as small as what is in them.
+/// Flags for auto-sized lines and cards over a picture.
 inline constexpr ImGuiWindowFlags kLineFlags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
                                                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                                                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing |
                                                ImGuiWindowFlags_NoBringToFrontOnFocus;
 
-/// The place of a viewport in the units of Dear ImGui.
+/// Rectangle of a viewport in Dear ImGui units.
 struct ViewportArea {
   ImVec2 lower, upper;
   [[nodiscard]] float width() const { return upper.x - lower.x; }
@@ -24,7 +24,7 @@ struct ViewportArea {
   }
 };
 
-/// Units of Dear ImGui that a framebuffer pixel has each way.
+/// Returns the size of a framebuffer pixel in Dear ImGui units.
 inline ImVec2 units_of_pixel() {
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
   return {1 / std::max(pixels.x, 0.01f), 1 / std::max(pixels.y, 0.01f)};

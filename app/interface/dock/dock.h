@@ -8,11 +8,11 @@
 
 namespace gs::app {
 
-/// Where panels stand beside the picture.
+/// Side of the window where panels dock.
 enum class DockSide : std::uint8_t { left, right, bottom };
 inline constexpr std::size_t kDockSides = 3;
 
-/// A part of the window, in the units of Dear ImGui, from the upper left.
+/// Rectangle in Dear ImGui units from the window's upper left.
 struct DockRectangle {
   float left = 0, top = 0, width = 0, height = 0;
 
@@ -21,52 +21,52 @@ struct DockRectangle {
   }
 };
 
-/// What the panels and the picture get of the window. An area without open panels is not there.
+/// Layout of panels and picture in the window. Areas without open panels are absent.
 struct DockLayout {
   struct Area {
-    DockRectangle place;    // of the panels
-    DockRectangle divider;  // between them and the picture; drags make the area larger and smaller
+    DockRectangle place;    // area of the panels
+    DockRectangle divider;  // draggable line between panels and picture
   };
   std::array<std::optional<Area>, kDockSides> areas;  // by DockSide
   DockRectangle picture;
 };
 
-/// Which panels are open, where, and how large the areas are in which they stand: at the left and right over the whole
-/// height, and below the picture between them. The panels of an area share it; one of them is in front. Panels are
-/// numbers here. Pure bookkeeping.
+/// Dock state: which panels are open, on which side, and the sizes of the areas. The left and right areas take the
+/// whole height; the bottom area lies between them. Panels in one area are tabs; one is in front. Panels are identified
+/// by number. No drawing.
 class Dock {
  public:
-  static constexpr float kLeastArea = 120, kMostArea = 4000;       // across
-  static constexpr float kLeastPicture = 200, kLeastHeight = 120;  // of the picture; areas give way before it does
+  static constexpr float kLeastArea = 120, kMostArea = 4000;       // limits of an area's width or height
+  static constexpr float kLeastPicture = 200, kLeastHeight = 120;  // min size of the picture; areas shrink first
   static constexpr float kDivider = 5;
 
-  /// `sides`: where each panel stands at first. None is open.
+  /// `sides` is the initial side of each panel. All start closed.
   explicit Dock(const std::vector<DockSide>& sides);
 
   [[nodiscard]] std::size_t panels() const { return panels_.size(); }
   [[nodiscard]] bool is_open(std::size_t panel) const;
-  /// Open, and not behind another one.
+  /// Reports whether the panel is open and in front.
   [[nodiscard]] bool is_front(std::size_t panel) const;
   [[nodiscard]] DockSide side_of(std::size_t panel) const { return panels_[panel].side; }
-  /// The open ones, in the order in which they were opened there.
+  /// Returns the open panels of a side, in the order of opening.
   [[nodiscard]] const std::vector<std::size_t>& open_at(DockSide side) const { return area(side).open; }
   [[nodiscard]] std::optional<std::size_t> front_at(DockSide side) const { return area(side).front; }
 
-  /// Opens it, or brings it to the front.
+  /// Opens the panel, or brings it to the front.
   void open(std::size_t panel);
   void close(std::size_t panel);
-  /// Closes what is in front, opens what is not.
+  /// Closes the panel if it is in front, else opens it.
   void toggle(std::size_t panel);
-  /// To another side; it stays open or closed.
+  /// Moves the panel to another side; it stays open or closed.
   void move(std::size_t panel, DockSide side);
 
-  /// How wide (at the bottom: how high) an area is wanted, on a screen of scale 1.
+  /// Preferred width of an area (height for the bottom) at scale 1.
   [[nodiscard]] float size(DockSide side) const { return area(side).size; }
   void set_size(DockSide side, float size);
 
-  /// In `whole`, on a screen of `scale`. The picture gets what the areas leave, and never less than a unit.
+  /// Computes the layout in `whole` at a screen scale. The picture gets the remaining space, at least one unit.
   [[nodiscard]] DockLayout lay_out(const DockRectangle& whole, float scale) const;
-  /// The size of an area whose divider is dragged to `place` along its axis.
+  /// Returns the size of an area after its divider is dragged to `place` along its axis.
   [[nodiscard]] static float size_for(DockSide side, float place, const DockRectangle& whole, float scale);
 
  private:

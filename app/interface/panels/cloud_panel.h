@@ -17,8 +17,8 @@ namespace gs::app {
 
 struct TransferCanvas;
 
-/// The panel that chooses how clouds look: colours for all of them; transfer function, opacity, threshold and clipping
-/// plane for volumes. Edits the CloudLook of the UiModel, and has nothing of it but what is under the pointer.
+/// Panel for the splat style: colours, and for volumes the transfer function, opacity, threshold and clipping plane.
+/// Edits the CloudLook of the UiModel; keeps only interaction state itself.
 class CloudPanel final : public Panel {
  public:
   bool close_one() override;
@@ -30,7 +30,7 @@ class CloudPanel final : public Panel {
   void volume_rows(const UiModel& model, render::CloudLook& look);
   void transfer_rows(const UiModel& model, render::CloudLook& look);
   void preset_row(Transfer& transfer, bool& own, const Range& values);
-  /// These return true when they have changed the function.
+  /// Return true if they changed the function.
   bool curve(Transfer& transfer, const Range& values);
   bool edit_curve(const TransferCanvas& canvas, Transfer& transfer);
   bool point_row(Transfer& transfer, const Range& values);
@@ -39,22 +39,22 @@ class CloudPanel final : public Panel {
   void clip_rows(const UiModel& model, render::CloudLook& look);
   void file_row(const UiModel& model, UiActions& actions);
 
-  /// From 0 to 1, with its reading beside it. True when it was moved.
+  /// Draws a slider from 0 to 1 with its value beside it. Returns true if it was moved.
   bool slider(const char* id, float& place, const std::string& reading, const char* help);
   void log_slider(const char* id, float& value, const LogScale& scale, const std::string& reading, const char* help);
-  /// To be called in every list and picker that is open.
+  /// Tracks an open list or picker; call inside each one.
   void keep_popup();
-  /// Summarises volumes only when they are others than before.
+  /// Recomputes the summary only if the volumes changed.
   void summarize_volumes(const std::vector<std::shared_ptr<const qnv::Cloud>>& volumes);
 
-  const PanelFrame* frame_ = nullptr;  // while it builds
-  std::optional<std::size_t> point_;   // chosen, of the transfer function
-  ImVec2 grabbed_{0, 0};               // from the pointer to the point that it drags
+  const PanelFrame* frame_ = nullptr;  // valid while drawing
+  std::optional<std::size_t> point_;   // selected point of the transfer function
+  ImVec2 grabbed_{0, 0};               // offset from the pointer to the dragged point
   bool dragging_ = false, popup_ = false, close_popup_ = false;
-  ClipChoice clip_;  // for when it is switched on
+  ClipChoice clip_;  // used when clipping is switched on
   std::vector<std::weak_ptr<const qnv::Cloud>> summarized_;
   VolumeSummary summary_;
-  std::string path_;  // of the transfer function's file
+  std::string path_;  // path of the transfer function file
 };
 
 }  // namespace gs::app

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-// Panels that look into the world of the active viewport: thin faces of app/inspect, which has all that they show.
+// Panels that inspect the world of the active viewport: thin views of app/inspect, which holds all data.
 namespace gs::app {
 
-/// The nodes of the world, as a tree; a search in it.
+/// Node tree of the world, with a search.
 class ScenePanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
@@ -23,10 +23,10 @@ class ScenePanel final : public Panel {
   void keys(Inspection& inspection);
 
   std::string sought_;
-  std::optional<std::size_t> line_;  // of the chosen node, where it was chosen
+  std::optional<std::size_t> line_;  // line of the selected node, if it was selected here
 };
 
-/// The fields and events of the chosen node, some of which can be changed.
+/// Fields and events of the selected node; some are editable.
 class InspectorPanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
@@ -42,46 +42,46 @@ class InspectorPanel final : public Panel {
   bool edited_text(const char* id, const vrml::FieldValue& value, std::string& entered);
   void note(const Field& field, const std::optional<std::string>& problem);
 
-  NodeAt node_;  // that it showed last
-  /// Of a list that is open: the element that stands first.
+  NodeAt node_;  // last displayed node
+  /// Expanded list with the index of its first displayed element.
   struct OpenList {
     const vrml::InterfaceDeclaration* of;
     std::size_t first = 0;
   };
   std::vector<OpenList> open_;
   const vrml::InterfaceDeclaration* problem_of_ = nullptr;
-  std::string problem_;  // why its last value was not sent
-  unsigned typed_in_ = 0;  // the field that has the keys, and what is typed there; 0: none
+  std::string problem_;    // message for the last rejected value
+  unsigned typed_in_ = 0;  // ID of the focused field with unsent text; 0 means none
   std::string typed_;
 };
 
-/// The ROUTEs of the world, and which of them events go by.
+/// ROUTEs of the world with their activity.
 class RoutesPanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 };
 
-/// What the programs of the world say, and a line that is run as a part of one of them.
+/// Output of the world's programs, and an input line for script code.
 class ConsolePanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
   std::string line_;
-  std::size_t shown_ = 0;  // lines, when it was drawn last
+  std::size_t shown_ = 0;  // number of lines last drawn
 };
 
-/// The files and streams that worlds read: how far, how fast.
+/// Progress and rates of the files and streams that worlds load.
 class StreamsPanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
-  std::uint64_t chosen_ = 0;  // LoadRow::number of the one whose rate is drawn large
+  std::uint64_t chosen_ = 0;  // LoadRow::number of the row with the large graph
   const LoadLedger* chosen_of_ = nullptr;
 };
 
-/// Lines around what is chosen, over the picture.
+/// Draws the outline of the selected node over the picture.
 void draw_marks(const Inspection& inspection);
 
 }  // namespace gs::app

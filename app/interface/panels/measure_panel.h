@@ -4,7 +4,7 @@
 
 namespace gs::app {
 
-/// The value under the pointer, the ruler, a volume's slices and its colour bar, and series of files.
+/// Value under the pointer, ruler, slices and colour bar of a volume, and file series.
 class MeasurePanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
@@ -15,7 +15,7 @@ class MeasurePanel final : public Panel {
   static void series_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions);
 };
 
-/// How pictures are saved: their size, background, eyes and what is written of them; turntables.
+/// Picture settings: size, background, stereo, metadata, turntables.
 class PicturePanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;

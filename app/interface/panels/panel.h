@@ -7,14 +7,14 @@
 
 namespace gs::app {
 
-/// What a panel needs of the interface around it.
+/// Drawing context of a panel.
 struct PanelFrame {
-  float scale = 1;     // 1 on a common screen, times the user's size of text
-  Tooltips& tooltips;  // show() says more about the item before
+  float scale = 1;     // screen scale (1 is normal) times the user's text size
+  Tooltips& tooltips;  // show() sets the tooltip of the previous item
 };
 
-/// What stands in the dock beside the picture, in a tab of its own: it remembers between frames what the user chose in
-/// it, and nothing of the world, which the model has. The thread of the window.
+/// Dock panel with its own tab. It keeps the user's choices between frames, but no world data, which come from the
+/// model. Use on the window's thread.
 class Panel {
  public:
   Panel() = default;
@@ -22,10 +22,10 @@ class Panel {
   Panel& operator=(const Panel&) = delete;
   virtual ~Panel() = default;
 
-  /// Lays out its contents from the cursor on, in the window of its tab, which scrolls; it begins no window itself.
-  /// What the user wants done goes into `actions`.
+  /// Draws the contents at the cursor in the tab's scrolling window; begins no window itself. Adds the user's requests
+  /// to `actions`.
   virtual void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) = 0;
-  /// Closes a list or picker that is open in it (Esc). False: there is none.
+  /// Closes a list or picker that is open in the panel (Esc). Returns false if there is none.
   virtual bool close_one() { return false; }
 };
 

@@ -12,17 +12,17 @@
 
 namespace gs::app {
 
-/// A row of the table of panels: the dock, the menus, the palette of commands and what is kept of the user's choices
-/// are made of it. A new panel is a class in this folder, a row here, and a row in the table of actions.
+/// Row of the table of panels. Dock, menus, command palette and saved settings are built from it. A new panel needs a
+/// class in this folder, a row here, and a row in the action table.
 struct PanelRow {
-  std::string_view id;     // in settings: it never changes
-  std::string_view title;  // on its tab
-  DockSide side;           // where it stands at first
-  Action toggle;           // opens and closes it
+  std::string_view id;     // settings key; must never change
+  std::string_view title;  // tab title
+  DockSide side;           // initial side
+  Action toggle;           // action that opens and closes it
   std::unique_ptr<Panel> (*make)();
 };
 [[nodiscard]] std::span<const PanelRow> panel_rows();
-/// The number of the panel that an action opens and closes; nothing: it is no panel's.
+/// Returns the number of the panel that an action toggles; nullopt if it toggles none.
 [[nodiscard]] std::optional<std::size_t> panel_of(Action action);
 [[nodiscard]] std::optional<std::size_t> find_panel(std::string_view id);
 
