@@ -15,10 +15,10 @@
 
 namespace gs::app {
 
-/// A sound or movie that nodes play, as its file has it: it is decoded while it plays. Never changes; any thread.
+/// Encoded sound or movie file, decoded during playback. Immutable; usable on any thread.
 class MediaFile {
  public:
-  /// From the network; `held`: what of the budget the bytes take.
+  /// Holds a file from the network. `held` is the budget share of the bytes.
   MediaFile(std::vector<std::byte> bytes, vrml::Share held) : copy_(std::move(bytes)), held_(std::move(held)) {}
   explicit MediaFile(net::MappedFile file, vrml::Share held) : held_(std::move(held)), file_(std::move(file)) {}
   MediaFile(const MediaFile&) = delete;

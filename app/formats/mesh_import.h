@@ -12,9 +12,9 @@
 
 namespace gs::app {
 
-/// The scene that a mesh's file becomes, gzip'd or not; `type` is a ContentClass::mesh. `path` is what diagnostics call
-/// it; `read_file` gets the materials and buffers that belong to the format. Null when there is nothing to show; the
-/// diagnostics say why. Safe for untrusted bytes; what it takes is drawn from `budget`.
+/// Imports a mesh file, gzip-compressed or not; `type` is a ContentClass::mesh. `path` is its name in diagnostics.
+/// `read_file` provides material and buffer files. Returns null if there is nothing to show; the diagnostics say why.
+/// Safe for untrusted input; memory is charged to `budget`.
 [[nodiscard]] std::unique_ptr<vrml::SceneGraph> import_mesh(const ContentType& type, const std::string& path,
                                                             std::span<const std::byte> bytes,
                                                             vrml::Diagnostics& diagnostics, const ReadFile& read_file,

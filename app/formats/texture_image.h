@@ -11,18 +11,18 @@
 
 namespace gs::app {
 
-/// A decoded picture, with the part of the budget that it takes.
+/// Decoded texture image with its share of the budget.
 struct Texture {
   std::shared_ptr<const render::Image> image;
-  std::string note;  // that it was made smaller, and by which limit; empty where it was not
+  std::string note;  // message about a size reduction and the limit behind it; else empty
 };
 
-/// What decoding the picture of a texture may cost, as much as is left of the budget for pixels. No pixels to be kept:
-/// there is too little.
+/// Returns the limits for decoding a texture from the remaining pixel budget. 0 kept pixels mean that the budget is
+/// spent.
 [[nodiscard]] render::ImageLimits texture_limits(const WorldBudget& budget);
 
-/// Decodes the picture of a texture. Large ones are made smaller while they are decoded, the smaller the less is left
-/// of the budget for pixels. Safe for untrusted bytes.
+/// Decodes a texture image. Scales large images down while decoding, depending on the remaining pixel budget. Safe for
+/// untrusted bytes.
 [[nodiscard]] std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes,
                                                                        const WorldBudget& budget);
 

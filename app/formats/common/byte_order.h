@@ -11,7 +11,7 @@
 
 namespace gs::app {
 
-/// A number at `from`, stored with its lowest byte first.
+/// Loads a little-endian number.
 template <class T>
 requires std::is_arithmetic_v<T>
 [[nodiscard]] T load_little(const std::byte* from) {
@@ -21,7 +21,7 @@ requires std::is_arithmetic_v<T>
   return value;
 }
 
-/// Appends a number with its lowest byte first.
+/// Appends a number in little-endian order.
 template <class T>
 requires std::is_arithmetic_v<T>
 void put_little(std::vector<std::byte>& to, T value) {
@@ -30,7 +30,7 @@ void put_little(std::vector<std::byte>& to, T value) {
   to.insert(to.end(), raw, raw + sizeof(T));
 }
 
-/// IEEE 754 binary16.
+/// Converts an IEEE 754 binary16 number.
 [[nodiscard]] inline float float_of_half(std::uint16_t half) {
   const float sign = (half & 0x8000) ? -1.0f : 1.0f;
   const int exponent = half >> 10 & 31;

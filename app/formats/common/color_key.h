@@ -14,45 +14,44 @@ namespace gs::app {
 
 class SceneBuilder;
 
-/// What the colours of a surface stand for: the values of a file that were made colours of its vertices or faces. A
-/// scene says it in the `info` of a WorldInfo, so that it stays with it wherever it is written, and authors of worlds
-/// can say it, too:
+/// Mapping from surface colours back to the data values of the source file. A scene stores it in the `info` of a
+/// WorldInfo, so that it survives export. Authors of worlds can write it, too:
 ///
 ///     color key: LOW HIGH #RRGGBB #RRGGBB ... TITLE
 ///
-/// The colours, two to 64, stand evenly from the value LOW to the value HIGH; between two of them they are mixed in
-/// proportion. TITLE: what the values are, and their unit, "pressure (Pa)"; may be missing.
+/// The colours, two to 64, are spaced evenly from value LOW to value HIGH and interpolated linearly. TITLE is the name
+/// of the values with their unit, "pressure (Pa)"; it is optional.
 struct ColorKey {
   std::string title;
   double low = 0, high = 1;
   std::vector<vrml::Color> colors;  // at least two
 
-  /// Of a value; of one outside as at the end, of none grey.
+  /// Returns the colour of a value. Clamps values outside the range; returns grey for NaN.
   [[nodiscard]] vrml::Color color_of(double value) const;
-  /// The value whose colour is the nearest one.
+  /// Returns the value with the nearest colour.
   [[nodiscard]] double value_of(const vrml::Color& color) const;
 };
 
-/// Viridis (matplotlib), by five of its colours.
+/// Returns five sample colours of Viridis (matplotlib).
 [[nodiscard]] std::vector<vrml::Color> viridis_colors();
 
-/// From the least to the largest of the values that are numbers.
+/// Builds a key from the minimum to the maximum of the finite values.
 [[nodiscard]] ColorKey color_key_over(std::span<const float> values, std::vector<vrml::Color> colors,
                                       std::string title);
 
-/// As a WorldInfo's `info` has it.
+/// Formats a key for a WorldInfo's `info`.
 [[nodiscard]] std::string color_key_text(const ColorKey& key);
-/// A stream says the same in its metadata, by this key: the text without "color key:".
+/// Metadata key of QNV streams; the value is the text without "color key:".
 inline constexpr std::string_view kColorKeyMetadata = "color key";
 [[nodiscard]] std::pair<std::string, std::string> color_key_metadata(const ColorKey& key);
-/// The first one of metadata that is whole.
+/// Returns the first valid key in the metadata.
 [[nodiscard]] std::optional<ColorKey> color_key_of(std::span<const std::pair<std::string, std::string>> metadata);
 
-/// Says it in the scene that is made.
+/// Adds the key to the scene under construction.
 void add_color_key(SceneBuilder& builder, const ColorKey& key);
-/// Nothing: it is no such text, or not a whole one.
+/// Parses the text of a key. Returns nullopt if it is not valid.
 [[nodiscard]] std::optional<ColorKey> read_color_key(std::string_view text);
-/// The first one that a WorldInfo of the scene says.
+/// Returns the first key in a WorldInfo of the scene.
 [[nodiscard]] std::optional<ColorKey> color_key_of(const vrml::SceneGraph& scene);
 
 }  // namespace gs::app

@@ -6,17 +6,16 @@
 
 namespace gs::app {
 
-/// What was left out of a Geometry.
+/// Counts of elements removed from a Geometry.
 struct GeometryLoss {
-  std::size_t bad_index = 0;   // faces, lines or points whose indices reach beyond an array
-  std::size_t not_finite = 0;  // ... whose coordinates are infinite or NaN
+  std::size_t bad_index = 0;   // faces, lines or points with indices out of range
+  std::size_t not_finite = 0;  // faces, lines or points with infinite or NaN coordinates
 };
 
-/// Leaves out every face (line, point) that cannot be drawn, and what belongs to it in the other index
-/// and colour arrays; faces under 3 corners and lines under 2 go without being counted. Coordinates that
-/// are not finite, and no longer used, become 0 0 0, so that the scene can be printed; so do normals and
-/// texture coordinates. Colours are clamped to 0..1. Index arrays that do not fit to coord_index are emptied together
-/// with what they index.
+/// Removes faces, lines and points that cannot be drawn, with their entries in the other index and colour arrays. Faces
+/// under 3 corners and lines under 2 are removed without being counted. Unused non-finite coordinates become 0 0 0, so
+/// that the scene can be printed; so do normals and texture coordinates. Clamps colours to 0..1. Clears index arrays
+/// that do not match coord_index, with the arrays that they index.
 GeometryLoss drop_what_is_broken(Geometry& data);
 
 }  // namespace gs::app

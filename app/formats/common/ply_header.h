@@ -29,7 +29,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   [[nodiscard]] bool has_lists() const;
-  /// Bytes of the smallest possible row of the binary form.
+  /// Returns the minimum size of a row in binary form.
   [[nodiscard]] std::size_t least_row_bytes() const;
 };
 
@@ -38,10 +38,10 @@ enum class PlyFormat : std::uint8_t { ascii, little_endian, big_endian };
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
-  std::string texture_file;  // "comment TextureFile NAME", as MeshLab and others write it
+  std::string texture_file;  // "comment TextureFile NAME", as written by MeshLab and others
 };
 
-/// Reads up to and with the end of the `end_header` line. Nothing, and an error reported, where it is broken.
+/// Reads up to and including the `end_header` line. Reports an error and returns nullopt if the header is invalid.
 [[nodiscard]] std::optional<PlyHeader> read_ply_header(TextCursor& cursor, SceneBuilder& builder);
 
 }  // namespace gs::app

@@ -17,7 +17,7 @@
 
 namespace gs::app {
 
-/// `value` of the file as a whole number that fits an index; kBadIndex for what does not.
+/// Converts a value of the file to an index; returns kBadIndex if it does not fit.
 template <class T>
 [[nodiscard]] std::int32_t index_of(T value) {
   if constexpr (std::is_integral_v<T>)
@@ -35,7 +35,7 @@ template <class T, bool big>
   return std::bit_cast<T>(bytes);
 }
 
-/// Calls `f` with a value of the C++ type of a property.
+/// Calls `f` with a value of the property's C++ type.
 template <class F>
 decltype(auto) with_type(PlyType type, F&& f) {
   switch (type) {
@@ -59,7 +59,7 @@ decltype(auto) with_type(PlyType type, F&& f) {
   return f(float{});
 }
 
-/// The data of an ascii PLY: numbers parted by white space.
+/// Data of an ASCII PLY: numbers separated by white space.
 class PlyTextSource {
  public:
   static constexpr bool is_text = true;
@@ -92,7 +92,7 @@ class PlyTextSource {
     float ignored = 0;
     return cursor_.skip_space() && cursor_.number(ignored);
   }
-  /// True when what is left could hold this many values.
+  /// Reports whether the remaining text is long enough for this many values.
   [[nodiscard]] bool may_hold(PlyType, std::uint64_t count) const { return count <= most_values(); }
   [[nodiscard]] std::uint64_t most_rows(const PlyElement& element) const {
     return element.properties.empty() ? 0 : most_values() / element.properties.size();
@@ -107,7 +107,7 @@ class PlyTextSource {
   LineCounter lines_;
 };
 
-/// The data of a binary PLY.
+/// Data of a binary PLY.
 template <bool big>
 class PlyBinarySource {
  public:

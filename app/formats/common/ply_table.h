@@ -13,29 +13,29 @@
 
 namespace gs::app {
 
-/// A PLY file opened at one element of it. The bytes must outlive it.
+/// One element of a PLY file, opened for reading. The bytes must outlive it.
 struct PlyTable {
   PlyHeader header;
   PlyElement element;
-  std::size_t rows = 0;             // whole rows that are there, at most element.count
-  std::span<const std::byte> data;  // binary: the rows
-  std::vector<double> values;       // ascii: all values, row by row
-  vrml::Share share;                // that these take
+  std::size_t rows = 0;             // complete rows present, at most element.count
+  std::span<const std::byte> data;  // rows of a binary file
+  std::vector<double> values;       // all values of an ASCII file, row by row
+  vrml::Share share;                // memory of `values`
 
   [[nodiscard]] bool has(std::string_view property) const;
-  /// A property of every row as floats; empty where there is none or it is a list.
+  /// Returns one property of all rows as floats; empty if it is missing or a list.
   [[nodiscard]] std::vector<float> column(std::string_view property) const;
-  /// The same without rounding.
+  /// Returns one property of all rows as doubles; empty if it is missing or a list.
   [[nodiscard]] std::vector<double> wide_column(std::string_view property) const;
 };
 
-/// Opens element `name`, which may not have lists, nor any before it. A file that ends early has fewer rows.
-/// The string says what is wrong.
+/// Opens element `name`. Neither it nor an element before it may have lists. A truncated file has fewer rows. Returns a
+/// message on failure.
 [[nodiscard]] std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> bytes,
                                                                  std::string_view name,
                                                                  const WorldBudget& budget = own_budget());
 
-/// The header alone; nothing where it is broken.
+/// Reads only the header. Returns nullopt if it is invalid.
 [[nodiscard]] std::optional<PlyHeader> ply_header_of(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

@@ -17,20 +17,20 @@
 
 namespace gs::app {
 
-/// An importer needs more memory than its scene may take, or the time is over. `import_mesh` takes it.
+/// Exception for an importer that exceeds its memory budget or time limit. `import_mesh` catches it.
 class OutOfBudget : public std::exception {};
 
-/// Draws memory that the scene, or the work for it, takes; throws OutOfBudget.
+/// Charges memory of the scene or the import to the budget. Throws OutOfBudget.
 inline void draw(vrml::SceneGraph& scene, std::uint64_t bytes) {
   if (!scene.charge(static_cast<std::size_t>(bytes)) || scene.budget()->stopped()) throw OutOfBudget();
 }
 
-/// Fills a vrml::Array one value at a time, without its checks for every value. `take` ends it. Throws OutOfBudget.
+/// Fast builder of a vrml::Array without per-value checks; finish with `take`. Throws OutOfBudget.
 template <class T>
 requires std::is_trivially_copyable_v<T>
 class Appender {
  public:
-  /// For a field of `scene`, which outlives it.
+  /// Creates a builder for a field of `scene`, which must outlive it.
   explicit Appender(vrml::SceneGraph& scene) : scene_(&scene) {}
 
   void push(const T& value) {
@@ -39,18 +39,18 @@ class Appender {
   }
   [[nodiscard]] std::size_t size() const { return array_.size() + static_cast<std::size_t>(next_ - first_); }
   [[nodiscard]] bool empty() const { return size() == 0; }
-  /// The last `count` values given; count <= size() and no `push` between.
+  /// Returns the last `count` values; count <= size(). Valid until the next `push`.
   [[nodiscard]] T* last(std::size_t count) {
     flush();
     return array_.mutable_data() + (array_.size() - count);
   }
-  /// Forgets the last `count` values.
+  /// Removes the last `count` values.
   void drop(std::size_t count) {
     flush();
     array_.resize(array_.size() - count);
     first_ = next_ = end_ = nullptr;
   }
-  /// Appends copies of `value` until there are `size` of them.
+  /// Appends copies of `value` up to `size` values.
   void fill(std::size_t size, const T& value) {
     while (this->size() < size) push(value);
   }
@@ -68,7 +68,7 @@ class Appender {
   }
   void grow() {
     flush();
-    constexpr std::size_t kFirst = 256, kMost = std::size_t{1} << 18;  // between two looks at the budget
+    constexpr std::size_t kFirst = 256, kMost = std::size_t{1} << 18;  // values between two budget checks
     const std::size_t more = std::clamp(array_.size(), kFirst, kMost);
     draw(*scene_, more * sizeof(T));
     first_ = next_ = array_.prepare(more);
@@ -77,26 +77,25 @@ class Appender {
 
   vrml::SceneGraph* scene_;
   vrml::Array<T> array_;
-  T* first_ = nullptr;  // what array_ does not count yet begins here
+  T* first_ = nullptr;  // start of the values not yet counted by array_
   T* next_ = nullptr;
   T* end_ = nullptr;
 };
 
-/// An index that no array reaches; stands for one that the file has wrong until the face is dropped.
+/// Invalid index; marks a wrong index of the file until its face is removed.
 inline constexpr std::int32_t kBadIndex = std::numeric_limits<std::int32_t>::max();
-/// Ends a face or a line in an index array (VRML97 6.23).
+/// End marker of a face or line in an index array (VRML97 6.23).
 inline constexpr std::int32_t kFaceEnd = -1;
 
-/// What an importer has of one IndexedFaceSet, IndexedLineSet or PointSet, in the arrays of those nodes
-/// (VRML97 6.23, 6.24, 6.36). normal_index and texture_index may be
-/// empty: then coord_index stands in.
+/// Content of one IndexedFaceSet, IndexedLineSet or PointSet from an importer, in those nodes' arrays (VRML97 6.23,
+/// 6.24, 6.36). If normal_index or texture_index is empty, coord_index applies.
 struct Geometry {
   enum class Kind : std::uint8_t { faces, lines, points };
 
   Kind kind = Kind::faces;
   vrml::MFVec3f positions;
   vrml::MFVec3f normals;
-  vrml::MFColor colors;  // one a position, or one a face where color_per_vertex is false
+  vrml::MFColor colors;  // per position, or per face if color_per_vertex is false
   vrml::MFVec2f texture_coordinates;
   vrml::MFInt32 coord_index, normal_index, texture_index;
   bool color_per_vertex = true;
@@ -105,41 +104,41 @@ struct Geometry {
   float crease_angle = 0;
 };
 
-/// A Material in display space (VRML97 6.27), with a texture where `texture_url` is not empty.
+/// Material in display colour space (VRML97 6.27), with a texture unless `texture_url` is empty.
 struct Look {
   vrml::Color diffuse{0.8f, 0.8f, 0.8f}, specular{}, emissive{};
   float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
-  bool lit = true;  // false: no Material at all (VRML97 Table 4.5)
+  bool lit = true;  // false means no Material (VRML97 Table 4.5)
   vrml::String texture_url;
   bool repeat_s = true, repeat_t = true;
 };
 
-/// The same for lines and points, which show their emission and nothing else (VRML97 4.14.2).
+/// Converts a look for lines and points, which show only emission (VRML97 4.14.2).
 [[nodiscard]] Look glowing(Look look);
 
-/// Makes the nodes that the importers need, and reports. Every function takes null NodeIds, which
-/// creating gives when the scene's limit of nodes is reached, and does nothing with them.
+/// Factory of nodes for importers, with diagnostics. Nodes are null once the scene's node limit is reached. All
+/// functions accept null NodeIds and ignore them.
 class SceneBuilder {
  public:
   SceneBuilder(vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) : scene_(scene), diagnostics_(diagnostics) {}
 
   [[nodiscard]] vrml::SceneGraph& scene() { return scene_; }
 
-  /// Null, with one diagnostic for all, when no more nodes are allowed.
+  /// Creates a node. Returns null, with one diagnostic in total, if the node limit is reached.
   vrml::NodeId make(vrml::NodeKind kind);
   template <class T>
   void set(vrml::NodeId node, std::string_view field, T value) {
     if (node) scene_.set<T>(node, field, std::move(value));
   }
-  /// Gives a DEF name made of `text`: letters the standard forbids become '_', and it is made unique.
+  /// Gives the node a DEF name derived from `text`: replaces forbidden characters by '_' and makes it unique.
   void name(vrml::NodeId node, std::string_view text);
   void add_root(vrml::NodeId node) {
     if (node) scene_.add_root(node);
   }
 
   [[nodiscard]] vrml::NodeId appearance(const Look& look);
-  /// Drops faces, lines and points that use missing or non-finite coordinates, with a warning each kind;
-  /// null when nothing is left.
+  /// Creates a geometry node. Drops faces, lines and points with missing or non-finite coordinates, with one warning
+  /// per kind. Returns null if nothing is left.
   [[nodiscard]] vrml::NodeId geometry(Geometry data);
   [[nodiscard]] vrml::NodeId shape(vrml::NodeId geometry, vrml::NodeId appearance);
 
@@ -159,7 +158,7 @@ class SceneBuilder {
   bool full_ = false;
 };
 
-/// The colour that a display shows for linear light (IEC 61966-2-1), both 0..1.
+/// Converts linear light to display sRGB (IEC 61966-2-1), both 0..1.
 [[nodiscard]] float display_of_linear(float linear);
 
 }  // namespace gs::app

@@ -12,12 +12,12 @@
 
 namespace gs::app {
 
-/// Lines and columns of places in a text, for places that come in rising order: each byte is looked at once.
+/// Line and column counter for ascending positions in a text; visits each byte once.
 class LineCounter {
  public:
   explicit LineCounter(const char* begin) : next_(begin), line_start_(begin) {}
 
-  /// `place` must not lie before one asked for earlier; then it gets that one's line.
+  /// Returns the location of `place`. Positions must ascend; an earlier one gets the line of the previous call.
   [[nodiscard]] vrml::SourceLocation location(const char* place) {
     while (next_ < place) {
       const void* found = std::memchr(next_, '\n', static_cast<std::size_t>(place - next_));
@@ -39,7 +39,7 @@ class LineCounter {
   std::uint32_t line_ = 1;
 };
 
-/// A place in a text that is read forwards. Never reads at or after `end`.
+/// Forward read position in a text. Never reads at or after `end`.
 struct TextCursor {
   const char* next;
   const char* end;
@@ -51,19 +51,19 @@ struct TextCursor {
   [[nodiscard]] static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
   [[nodiscard]] bool at_end() const { return next == end; }
 
-  /// To the next byte that is no white space; false when there is none.
+  /// Skips white space. Returns false at the end of the text.
   bool skip_space() {
     while (next < end && is_space(*next)) ++next;
     return next < end;
   }
-  /// The bytes up to white space; empty at the end.
+  /// Returns the next word; empty at the end of the text.
   [[nodiscard]] std::string_view word() {
     skip_space();
     const char* first = next;
     while (next < end && !is_space(*next)) ++next;
     return {first, static_cast<std::size_t>(next - first)};
   }
-  /// The rest of the line without its end, which is passed.
+  /// Returns the rest of the line without its line end, and skips both.
   [[nodiscard]] std::string_view line() {
     const char* first = next;
     const void* found = next < end ? std::memchr(next, '\n', static_cast<std::size_t>(end - next)) : nullptr;
@@ -72,8 +72,8 @@ struct TextCursor {
     if (stop > first && stop[-1] == '\r') --stop;
     return {first, static_cast<std::size_t>(stop - first)};
   }
-  /// A number here, correctly rounded; "inf" and "nan" count, too large ones become infinite. False, and
-  /// nothing read, where there is none.
+  /// Reads a number, correctly rounded. Accepts "inf" and "nan"; overflow becomes infinite. Returns false and reads
+  /// nothing if there is no number.
   template <class Number>
   bool number(Number& value) {
     const char* first = next < end && *next == '+' ? next + 1 : next;
@@ -86,7 +86,7 @@ struct TextCursor {
   }
 };
 
-/// Without white space at both ends.
+/// Trims white space at both ends.
 [[nodiscard]] inline std::string_view trimmed(std::string_view text) {
   while (!text.empty() && TextCursor::is_space(text.front())) text.remove_prefix(1);
   while (!text.empty() && TextCursor::is_space(text.back())) text.remove_suffix(1);

@@ -9,45 +9,45 @@
 #include <variant>
 #include <vector>
 
-/// Clouds of oriented vectors as files of other programs. All functions: a cloud in, the bytes of the file or a
-/// message out; any thread. Values that no file can hold (not finite) are left out by formats of splats. A
-/// surface's vectors are discs of their area; those of a volume are balls as wide as a voxel, coloured by the
-/// transfer function, or, where there is none, grey by class and as opaque as their magnitude is large.
+/// Export of oriented vectors to other programs' formats. Each function takes a qnv::Cloud and returns the bytes of the
+/// file, or a message. Runs on any thread. Splat formats omit vectors with non-finite values. A surface vector becomes
+/// a flat splat of its area. A volume vector becomes a ball as wide as a voxel, coloured by the transfer function.
+/// Without a transfer function it is grey by class, with opacity proportional to magnitude.
 namespace gs::app {
 
 struct ExportOptions {
-  std::string title;       // what formats with a place for it call the object; UTF-8
-  std::string stream_url;  // VRML97: the .qnv stream that the QNV instance names, for browsers that know the node
+  std::string title;       // object title, for formats that store one; UTF-8
+  std::string stream_url;  // VRML97: url of the QNV instance, for browsers that support the node
 };
 
 using Exported = std::variant<std::vector<std::byte>, std::string>;
 
-/// PLY points, binary little-endian: x y z nx ny nz, red green blue (bytes), area; with the triangles between them,
-/// where there are some, a mesh. Axes and units as they are; the normals of a volume point away from higher values.
-/// Positions, normals and areas come back bit for bit.
+/// Exports binary little-endian PLY: x y z nx ny nz, red green blue (bytes), area; a mesh if there are triangles. Axes
+/// and units are unchanged. Normals of a volume point away from higher values. Positions, normals and areas round-trip
+/// bit for bit.
 [[nodiscard]] Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions& options = {});
 
-/// Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. Axes: right, down, forward.
+/// Exports Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. Axes: right, down, forward.
 [[nodiscard]] Exported export_splats_ply(const qnv::Cloud& cloud, const ExportOptions& options = {});
 
-/// glTF 2.0 binary with KHR_gaussian_splatting (release candidate of April 2026), one POINTS primitive; COLOR_0
-/// for viewers that do not know the extension. Refuses clouds of more than 4 GiB.
+/// Exports binary glTF 2.0 with KHR_gaussian_splatting (release candidate of April 2026): one POINTS primitive, with
+/// COLOR_0 for viewers without the extension. Refuses files over 4 GiB.
 [[nodiscard]] Exported export_glb_splats(const qnv::Cloud& cloud, const ExportOptions& options = {});
-/// The same of clouds without triangles; else the mesh that they make (export_glb_mesh.h).
+/// Exports binary glTF: a mesh (export_glb_mesh.h) if `cloud` has triangles, else splats.
 [[nodiscard]] Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options = {});
 
-/// Niantic's SPZ, version 4 (zstd) or 3 (gzip), degree 0. Axes: right, up, back. Positions to 24 bits of the
-/// largest coordinate, sizes to 6 %. Refuses clouds with no vector to show, which the format cannot say.
+/// Export Niantic's SPZ, version 4 (zstd) or 3 (gzip), degree 0. Axes: right, up, back. Positions have 24 bits of the
+/// largest coordinate, sizes 6 % accuracy. Both refuse input without visible vectors, which SPZ cannot represent.
 [[nodiscard]] Exported export_spz(const qnv::Cloud& cloud, const ExportOptions& options = {});
 [[nodiscard]] Exported export_spz3(const qnv::Cloud& cloud, const ExportOptions& options = {});
 
-/// A VRML97 world that any browser shows: PROTO QNV, with the interface of our node, whose body is a PointSet,
-/// or an IndexedFaceSet of a square for each vector; and a Shape with it, seen as a whole from the front. Points cannot
-/// be lit: those of a cloud of one colour carry the shading of a light from above the viewer.
+/// Export a VRML97 world for any browser: a PROTO QNV with the interface of the built-in node, and a Shape that uses
+/// it, framed from the front. The PROTO's body is a PointSet, or an IndexedFaceSet with a square for each vector.
+/// Points cannot be lit, so single-coloured points get shading by a light above the viewer.
 [[nodiscard]] Exported export_vrml97_points(const qnv::Cloud& cloud, const ExportOptions& options = {});
 [[nodiscard]] Exported export_vrml97_patches(const qnv::Cloud& cloud, const ExportOptions& options = {});
 
-/// One way to write a cloud.
+/// Export format.
 struct ExportFormat {
   std::string_view name;       // "spz"
   std::string_view extension;  // ".spz"; may have two parts, ".3dgs.ply"
@@ -55,9 +55,9 @@ struct ExportFormat {
   Exported (*write)(const qnv::Cloud& cloud, const ExportOptions& options);
 };
 
-/// The table of all; the first of several with one extension is what the extension alone means.
+/// Returns all formats. If several share an extension, the first one is the default.
 [[nodiscard]] std::span<const ExportFormat> export_formats();
-/// The format with the longest extension that ends `path`, in any case of letters; null where there is none.
+/// Returns the format with the longest matching extension of `path`, ignoring case; null if none matches.
 [[nodiscard]] const ExportFormat* export_format_of(std::string_view path);
 [[nodiscard]] const ExportFormat* export_format_named(std::string_view name);
 

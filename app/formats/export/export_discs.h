@@ -10,24 +10,24 @@
 
 namespace gs::app {
 
-/// A vector of a cloud as other formats want it.
+/// Vector in the form that export formats need.
 struct ExportDisc {
   glm::vec3 position{0};
-  glm::vec3 normal{0, 0, 1};  // unit, outwards
+  glm::vec3 normal{0, 0, 1};  // unit length, outwards
   float area = 0;             // > 0
   qnv::Rgb8 color;
   float opacity = 1;  // 0..1
 };
 
-/// The vectors of a cloud, one after the other.
+/// Sequence of the vectors of a qnv::Cloud for export.
 class ExportDiscs {
  public:
-  /// `cloud` must outlive this.
+  /// `cloud` must outlive this object.
   explicit ExportDiscs(const qnv::Cloud& cloud);
 
   [[nodiscard]] std::size_t size() const { return cloud_.size(); }
   [[nodiscard]] ExportDisc operator[](std::size_t i) const;
-  /// True for volumes: as thick as wide.
+  /// Reports whether vectors become balls instead of flat splats; true for volumes.
   [[nodiscard]] bool balls() const { return cloud_.description.kind == qnv::Kind::volume; }
 
  private:
@@ -37,22 +37,22 @@ class ExportDiscs {
   float ball_area_ = 1, most_weight_ = 1;
 };
 
-/// Those that can be seen: finite, with an area, and not fainter than kLeastOpacity.
+/// Returns the visible vectors: finite, with an area, and opacity of at least kLeastOpacity.
 [[nodiscard]] std::vector<ExportDisc> visible_discs(const ExportDiscs& discs);
 
-/// A splat: Gaussian with the standard deviations `scale` along the axes of `rotation`.
+/// Gaussian splat with standard deviations `scale` along the axes of `rotation`.
 struct ExportSplat {
   glm::vec3 position{0}, normal{0}, scale{0}, dc{0};
-  glm::vec4 rotation{0, 0, 0, 1};  // unit quaternion x, y, z, w, w >= 0; turns +Z into the normal
+  glm::vec4 rotation{0, 0, 0, 1};  // unit quaternion x, y, z, w with w >= 0; rotates +Z to the normal
   float opacity = 1;
 };
 
-/// The vectors that can be seen and have finite numbers, as splats (splats.h says how discs and splats relate),
-/// with their axes multiplied by `axes`, which must be a rotation. Discs are kDiscThickness as thick as wide.
+/// Converts the visible, finite vectors to splats; see splats.h for the relation of area and Gaussian. Multiplies the
+/// axes by `axes`, which must be a rotation. The thickness of a surface splat is kDiscThickness times its width.
 [[nodiscard]] std::vector<ExportSplat> splats_of(const qnv::Cloud& cloud, const glm::vec3& axes);
 
 inline constexpr float kDiscThickness = 0.01f;
-/// Of the splats of surfaces: programs that store the logarithm of the odds cannot say 1.
+/// Opacity of surface splats: formats that store log odds cannot represent 1.
 inline constexpr float kSurfaceOpacity = 0.99f;
 
 }  // namespace gs::app

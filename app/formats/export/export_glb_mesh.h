@@ -8,11 +8,11 @@
 
 namespace gs::app {
 
-/// glTF 2.0 binary of a cloud with triangles: a mesh with normals and colours, or its picture, which is in the file as
-/// it came. Refuses more than 4 GiB.
+/// Exports geometry with triangles as binary glTF 2.0: a mesh with normals and colours, or with its texture image as
+/// received. Refuses files over 4 GiB.
 [[nodiscard]] Exported export_glb_mesh(const qnv::Cloud& cloud, const ExportOptions& options = {});
 
-/// A GLB file of its two parts: JSON, and binary data whose length is a multiple of four (glTF 2.0, 4).
+/// Assembles a GLB file from JSON and binary data; the binary length must be a multiple of four (glTF 2.0, 4).
 [[nodiscard]] Exported glb_file(std::string text, std::span<const std::byte> binary);
 
 }  // namespace gs::app

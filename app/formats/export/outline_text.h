@@ -11,15 +11,14 @@
 
 namespace gs::app {
 
-/// A VRML97 world of outline groups (docs/formats.md): outlines first, largest first, then the polygons that take their
-/// place. Browsers that do not know OutlineGroup show the polygons, by the PROTO of that name that stands in it.
-/// Numbers are written so that they read back bit for bit. `viewpoint`: the text of nodes that stand before them; may be
-/// empty.
+/// Writes a VRML97 world of outline groups (docs/formats.md): outlines first, largest first, then the polygons that
+/// replace them. Browsers without OutlineGroup show the polygons through a PROTO of that name in the file. Numbers
+/// round-trip bit for bit. `viewpoint` is the text of nodes to put first; may be empty.
 [[nodiscard]] std::vector<std::byte> outline_world(const qnv::OutlineGroups& groups,
                                                    std::span<const qnv::OutlineAppearance> appearances,
                                                    const std::string& title, const std::string& viewpoint = {});
 
-/// A scene of OutlineGroup nodes, as a stream of outlines gives it, as such a world.
+/// Writes a scene of OutlineGroup nodes, from an outlines stream, as such a world.
 [[nodiscard]] std::vector<std::byte> outline_world(const vrml::SceneGraph& scene, const std::string& title);
 
 }  // namespace gs::app

@@ -9,14 +9,16 @@
 
 namespace gs::app {
 
-/// Adds the scene of a glTF 2.0 asset, .gltf or .glb, to `scene`: nodes become Transforms, primitives Shapes
-/// with IndexedFaceSet, IndexedLineSet or PointSet, perspective cameras Viewpoints. Materials are the nearest
-/// ones that VRML97 has: base colour (linear light becomes display colour), metal and roughness as a highlight,
-/// emission, opacity, the base colour texture as an ImageTexture whose url is that of the image or, for
-/// embedded ones, a data: URL. Skinned meshes stand in the pose that the nodes have; animations, morph
-/// targets, lights and other textures are left out. Draco-compressed primitives give an error each.
-/// External buffers come through `read_file` and from nowhere else. Safe for untrusted input: what tinygltf
-/// does not check is checked here, and memory is bounded by a multiple of the file.
+/// Imports a glTF 2.0 asset, .gltf or .glb, into `scene`. Nodes become Transforms; primitives become Shapes with
+/// IndexedFaceSet, IndexedLineSet or PointSet; perspective cameras become Viewpoints.
+///
+/// Materials are approximated in VRML97: base colour (converted from linear light), metal and roughness as a highlight,
+/// emission, and opacity. The base colour texture becomes an ImageTexture; embedded images get a data: URL. Skinned
+/// meshes have the pose of the nodes. Animations, morph targets, lights and other textures are ignored. Each
+/// Draco-compressed primitive gives an error.
+///
+/// External buffers come only from `read_file`. Safe for untrusted input: it checks what tinygltf does not, and memory
+/// is bounded by a multiple of the file size.
 void import_gltf(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
                  const ReadFile& read_file = {});
 

@@ -13,28 +13,28 @@
 
 namespace gs::app {
 
-/// Reads the accessors of a glTF asset (glTF 2.0 3.6), checking every range against the buffers. All component
-/// types, normalised or not, strides, sparse ones, and those without data. What all reads together give is
-/// bounded by a multiple of the asset's bytes, so that thousands of accessors on one buffer cost no more.
+/// Reader of glTF accessors (glTF 2.0 3.6); checks every range against the buffers. Supports all component types,
+/// normalised or not, strides, sparse accessors, and accessors without data. Total output is bounded by a multiple of
+/// the asset's size: thousands of accessors on one buffer cannot exhaust memory.
 class GltfAccessors {
  public:
-  /// `model` and `scene`, whose budget is drawn from, must outlive this.
+  /// `model` and `scene` must outlive this object. Memory is charged to the scene's budget.
   GltfAccessors(const tinygltf::Model& model, vrml::SceneGraph& scene);
 
-  /// The components of all elements, `components` a piece, normalised integers as -1..1 or 0..1. Nothing, and
-  /// `problem()`, where the accessor does not exist, has other components, or reaches beyond its buffer.
-  /// `always_normalized` is for colours, whose integers mean nothing else.
+  /// Returns the components of all elements, `components` per element; normalised integers become -1..1 or 0..1.
+  /// Returns nullopt, and sets `problem()`, if the accessor is missing, has another component count, or exceeds its
+  /// buffer. `always_normalized` is for colours, where integers are always normalised.
   [[nodiscard]] std::optional<std::vector<float>> floats(int accessor, int components, bool always_normalized = false);
-  /// Unsigned integers, one or four an element.
+  /// Returns unsigned integers, one or four per element.
   [[nodiscard]] std::optional<std::vector<std::uint32_t>> integers(int accessor, int components);
-  /// Number of components of an element, 0 where the accessor does not exist.
+  /// Returns the components per element; 0 if the accessor does not exist.
   [[nodiscard]] int components(int accessor) const;
-  /// The bytes of a buffer view; empty where it is broken.
+  /// Returns the bytes of a buffer view; empty if it is invalid.
   [[nodiscard]] std::span<const unsigned char> view(int buffer_view) const;
 
-  /// False, and `problem()`, when giving out this many more bytes would be too much.
+  /// Charges output bytes. Returns false, and sets `problem()`, if the limit is exceeded.
   [[nodiscard]] bool charge(std::size_t bytes);
-  /// What was wrong with the last read that gave nothing.
+  /// Error of the last read that failed.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:

@@ -13,9 +13,9 @@ namespace gs::app {
 
 inline constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
 
-/// Reads the asset with tinygltf, after looking for what tinygltf would not survive: depth, sheer number,
-/// chunks beyond the end. Images stay encoded: those of data: URLs in Image::image, others where they are.
-/// Nothing, and an error reported, where it cannot be read.
+/// Parses the asset with tinygltf, after checks for input that tinygltf does not handle: nesting depth, counts, and
+/// chunks beyond the end. Images stay encoded: those of data: URLs in Image::image, others in their files. Reports an
+/// error and returns nullopt on failure.
 [[nodiscard]] std::optional<tinygltf::Model> load_gltf(std::span<const std::byte> bytes, const ReadFile& read_file,
                                                        SceneBuilder& builder);
 

@@ -13,17 +13,17 @@
 
 namespace gs::app {
 
-/// A value of the file as a finite float.
+/// Converts a value of the file to a finite float.
 [[nodiscard]] float finite_float(double value);
 
-/// KHR_texture_transform, in the texture space of glTF (origin above).
+/// KHR_texture_transform in glTF texture space (origin at the top).
 struct GltfTextureTransform {
   glm::vec2 offset{0.0f}, scale{1.0f};
   float rotation = 0;
   [[nodiscard]] glm::vec2 apply(glm::vec2 uv) const;
 };
 
-/// What a primitive needs to know of its material.
+/// Material properties that a primitive needs.
 struct GltfSurface {
   int texture_set = 0;  // TEXCOORD_n
   std::optional<GltfTextureTransform> transform;
@@ -32,15 +32,15 @@ struct GltfSurface {
   glm::vec3 factor{1.0f};  // linear; multiplies vertex colours
 };
 
-/// The materials of an asset as VRML97 has them (6.27), made once each and shared by their Shapes.
+/// Materials of an asset converted to VRML97 (6.27), each created once and shared by its Shapes.
 class GltfMaterials {
  public:
   GltfMaterials(const tinygltf::Model& model, GltfAccessors& accessors, SceneBuilder& builder)
       : model_(model), accessors_(accessors), builder_(builder) {}
 
-  /// `material` may be -1 or any other number: then it is the default one of glTF 2.0 3.9.
+  /// Returns the surface of a material. Invalid indices, such as -1, mean the default material (glTF 2.0 3.9).
   [[nodiscard]] GltfSurface surface(int material) const;
-  /// An Appearance node. Lines and points show their emission (VRML97 4.14.2): `glows` puts the colour there.
+  /// Returns an Appearance node. `glows` puts the colour into emission, for lines and points (VRML97 4.14.2).
   [[nodiscard]] vrml::NodeId appearance(int material, bool glows);
 
  private:

@@ -7,20 +7,19 @@
 
 namespace gs::app {
 
-inline constexpr std::uint8_t kGridPolyhedron = 42;  // of vtkCellType.h
+inline constexpr std::uint8_t kGridPolyhedron = 42;  // value in vtkCellType.h
 
-/// The cells of what VTK calls UnstructuredGrid, as its legacy files have them: kBadIndex for corners that are none; a
-/// polyhedron has in place of its corners how many faces it has, then of each how many corners, and these. No number is
-/// negative.
+/// Cells of a VTK UnstructuredGrid, in the layout of legacy files. Invalid corners are kBadIndex. A polyhedron stores
+/// its number of faces, then for each face the number of corners and the corners. No number is negative.
 struct GridCells {
-  std::vector<std::uint8_t> types;  // numbers of vtkCellType.h, one a cell
+  std::vector<std::uint8_t> types;  // vtkCellType.h values, one per cell
   PolyCells cells;
 };
 
-/// Adds to `data`, whose points the cells use, what is seen of them from outside: vertices, lines, polygons, strips,
-/// and those faces of solid cells that belong to one of them only. Data of cells, one a cell of the grid, become data
-/// of what is added. Of cells with nodes on their edges the corners are used; cells of other types are left out with a
-/// warning. Throws OutOfBudget.
+/// Adds the visible parts of the cells to `data`, which holds their points: vertices, lines, polygons, strips, and
+/// outer faces of solid cells. A face is outer if only one cell has it. Cell data, one per grid cell, become data of
+/// the added parts. Of higher-order cells, only the corners are used. Skips other cell types with a warning. Throws
+/// OutOfBudget.
 void add_grid(const GridCells& grid, PolyData& data, SceneBuilder& builder);
 
 }  // namespace gs::app

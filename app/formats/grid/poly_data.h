@@ -10,20 +10,20 @@
 
 namespace gs::app {
 
-/// Cells of one kind: the corners of one after the other, and where each ends among them.
+/// Cells of one kind: concatenated corners, and the end of each cell in them.
 struct PolyCells {
   std::vector<std::int32_t> corners;
   std::vector<std::size_t> ends;
 };
 
-/// What VTK calls PolyData, as its files have it.
+/// VTK PolyData, as in its files.
 struct PolyData {
-  enum Kind : std::uint8_t { vertices, lines, polygons, strips };  // the order in which VTK counts cells
+  enum Kind : std::uint8_t { vertices, lines, polygons, strips };  // in VTK's cell order
   static constexpr std::size_t kKinds = 4;
 
-  std::vector<glm::vec3> points, normals;  // normals: empty, or one a point
+  std::vector<glm::vec3> points, normals;  // normals are empty, or one per point
   std::array<PolyCells, kKinds> cells;
-  /// Numbers of points or cells, of all or of none, and what they are called; or colours, which go before numbers.
+  /// Scalars of all points or cells with their name, or colours, which take precedence. Empty if there are none.
   struct Data {
     std::vector<float> values;
     std::vector<vrml::Color> colors;
@@ -34,9 +34,9 @@ struct PolyData {
   Data of_points, of_cells;
 };
 
-/// Adds it to the scene: polygons and strips as an IndexedFaceSet, lines as an IndexedLineSet, vertices (or all points,
-/// where there are no cells) as a PointSet. Numbers colour them by viridis, those of points before those of cells, and
-/// a WorldInfo says what they stand for (color_key.h). Throws OutOfBudget.
+/// Adds the data to the scene. Polygons and strips become an IndexedFaceSet, lines an IndexedLineSet, vertices (or all
+/// points, if there are no cells) a PointSet. Scalars are coloured with Viridis; point scalars take precedence over
+/// cell scalars. A WorldInfo describes their range (color_key.h). Throws OutOfBudget.
 void build_poly_data(PolyData data, SceneBuilder& builder);
 
 }  // namespace gs::app

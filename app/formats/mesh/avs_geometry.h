@@ -8,15 +8,16 @@
 
 namespace gs::app {
 
-/// Adds the geometry of an AVS text geometry file (MicroAVS MGF, `# Micro AVS Geom:`) to `scene`, a Shape for each
-/// primitive, under its name: disjoint polygon, polyhedron, polytri and mesh become IndexedFaceSets, disjoint line
-/// and polyline IndexedLineSets; spheres, circles, columns, revolutions and labels are left out with a warning. Normals
-/// and colours of vertices come along. Of a file with steps the first one is read. The format is that of the MicroAVS
-/// manual (Cybernet). AVS5's binary .geom files, whose layout is that of a closed library, give an error.
-/// Safe for untrusted input; a file that ends early gives what was there and an error.
+/// Imports an AVS text geometry file (MicroAVS MGF, `# Micro AVS Geom:`) into `scene`, one named Shape per primitive.
+/// Disjoint polygons, polyhedra, polytris and meshes become IndexedFaceSets; disjoint lines and polylines become
+/// IndexedLineSets. Spheres, circles, columns, revolutions and labels are skipped with a warning. Vertex normals and
+/// colours are kept. Of several steps, only the first is read.
+///
+/// The format follows the MicroAVS manual (Cybernet). Binary AVS5 .geom files, an undocumented layout, give an error.
+/// Safe for untrusted input. A truncated file gives an error and its complete part.
 void import_avs_geometry(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
 
-/// True for `# Micro AVS Geom:` at the start.
+/// Reports whether the file starts with `# Micro AVS Geom:`.
 [[nodiscard]] bool is_avs_geometry(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

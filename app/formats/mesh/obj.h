@@ -11,15 +11,14 @@
 
 namespace gs::app {
 
-/// Adds the faces, lines and points of a Wavefront OBJ file to `scene`: one Shape for each group (o, g) and
-/// material (usemtl). Materials come from the libraries (mtllib) that `read_file` gives: Kd, Ks, Ke, Ns, d, Tr,
-/// map_Kd; without it each library is named in a note. Colours behind the coordinates of `v` become Color
-/// nodes. Curves, surfaces and smoothing between groups are skipped. Safe for untrusted input; a broken line
-/// gives an error with its place, and its face is left out.
+/// Imports a Wavefront OBJ file into `scene`: faces, lines and points, one Shape per group (o, g) and material
+/// (usemtl). `read_file` provides the material libraries (mtllib): Kd, Ks, Ke, Ns, d, Tr, map_Kd. Without it, a note
+/// names each library. Colours after the coordinates of `v` become Color nodes. Curves, surfaces and smoothing groups
+/// are ignored. Safe for untrusted input. An invalid line gives an error with its location, and its face is skipped.
 void import_obj(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
                 const ReadFile& read_file = {});
 
-/// The names of the material libraries of an OBJ file, each once, in the order of the file.
+/// Returns the names of an OBJ file's material libraries, without duplicates, in file order.
 [[nodiscard]] std::vector<std::string> obj_material_libraries(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

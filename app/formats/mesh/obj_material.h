@@ -12,8 +12,8 @@ namespace gs::app {
 
 using ObjMaterials = std::unordered_map<std::string, Look>;
 
-/// Adds the materials of one MTL file; a name that is there already keeps its first meaning. `library` is
-/// the name under which the OBJ file knows it: the names of textures are relative to it.
+/// Adds the materials of an MTL file; existing names keep their first definition. `library` is its name in the OBJ
+/// file; texture names are relative to it.
 void read_obj_materials(std::span<const std::byte> bytes, const std::string& library, ObjMaterials& materials,
                         SceneBuilder& builder);
 

@@ -7,10 +7,10 @@
 
 namespace gs::app {
 
-/// The area of the surface that each point stands for, from the distances to its twelve nearest neighbours: a disc
-/// through the j-th of them holds j + 1/2 points. Within 8 % on even and on random samplings; points at a border
-/// get too much. With fewer points all of them count; a point that is alone stands for 1. 0 where many points
-/// coincide. O(n log n); coordinates must be finite and below 1e18.
+/// Estimates the surface area of each point from its twelve nearest neighbours: a circle through the j-th neighbour
+/// contains j + 1/2 points. Accurate to 8 % for even and random sampling; too large at borders. With fewer points, all
+/// of them count; a single point has area 1. Returns 0 where many points coincide. O(n log n). Coordinates must be
+/// finite and below 1e18.
 [[nodiscard]] std::vector<float> point_areas(std::span<const glm::vec3> points);
 
 }  // namespace gs::app

@@ -12,21 +12,21 @@
 
 namespace gs::app {
 
-/// The facets of a binary STL: 80 bytes of any text, their number, and 50 bytes for each. The bytes must outlive it.
+/// View of a binary STL: an 80-byte header, the facet count, and 50 bytes per facet. The bytes must outlive it.
 class BinaryStl {
  public:
   static constexpr std::size_t kHeaderBytes = 80, kDataStart = 84, kFacetBytes = 50;
 
-  /// Nothing for a text, and for what is too short for a header.
+  /// Returns nullopt for a text STL and for a file without a complete header.
   [[nodiscard]] static std::optional<BinaryStl> open(std::span<const std::byte> bytes);
 
-  [[nodiscard]] std::size_t size() const { return count_; }  // facets that are there, of those announced
+  [[nodiscard]] std::size_t size() const { return count_; }  // complete facets that are present
   [[nodiscard]] std::uint32_t announced() const { return announced_; }
   [[nodiscard]] std::array<glm::vec3, 3> corners(std::size_t facet) const;
-  /// The colour of all, where Materialise Magics has left one in the header.
+  /// Returns the object colour that Materialise Magics stores in the header, if any.
   [[nodiscard]] const std::optional<vrml::Color>& object_color() const { return object_color_; }
-  /// Whether the last two bytes of facets are colours: without either sign they are anything, and most programs leave
-  /// rubbish or nothing there. `looked_at`: how many facets are asked for theirs.
+  /// Reports whether the attribute bytes of facets are colours. Without one of the two markers they are arbitrary.
+  /// `looked_at` is the number of facets to check.
   [[nodiscard]] bool has_colors(std::size_t looked_at) const;
   [[nodiscard]] vrml::Color color(std::size_t facet) const;
 
@@ -39,7 +39,7 @@ class BinaryStl {
   std::optional<vrml::Color> object_color_;
 };
 
-/// Whether an STL is one of text, rather than a binary file whose header begins like one.
+/// Reports whether an STL is a text file, rather than a binary file with a similar header.
 [[nodiscard]] bool is_text_stl(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

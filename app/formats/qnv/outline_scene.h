@@ -11,25 +11,25 @@
 
 namespace gs::app {
 
-/// Makes OutlineGroup nodes of the polygons of a stream, as they come: a Shape for every appearance, or all polygons in
-/// one node. Belongs to the thread that owns the scene.
+/// Builder of OutlineGroup nodes from the polygons of a stream, as they are received: one Shape per appearance, or one
+/// node for all. Belongs to the thread that owns the scene.
 class OutlineScene {
  public:
-  /// `node`: an OutlineGroup that takes everything; null: Shapes of the scene's own.
+  /// `node` is an OutlineGroup for all polygons; if null, adds Shapes to the scene.
   OutlineScene(vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics, vrml::NodeId node = {})
       : scene_(scene), diagnostics_(diagnostics), node_(node) {}
 
   /// Adds polygons of the stream with this header.
   void add(const qnv::OutlineHeader& header, const std::vector<qnv::OutlineBatch>& batches);
-  /// No more come.
+  /// Marks the end of the stream.
   void complete();
-  /// The nodes that have polygons.
+  /// Returns the nodes that have polygons.
   [[nodiscard]] std::vector<vrml::NodeId> nodes() const;
-  /// Whether polygons were left out because the scene's budget is spent.
+  /// Reports whether polygons were dropped because the scene's budget is spent.
   [[nodiscard]] bool full() const { return full_; }
 
  private:
-  /// A node that takes polygons. Groups have numbers of their own in it, in the order in which they came.
+  /// Node that receives polygons. It numbers its groups in the order received.
   struct Target {
     vrml::NodeId node;
     std::unordered_map<std::uint32_t, std::int32_t> groups;
@@ -42,7 +42,7 @@ class OutlineScene {
   vrml::Diagnostics& diagnostics_;
   vrml::NodeId node_;
   bool full_ = false;
-  std::unordered_map<std::uint32_t, Target> targets_;  // by appearance; one at 0 where there is a node for all
+  std::unordered_map<std::uint32_t, Target> targets_;  // by appearance; a single entry 0 if one node takes all
 };
 
 }  // namespace gs::app

@@ -9,10 +9,11 @@
 
 namespace gs::app {
 
-/// Pictures of textured surfaces, each decoded once for as long as anybody has it. One thread.
+/// Cache of decoded textures of surfaces; each one is decoded once while in use. Use from one thread.
 class SurfacePictures {
  public:
-  /// Null where it cannot be decoded, as when too little of it has come. Safe for untrusted bytes.
+  /// Returns the decoded texture. Returns null if it cannot be decoded, for example because too little was received.
+  /// Safe for untrusted bytes.
   [[nodiscard]] std::shared_ptr<const render::Image> image_of(const std::shared_ptr<const qnv::SurfacePicture>& picture,
                                                               const WorldBudget& budget);
 
@@ -24,7 +25,8 @@ class SurfacePictures {
   std::vector<Decoded> decoded_;
 };
 
-/// Gives vertices that show a picture its colour there, for who does not show it; as it is where it cannot be decoded.
+/// Replaces texture coordinates of vertices by texture colours, for consumers that do not draw textures. Leaves `cloud`
+/// unchanged if the texture cannot be decoded.
 void color_by_picture(qnv::Cloud& cloud, const WorldBudget& budget);
 
 }  // namespace gs::app

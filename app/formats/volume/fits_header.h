@@ -11,36 +11,36 @@
 
 namespace gs::app {
 
-/// FITS files are made of blocks of so many bytes, and headers of cards of so many (FITS 4.0, 3.1 and 4.1).
+/// Block size of FITS files, and card size of headers, in bytes (FITS 4.0, 3.1 and 4.1).
 inline constexpr std::size_t kFitsBlock = 2880, kFitsCard = 80;
 
-/// The cards of one header, in the bytes of a file that outlives it. A keyword that stands there twice has its first
-/// value. Safe for untrusted bytes. Any thread.
+/// Cards of one header, as a view of the file's bytes, which must outlive it. The first value of a repeated keyword
+/// counts. Safe for untrusted bytes. Usable on any thread.
 class FitsHeader {
  public:
-  /// The header that begins at `begin`, which lies within the file. At most `most` cards are looked at. Else: what is
-  /// wrong.
+  /// Reads the header at `begin`, which lies within the file. Checks at most `most` cards. Returns a message on
+  /// failure.
   [[nodiscard]] static std::variant<FitsHeader, std::string> read(std::span<const std::byte> file, std::size_t begin,
                                                                   std::size_t most);
 
-  /// Cards in front of END.
+  /// Number of cards before END.
   [[nodiscard]] std::size_t size() const { return cards_.size() / kFitsCard; }
-  /// Where in the file the data follow: at the end of a block, which may be behind the end of the file.
+  /// Returns the file offset of the data, at a block boundary; it may be beyond the end of the file.
   [[nodiscard]] std::uint64_t data_begin() const { return data_begin_; }
 
-  /// A value as it stands there, quotes included, without blanks at its ends and without the comment; none where there
-  /// is no such card or it has no value.
+  /// Returns a raw value with quotes, trimmed, without its comment. Returns nullopt if the card or its value is
+  /// missing.
   [[nodiscard]] std::optional<std::string_view> value(std::string_view keyword) const;
-  /// A string without its quotes and the blanks at its end (4.2.1). Of a string that goes on in CONTINUE cards the
-  /// first part. Anything else is given as it stands; empty where there is none.
+  /// Returns a string without quotes and trailing blanks (4.2.1). Of a string with CONTINUE cards, returns the first
+  /// part. Returns other values as they are, and "" if missing.
   [[nodiscard]] std::string text(std::string_view keyword) const;
-  /// A finite number (4.2.3, 4.2.4), quoted or not; an exponent may begin with D.
+  /// Returns a finite number (4.2.3, 4.2.4), quoted or not; the exponent may begin with D.
   [[nodiscard]] std::optional<double> number(std::string_view keyword) const;
   [[nodiscard]] std::optional<std::int64_t> integer(std::string_view keyword) const;
-  /// Whether a logical value is T (4.2.2).
+  /// Reports whether a logical value is T (4.2.2).
   [[nodiscard]] bool is_true(std::string_view keyword) const { return value(keyword) == "T"; }
 
-  /// The values of NAXIS1 to NAXISn; none at the place of one that is missing or no integer.
+  /// Returns the values of NAXIS1 to NAXISn; nullopt for each one that is missing or not an integer.
   [[nodiscard]] std::vector<std::optional<std::int64_t>> axis_lengths(std::size_t n) const;
 
  private:
@@ -50,17 +50,17 @@ class FitsHeader {
   std::uint64_t data_begin_;
 };
 
-/// A header and the extent of its data (3.3, 3.4): an array, a table, or something else.
+/// Header and extent of its data (3.3, 3.4): an array, a table, or another kind.
 struct FitsUnit {
   FitsHeader header;
   int bits = 0;                     // BITPIX: 8, 16, 32, 64, or -32 and -64 for floats
   std::vector<std::uint64_t> axes;  // NAXISn
-  std::uint64_t groups = 1;         // GCOUNT, of extensions and random groups
-  bool is_image = false;            // an array with at least one element
-  std::uint64_t end = 0;            // where the next unit would begin; may be behind the end of the file
+  std::uint64_t groups = 1;         // GCOUNT of extensions and random groups
+  bool is_image = false;            // array with at least one element
+  std::uint64_t end = 0;            // offset of the next unit; may be beyond the end of the file
 };
 
-/// The unit that begins at `begin`, 0 for the first. Else: what is wrong with its header.
+/// Reads the unit at `begin`; 0 is the first one. Returns a message if its header is invalid.
 [[nodiscard]] std::variant<FitsUnit, std::string> read_fits_unit(std::span<const std::byte> file, std::size_t begin,
                                                                  std::size_t most_cards);
 

@@ -16,32 +16,33 @@
 
 namespace gs::app {
 
-/// Where a volume's file is from.
+/// Origin of a volume's file.
 struct VolumeOrigin {
-  ReadFile read_beside;  // what a header names; null: out of the folder of the file and below it
-  std::string name;      // the file's own; empty: as its path has it
+  ReadFile read_beside;  // reads files named by the header; null reads from the file's folder and below
+  std::string name;      // original file name; empty means that of the path
 };
 
-/// Opens a volume of any format of the table; by its first bytes, else by its name; as headerless where
-/// `raw` has dimensions. gzip'd files are unpacked to memory, other files mapped, so that a volume may be larger than
-/// memory; what is unpacked, and slices as numbers, are drawn from `budget`. Files that belong to a header come by
-/// `origin`. The source owns what it needs.
-/// Else: what is wrong, and what was expected; names the file. Safe for untrusted files. Any thread.
+/// Opens a volume of any known format, detected by its first bytes, else by its name; as headerless if `raw` has
+/// dimensions. gzip files are decompressed to memory and other files mapped, so that a volume may exceed memory.
+/// Decompressed data and text voxels are charged to `budget`. `origin` provides files that a header names. The source
+/// owns all that it needs. Returns a message with the file name on failure. Safe for untrusted files. Runs on any
+/// thread.
 [[nodiscard]] std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path,
                                                                        const RawVolume& raw = {},
                                                                        const VolumeOrigin& origin = {},
                                                                        const WorldBudget& budget = own_budget());
 
-/// True when a file, of which these are the first bytes (some 1024, gzip'd or not), is for open_volume.
+/// Reports whether open_volume handles a file with these first bytes (about 1024, gzip-compressed or not).
 [[nodiscard]] bool is_volume(std::string_view path, std::span<const std::byte> bytes);
 
-/// The formats, for help and documentation.
+/// Names of a format, for help and documentation.
 struct VolumeFormatName {
   std::string_view name;                                      // "NRRD"
-  std::string_view extensions;                                // lower case, each with its point, a blank behind each
-  bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // by the first bytes; null: only the name tells
+  std::string_view extensions;                                // lower case, each with its dot, separated by blanks
+  bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // checks the first bytes; null means detection by name
+                                                              // only
   std::string_view mime = "application/x-volume";
-  UpRule up = UpRule::y;  // what is up, where the file itself does not say
+  UpRule up = UpRule::y;  // up direction if the file does not state one
 };
 [[nodiscard]] std::span<const VolumeFormatName> volume_format_names();
 

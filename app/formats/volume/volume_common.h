@@ -15,50 +15,50 @@
 #include <variant>
 #include <vector>
 
-/// What the readers of volumes share.
+/// Functions that all volume readers share.
 namespace gs::app {
 
-/// A volume, or what is wrong with the file.
+/// Volume, or an error message.
 using VolumeResult = std::variant<qnv::VolumeSource, std::string>;
 
-/// Bytes in memory that is drawn from a budget for voxels.
+/// Buffer charged to a voxel budget.
 struct VoxelMemory {
   std::vector<std::byte> bytes;
   vrml::Share share;
 };
 [[nodiscard]] SharedBytes shared_bytes(VoxelMemory memory);
-/// `size` bytes for what is unpacked of `from` bytes, or why there are none: the budget, or more than deflate can make
-/// of what is there (RFC 1951: 258 bytes from 2 bits).
+/// Allocates `size` bytes to decompress `from` bytes of input. Returns a message if the budget is exceeded, or if
+/// deflate cannot expand that much (RFC 1951: 258 bytes from 2 bits).
 [[nodiscard]] std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uint64_t size,
                                                                   const WorldBudget& budget);
 
-/// Maps a file, and unpacks it when it is gzip'd.
+/// Maps a file, and decompresses it if it is gzip-compressed.
 [[nodiscard]] BytesResult load_bytes(const std::string& path, const WorldBudget& budget);
-/// Unpacks gzip members to the end.
+/// Decompresses all gzip members.
 [[nodiscard]] BytesResult unpacked_gzip(std::span<const std::byte> bytes, const WorldBudget& budget);
-/// Unpacks zlib or gzip data of exactly `size` bytes; more is ignored, fewer are an error.
+/// Decompresses zlib or gzip data of exactly `size` bytes. Ignores excess data; too little data is an error.
 [[nodiscard]] BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t size,
                                            const WorldBudget& budget);
-/// The same, into memory that there is. What is wrong, or nothing.
+/// Decompresses like unpacked_exactly into `out`. Returns a message on failure.
 [[nodiscard]] std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out,
                                                      const WorldBudget& budget);
 
-/// A file that is being opened.
+/// Volume file being opened.
 struct VolumeFile {
-  std::string path, name;  // the name is that of where it came from
-  SharedBytes content;     // unpacked
+  std::string path, name;  // `name` is that of the original source
+  SharedBytes content;     // decompressed
   ReadFile read_beside;
   WorldBudget budget = own_budget();
 };
-/// The file that a header names by a path, where it may be read (see ReadFile); else the file of that name beside the
-/// header. Unpacked as load_bytes does.
+/// Loads a file that a header names: through `read_beside` (see ReadFile), else from the header's folder. Decompresses
+/// it like load_bytes.
 [[nodiscard]] BytesResult load_beside(const VolumeFile& file, std::string_view name);
 
-/// What stored voxels may be; 64-bit integers are widened to f64 when they are read.
+/// Voxel type in a file. 64-bit integers are widened to f64 when read.
 enum class StoredType : std::uint8_t { u8, i8, u16, i16, u32, i32, f32, f64, u64, i64 };
 [[nodiscard]] std::size_t size_of(StoredType type);
 
-/// Voxels as they lie in a file: x fastest, `components` numbers each, of which the first counts.
+/// Voxels as stored in a file: x fastest, with `components` numbers per voxel; only the first one is used.
 struct StoredVoxels {
   SharedBytes content;
   std::uint64_t offset = 0;  // of the first voxel
@@ -67,41 +67,39 @@ struct StoredVoxels {
   std::uint64_t components = 1;
 };
 
-/// The source of these voxels. `layout` needs all but type and big_endian. Fails when the bytes are not all there, or
-/// the layout is not sound; what can be mended is (see `mend`).
+/// Creates the source of these voxels. `layout` needs all members except type and big_endian. Repairs the layout if
+/// possible (see `mend`). Fails if bytes are missing or the layout is invalid.
 [[nodiscard]] VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels);
 
-/// The bytes of a layout's voxels, or what is wrong with so many.
+/// Returns the total size of the voxels in bytes, or a message if it is too large.
 [[nodiscard]] std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& layout, StoredType type,
                                                                    std::uint64_t components);
 
-/// Reads numbers parted by blanks or commas as voxels of a type, or of f64 where one of them is none of the type (1.5 or
-/// 256 of u8); fails when there are fewer than `count`.
+/// Parses numbers separated by blanks or commas as voxels of a type. Uses f64 if one does not fit the type (1.5 or 256
+/// for u8). Fails if there are fewer than `count`.
 [[nodiscard]] std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text,
                                                                      std::uint64_t count, StoredType type,
                                                                      const WorldBudget& budget);
 
-/// Makes a layout sound where only its place in space is wrong: axes that are not finite, zero, or do not span
-/// space become the unit axes, an origin that is not finite 0, a slope of 0 or one that is not finite 1.
+/// Repairs the spatial part of a layout: unusable axes (not finite, zero or coplanar) become unit axes, a non-finite
+/// origin 0, an invalid slope 1.
 void mend(qnv::VolumeLayout& layout);
 
-/// All numbers of a text in which blanks, commas, parentheses and brackets part them; stops at anything
-/// else, and at `most`.
+/// Parses numbers separated by blanks, commas, parentheses or brackets. Stops at other characters, or after `most`
+/// numbers.
 [[nodiscard]] std::vector<double> numbers_of(std::string_view text, std::size_t most);
-/// The dimensions of a volume, or nothing when one of them is no whole number from 1 to 2^32 - 1. Fewer
-/// than three numbers: the others are 1.
+/// Converts numbers to dimensions; missing ones are 1. Returns nullopt unless all are integers from 1 to 2^32 - 1.
 [[nodiscard]] std::optional<std::array<std::uint32_t, 3>> dimensions_of(std::span<const double> numbers);
-/// Adds a pair to the metadata, unless it is empty: at most some thousand bytes, bytes that are no UTF-8
-/// replaced by '?'.
+/// Adds a metadata pair unless it is empty. Limits it to some thousand bytes and replaces invalid UTF-8 by '?'.
 void add_metadata(qnv::VolumeLayout& layout, std::string_view key, std::string_view value);
 
-/// A row of the table of formats.
+/// Row of the format table.
 struct VolumeFormat {
   VolumeFormatName name;
-  bool (*sniff)(std::span<const std::byte> bytes);  // by the first bytes; null: only the name tells
+  bool (*sniff)(std::span<const std::byte> bytes);  // checks the first bytes; null means detection by name only
   VolumeResult (*open)(const VolumeFile& file);
 };
-/// The table of all.
+/// Returns all formats.
 [[nodiscard]] std::span<const VolumeFormat> volume_formats();
 [[nodiscard]] bool is_avs_field(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_nrrd(std::span<const std::byte> bytes);

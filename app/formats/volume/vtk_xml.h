@@ -15,45 +15,45 @@
 #include <variant>
 #include <vector>
 
-/// What the readers of VTK's XML files share: https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
+/// Common parts of VTK XML readers: https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 namespace gs::app {
 
 enum class VtkSection : std::uint8_t { point_data, cell_data, points, vertices, lines, strips, polygons, cells };
 
-/// A DataArray, and where its values are.
+/// DataArray with the location of its values.
 struct VtkArray {
   std::string name, type, format = "ascii", units;
-  std::uint64_t components = 1, offset = 0;  // into the appended data
-  std::size_t begin = 0, end = 0;            // of what stands inside the element
+  std::uint64_t components = 1, offset = 0;  // `offset` is relative to the appended data
+  std::size_t begin = 0, end = 0;            // range of the element's content
   VtkSection section = VtkSection::point_data;
   std::size_t piece = 0;
 };
 
 struct VtkPiece {
   std::string extent;
-  std::uint64_t points = 0, vertices = 0, lines = 0, strips = 0, polygons = 0, cells = 0;  // as the file says
+  std::uint64_t points = 0, vertices = 0, lines = 0, strips = 0, polygons = 0, cells = 0;  // counts stated in the file
 };
 
 struct VtkXmlHeader {
   std::string type, byte_order = "littleendian", header_type = "uint32", compressor;
   std::string whole_extent, origin, spacing, direction;
   std::string point_scalars, point_normals, cell_scalars;  // names of the active arrays
-  std::vector<VtkArray> arrays;                            // of the sections above, the first thousand
+  std::vector<VtkArray> arrays;                            // arrays in the sections above, up to a thousand
   std::vector<VtkPiece> pieces;
-  std::size_t piece_count = 0;          // of the file
-  std::optional<std::size_t> appended;  // behind the start of the element
+  std::size_t piece_count = 0;          // total number in the file
+  std::optional<std::size_t> appended;  // offset of the appended data in the file
   bool appended_base64 = false;
 };
 
-/// Whether a file of these first bytes is VTK XML of the type ("ImageData").
+/// Reports whether a file with these first bytes is VTK XML of the type ("ImageData").
 [[nodiscard]] bool is_vtk_xml(std::span<const std::byte> bytes, std::string_view type);
-/// What the elements of such a file say, or what is wrong. Safe for untrusted bytes.
+/// Parses the elements of such a file, or returns a message. Safe for untrusted bytes.
 [[nodiscard]] std::variant<VtkXmlHeader, std::string> read_vtk_xml(std::span<const std::byte> bytes,
                                                                    std::string_view type);
-/// By its name in lower case; nothing: it is none of numbers.
+/// Finds a type by its lower-case name; nullopt if it is not numeric.
 [[nodiscard]] std::optional<StoredType> vtk_type_of(std::string_view name);
 
-/// The first `count` numbers (at most 2^48) of an array, unpacked, or why there are none; one component a value.
+/// Returns the first `count` numbers (max 2^48) of an array, decompressed, one component per value; or a message.
 [[nodiscard]] std::variant<StoredVoxels, std::string> vtk_values(const SharedBytes& file, const VtkXmlHeader& header,
                                                                  const VtkArray& array, std::uint64_t count,
                                                                  const WorldBudget& budget);
@@ -70,7 +70,7 @@ void each_stored(const StoredVoxels& values, std::uint64_t count, Take take) {
   }
 }
 
-/// Hands the first numbers over as doubles, `count` of them or as many as are there.
+/// Calls `take` with the first `count` numbers as doubles, or as many as are present.
 template <class Take>
 void each_number(const StoredVoxels& values, std::uint64_t count, Take take) {
   static_assert(std::endian::native == std::endian::little);
