@@ -168,14 +168,14 @@ TEST_CASE("Long arguments of the browser's functions are cut or rejected before 
         "s, s, s, s, s, s, s, s, s, s, s, s);",
         "var a = []; for (var i = 0; i < 40; ++i) a.push(big(28, 'a')); Browser.loadURL(a, a);",
         "var a = []; for (var i = 0; i < 40; ++i) a.push(big(24, 'a')); Browser.loadURL(a, a);",
-        "var a = []; for (var i = 0; i < 40; ++i) a.push(big(20, 'a')); for (i = 0; i < 100; ++i) Browser.loadURL(a, "
+        "var a = []; for (var i = 0; i < 40; ++i) a.push(big(20, 'a')); for (i = 0; i < 10; ++i) Browser.loadURL(a, "
         "a);",
-        "for (var i = 0; i < 200; ++i) Browser.setDescription(big(24, 'a'));",
+        "for (var i = 0; i < 20; ++i) Browser.setDescription(big(24, 'a'));",
         "Browser.createVrmlFromString(big(28, ' '));", "Browser.createVrmlFromString(big(20, 'Group{} '));",
         "for (var i = 0; i < 4000; ++i) texts[i] = big(20, 'a') + i;",
         "var m = new MFString(); for (var i = 0; i < 4000; ++i) m[i] = big(20, 'a') + i;",
         "for (var i = 0; i < 400; ++i) { var m = new MFString(big(22, 'a') + i); keep = [m, i > 0 ? keep : 0] }",
-        "for (var i = 0; i < 100; ++i) text = big(24, 'a');",
+        "for (var i = 0; i < 10; ++i) text = big(24, 'a');",
         "var a = []; for (var i = 0; i < 4000; ++i) a.push(big(20, 'a')); texts = a;"}) {
     INFO(program);
     const Outcome outcome = outcome_of("var keep; " + program, interface);
@@ -193,7 +193,7 @@ TEST_CASE("Texts of a list count against the heap of programs") {
   for (const std::string list : {"texts", "new MFString()"}) {
     World world("DEF S Script { " + interface +
                     "url \"javascript: function initialize() { var s = 'a'.repeat(1 << 20), m = " + list +
-                    "; for (var i = 0; i < 64; ++i) { m[0] = s; m[1] = s } print('replaced'); for (i = 0; i < 64; ++i) "
+                    "; for (var i = 0; i < 20; ++i) { m[0] = s; m[1] = s } print('replaced'); for (i = 0; i < 64; ++i) "
                     "m[i] = s; print('no'); }\" }",
                 limits);
     world.start();
