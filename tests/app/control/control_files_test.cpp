@@ -134,9 +134,9 @@ TEST_CASE("loadURL of a client opens no file outside of the world's folder witho
       REQUIRE(site.until(came("world.wrl")).is_object());
       continue;
     }
-    for (const std::string& url :
-         {std::string("../secret.wrl"), "file://" + secret, "file:" + secret, secret, "sub/../../secret.wrl#V",
-          "file:file://" + secret, "file://" + secret + "%23", "FILE://" + secret, std::string("file:///etc/passwd")}) {
+    for (const std::string& url : {std::string("../secret.wrl"), "file://" + secret, "file:" + secret, secret,
+                                   std::string("sub/../../secret.wrl#V"), "file:file://" + secret,
+                                   "file://" + secret + "%23", "FILE://" + secret, std::string("file:///etc/passwd")}) {
       INFO(url);
       site.say({{"id", 2}, {"method", "loadURL"}, {"params", Json::array({url})}});
       const Json answer = site.until(ended(2));
