@@ -47,8 +47,8 @@ class LightSets {
   /// Clears the sets of the last frame and transforms all lights to camera space.
   void begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, bool headlight);
   /// Returns the number of the light set for an item: its directional lights, the headlight, and the point and spot
-  /// lights whose radius reaches the sphere (camera space), limited to the strongest kMaxLightsOfAnItem. A negative
-  /// radius means unknown size.
+  /// lights that reach the sphere (camera space), limited to the strongest kMaxLightsOfAnItem. A negative radius means
+  /// unknown size.
   std::uint32_t choose(const LightList& directional, const glm::vec3& center, float radius);
   /// Returns the number of lights of a set.
   [[nodiscard]] std::size_t count(std::uint32_t set) const { return sets_[set].size(); }

@@ -37,7 +37,7 @@ bool MeshPass::find_glyphs() {
   return glyphs_ != nullptr;
 }
 
-/// Prepares a text whose pixels have a single colour, so that it needs neither lights nor an instance; its mesh is not
+/// Prepares a text with a single colour in all pixels, so that it needs neither lights nor an instance; its mesh is not
 /// uploaded. Returns false for other texts.
 bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float radius, const glm::vec3& origin,
                             Prepared& prepared) {

@@ -47,15 +47,15 @@ class BoxTree {
     return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(std::uint32_t);
   }
 
-  /// Calls `meet(thing, farthest)` for things whose boxes the line hits, nearer boxes first. `meet` returns the new
+  /// Calls `meet(thing, farthest)` for things with boxes on the line, nearer boxes first. `meet` returns the new
   /// maximum distance.
   template <class Meet>
   void visit(const SightLine& line, const Meet& meet) const;
-  /// Calls `meet(thing)` for things whose boxes may touch the box `lower` to `upper`, until it returns false.
+  /// Calls `meet(thing)` for things with boxes that may touch the box `lower` to `upper`, until it returns false.
   template <class Meet>
   void visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const;
-  /// Calls `meet(thing)` for all things whose boxes, and all enclosing boxes, do not satisfy `outside(lower, upper)`,
-  /// until it returns false. May include other things.
+  /// Calls `meet(thing)`, until it returns false, for all things without a box or enclosing box that satisfies
+  /// `outside(lower, upper)`. May include other things.
   template <class Outside, class Meet>
   void visit_unless(const Outside& outside, const Meet& meet) const;
 

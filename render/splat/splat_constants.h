@@ -6,7 +6,8 @@ namespace gs::render::splat {
 // Splats of an octree cover their cube plus this fraction of its edge, so that planes that do not quite touch leave no
 // gap. Their bell has this many times the radius of a disc of equal area.
 inline constexpr float kBackMargin = -0.1f, kCubeMargin = 0.1f, kCubeBell = 1.2f;
-// Margin in samples for cubes of one or two samples, whose planes would leave pinholes when seen from the side.
+// Margin in samples for cubes of one or two samples, so that no pinholes appear between their planes when seen from the
+// side.
 inline constexpr float kSampleMargin = 0.35f;
 // Other splats cover and blend within these multiples of their radius; neighbours overlap, which leaves no pinholes.
 inline constexpr float kDiscCover = 1.7f, kDiscBell = 1.4f;

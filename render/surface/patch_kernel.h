@@ -19,7 +19,7 @@ using PatchTriangle = qnv::PatchMesh::Triangle;
 
 /// Lists of triangle indices, reused from patch to patch.
 struct SiftedTriangles {
-  // Triangles whose box contains samples, by its width and height: at most two samples, at most kSmallTriangle, more.
+  // Triangles with samples in their box, by its width and height: at most two samples, at most kSmallTriangle, more.
   // Triangles that must be clipped are in the last list. The vectors have spare room at the end.
   std::vector<std::uint32_t> narrow, wide, large;
   std::size_t narrows = 0, wides = 0, larges = 0;
@@ -40,8 +40,8 @@ struct PatchKernel {
   /// Sorts triangles into lists. Drops back-facing ones of one-sided surfaces, and those without a sample in their box.
   void (*sift)(const ScreenVertex* vertices, std::span<const PatchTriangle> triangles, const PatchLook& look,
                SiftedTriangles& out);
-  /// Draws triangles whose boxes are at most `side` samples wide and high, with side <= kSmallTriangle. Returns the
-  /// number of samples.
+  /// Draws triangles with boxes at most `side` samples wide and high; side <= kSmallTriangle. Returns the number of
+  /// samples.
   std::size_t (*draw_small)(const ScreenVertex* vertices, const PatchTriangle* triangles,
                             std::span<const std::uint32_t> chosen, int side, const PatchGrid& grid,
                             const PatchLook& look, const PatchSamples& out);

@@ -249,7 +249,7 @@ std::shared_ptr<const vrml::GlyphShape> FontFace::glyph(std::uint32_t index, std
   return found->second;
 }
 
-// Returns a glyph of the atlas. If the atlas is full, returns triangles whose points refer to a solid position.
+// Returns a glyph of the atlas. If the atlas is full, returns triangles that refer to a solid position of the atlas.
 vrml::GlyphShape FontFace::picture_of(std::uint32_t index) {
   if (sheet_)
     if (auto rectangle = sheet_->add(contours(index, vrml::kTextTolerances[1]))) return std::move(*rectangle);

@@ -11,8 +11,8 @@ void Execution::note_script(EventNode node) {
   new_scripts_.push_back(node);
 }
 
-// Starts new Scripts before they receive any event (4.12.3). A program may create Scripts whose programs create more:
-// in a running world, at most 64 start per timestamp.
+// Starts new Scripts before they receive any event (4.12.3). A program may create Scripts, and their programs more: in
+// a running world, at most 64 start per timestamp.
 void Execution::begin_scripts() {
   constexpr std::size_t kBegin = std::size_t{1} << 20;  // elements of work
   if (!started_) return;

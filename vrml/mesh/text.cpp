@@ -14,7 +14,7 @@ namespace {
 
 enum class Alignment : std::uint8_t { first, begin, middle, end };
 
-/// What the FontStyle of a Text says (VRML97 6.20); the defaults where there is none.
+/// Values of a Text's FontStyle (VRML97 6.20), or the defaults.
 struct FontStyle {
   FontRequest font;
   bool horizontal = true, left_to_right = true, top_to_bottom = true;
@@ -58,14 +58,14 @@ FontStyle font_style_of(const SceneGraph& scene, NodeId geometry) {
   return style;
 }
 
-/// Of the major axis: the place of a line's start, along its direction, whose extent is `extent` (Tables 6.2, 6.3).
+/// Returns the start of a line of extent `extent` along the major axis (Tables 6.2, 6.3).
 double major_start(Alignment major, double extent) {
   return major == Alignment::middle ? -extent / 2 : major == Alignment::end ? -extent : 0.0;
 }
 
-/// Of the minor axis, along the direction in which lines follow each other: the place of the first base line. `before`
-/// and `behind`: edges of a line from its base line, against and along that direction; `block`: from the first base
-/// line to the last (Tables 6.4, 6.5).
+/// Returns the position of the first base line along the minor axis, the direction in which lines follow each other.
+/// `before` and `behind` are the extents of a line against and along that direction. `block` is the distance from the
+/// first base line to the last (Tables 6.4, 6.5).
 double minor_start(Alignment minor, bool horizontal, double before, double behind, double block) {
   switch (minor) {
     case Alignment::first:
@@ -82,10 +82,10 @@ double minor_start(Alignment minor, bool horizontal, double before, double behin
 
 struct Line {
   ShapedText shaped;
-  double extent = 0, stretch = 1;  // node space: as it is drawn; drawn to natural
+  double extent = 0, stretch = 1;  // node space: drawn extent; ratio of drawn to natural extent
 };
 
-/// Extents by `length` and `maxExtent` (6.47.1). Both in node space.
+/// Applies `length` and `maxExtent` (6.47.1), both in node space.
 void fit_lines(std::vector<Line>& lines, const MFFloat& lengths, double max_extent, double size) {
   double longest = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -103,12 +103,12 @@ void fit_lines(std::vector<Line>& lines, const MFFloat& lengths, double max_exte
   }
 }
 
-constexpr std::uint64_t kBytesOfCharacter = 96;  // while it is shaped, and its place
+constexpr std::uint64_t kBytesOfCharacter = 96;  // while it is shaped, including its placed glyph
 constexpr std::uint64_t kBytesOfPoint = 2 * sizeof(glm::vec3) + sizeof(glm::vec2), kBytesOfIndex = 4;
 
 }  // namespace
 
-// Of characters, whose outlines have some fifty triangles each.
+// Glyph outlines have about fifty triangles per character.
 std::size_t cost_of_text(const SceneGraph& scene, NodeId geometry) {
   constexpr std::size_t kOfCharacter = 300;
   std::size_t characters = 0;
@@ -137,7 +137,7 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
   lines.resize(strings.size());
   for (std::size_t i = 0; i < strings.size() && !mesh.left_out; ++i) {
     const std::string_view text = strings[i].view();
-    if (text.empty()) continue;  // it keeps its place
+    if (text.empty()) continue;  // an empty line keeps its position
     if (budget->stopped() || !share.grow(text.size() * kBytesOfCharacter)) {
       mesh.left_out = true;
       break;
@@ -162,17 +162,17 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
   fit_lines(lines, scene.get<MFFloat>(geometry, "length"), scene.get<SFFloat>(geometry, "maxExtent"), style.size);
   if (corners == 0) return mesh;
 
-  // Along the direction in which lines follow each other, and across it.
+  // Extents along and across the direction in which lines follow each other.
   const LineEdges edges = style.horizontal ? shaper.edges(style.font) : LineEdges{0.5f, 0.5f};
   const bool forth = style.horizontal ? style.top_to_bottom : style.left_to_right;
   const double step = style.size * style.spacing, block = step * static_cast<double>(lines.size() - 1);
   const double above = edges.above * style.size, below = edges.below * style.size;
   const double first_line =
       minor_start(style.minor, style.horizontal, forth ? above : below, forth ? below : above, block);
-  const double minor_sign = style.horizontal == forth ? -1.0 : 1.0;  // lines go down, or to the left
+  const double minor_sign = style.horizontal == forth ? -1.0 : 1.0;  // lines go down or to the left
   const bool forward = direction == TextDirection::right || direction == TextDirection::up;
 
-  glm::dvec2 origin(0);  // of the first string, where textures begin (6.47.3)
+  glm::dvec2 origin(0);  // origin of the first string, where textures begin (6.47.3)
   glm::vec3* position = mesh.positions.prepare(points);
   if (options.texture_coordinates && options.text_level != kTextPictures) mesh.pictured = false;
   glm::vec2* coordinate =

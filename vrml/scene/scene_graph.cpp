@@ -20,7 +20,7 @@ std::uint64_t next_serial() {
   return ++last;
 }
 
-// Type of a place whose node was removed.
+// Type of removed nodes.
 const NodeType& removed_type() {
   static const NodeType type;
   return type;

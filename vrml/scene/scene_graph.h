@@ -24,20 +24,20 @@ struct Node {
   const NodeType* type = nullptr;
   FieldValue* values = nullptr;      // type->defaults.size() of them, owned by the scene
   std::string_view name;             // DEF name or empty; bytes owned by the text
-  const SourceText* text = nullptr;  // that the node was written in: of a copy, that of the PROTO's body
+  const SourceText* text = nullptr;  // text that the node was written in; for a copy, that of the PROTO's body
   SourceLocation location;
   std::uint32_t value_capacity = 0;
   std::uint32_t generation = 0;    // of its id
-  std::uint64_t fields_set = 0;    // of an EXTERNPROTO instance: the slots (below 64) that have a value of their own
+  std::uint64_t fields_set = 0;    // EXTERNPROTO instances: slots (below 64) with an explicit value
   bool in_prototype_body = false;  // part of a PROTO's declaration, not of the world
-  bool recycled = false;           // its place was another node's before
+  bool recycled = false;           // its index belonged to another node before
   bool strings_set = false;        // an event has set an MFString field
-  std::uint32_t owner = 0;  // the run-time text that it was made for, by number; 0: the file, with whose scene it lives
-  MFNode expansion;         // of a PROTO instance: the nodes of its body; the first one stands for it
-  /// Of a PROTO instance: index of the copy of Prototype::nodes[0]; the others follow. Of a node of a PROTO's body: its
-  /// place in Prototype::nodes.
+  std::uint32_t owner = 0;         // number of the run-time text that it was made for; 0 means the file
+  MFNode expansion;                // PROTO instances: the nodes of the body; the first one represents the instance
+  /// PROTO instances: index of the copy of Prototype::nodes[0]; the others follow. Nodes of a PROTO's body: index in
+  /// Prototype::nodes.
   std::uint32_t expansion_first = 0;
-  std::uint32_t instance = 0;  // of a copy of such a node: index of the instance
+  std::uint32_t instance = 0;  // copies of such nodes: index of the instance
 };
 
 /// Mapping `field IS name` in a PROTO body (VRML97 4.8.2).
@@ -53,25 +53,25 @@ struct Prototype {
   std::vector<NodeId> nodes;  // all nodes in order of creation; see SceneGraph::put_in_body
   std::vector<IsMapping> mappings;
   const SceneGraph* scene = nullptr;  // scene with the nodes in its arena
-  const SourceText* text = nullptr;   // that declares it
+  const SourceText* text = nullptr;   // text that declares the PROTO
   bool complete = false;              // the closing brace was read
   // Cost of one instance, including nested instances; set when complete.
   std::uint64_t instance_nodes = 0, instance_bytes = 0;
   std::uint64_t body_bytes = 0;  // without nested instances
 };
 
-/// A world or a part of it: the arena of its nodes, its PROTOs, its ROUTEs; and the text of its file.
+/// World or part of it: the arena of its nodes, its PROTOs and ROUTEs, and the text of its file.
 ///
-/// Owned by one thread at a time. Node references stay valid while nodes are added. Nodes of the file are freed with
-/// the scene, so that cycles between them cost nothing. Nodes made at run time have texts of their own (RunTimeText);
-/// `remove` frees them, and their places are used again. What is freed with the last node of such a text: its names,
-/// types and libraries, and what they have drawn from the budget.
+/// Owned by one thread at a time. References to nodes stay valid while nodes are added. Nodes of the file are freed
+/// with the scene, so cycles between them are harmless. Nodes made at run time have their own texts (RunTimeText);
+/// `remove` frees them, and their indices are reused. The last node of a run-time text takes the text's names, types,
+/// libraries and budget with it.
 class SceneGraph : public SourceText {
  public:
   /// `file_name` identifies this text in diagnostics. Memory for nodes is drawn from `budget`, which the scenes of a
   /// world share.
   SceneGraph(std::string file_name, std::shared_ptr<Budget> budget);
-  /// Makes a scene with a budget of its own.
+  /// Makes a scene with its own budget.
   explicit SceneGraph(std::string file_name = {}, const Limits& limits = {});
   ~SceneGraph();
 
@@ -100,16 +100,18 @@ class SceneGraph : public SourceText {
   [[nodiscard]] bool contains(NodeId id) const {
     return id && id.index < nodes_.size() && nodes_[id.index].generation == id.generation && id.generation != 0;
   }
-  /// Places of nodes so far: 1..node_count(), in order of making but for those used again. In a place whose node is
-  /// removed there is a node of no use, as if it were part of a PROTO's declaration, which `contains` denies.
+  /// Returns the number of node indices: 1..node_count(), in order of creation except for reused ones. The node at the
+  /// index of a removed node looks like a part of a PROTO declaration, and `contains` returns false for it.
   [[nodiscard]] std::size_t node_count() const { return nodes_.size() - 1; }
   [[nodiscard]] NodeId id_at(std::uint32_t index) const { return {index, nodes_[index].generation}; }
   [[nodiscard]] const Node& node_at(std::uint32_t index) const { return nodes_[index]; }
-  /// Number of this scene, unique in the process. Tells a scene from a later one at the same address.
+  /// Returns the number of this scene, unique in the process. It distinguishes a scene from a later one at the same
+  /// address.
   [[nodiscard]] std::uint64_t serial() const { return serial_; }
-  /// Another number whenever nodes have been made or removed.
+  /// Returns a number that changes whenever nodes are made or removed.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
-  /// Nodes made since the last call that the order of places does not tell of: at run time, or in used places.
+  /// Returns and clears the nodes made since the last call that the order of indices does not show: at run time, or at
+  /// reused indices.
   [[nodiscard]] std::vector<NodeId> take_made() { return std::exchange(made_, {}); }
 
   /// Returns the value of a field with C++ type T; asserts that the type declares it so.
@@ -135,28 +137,29 @@ class SceneGraph : public SourceText {
   /// Returns `resolve(id)` if that node is of a built-in type of this kind, else null.
   [[nodiscard]] NodeId resolve_as(NodeId id, NodeKind kind) const;
 
-  /// The text in which the value of a slot was written: that of the node, unless IS handed the value on
-  /// (VRML97 4.8.2). It tells what a url is relative to, and what it may name.
+  /// Returns the text in which the value of a slot was written: that of the node, unless IS passed the value on (VRML97
+  /// 4.8.2). Relative URLs and access rights depend on it.
   [[nodiscard]] const SourceText& text_of(NodeId id, int slot) const;
   void set_text(NodeId id, int slot, const SourceText& text);
 
   void set_name(NodeId id, std::string_view name);
-  /// A copy of `name` that lives as long as the text that is being written.
+  /// Returns a copy of `name` that lives as long as the text being written.
   const std::string* keep_name(std::string_view name);
-  /// Adds a declaration to the type that the Script `id` alone has, and its value to the node.
+  /// Adds a declaration to the private type of the Script `id`, and its value to the node.
   void declare(NodeId id, NodeType& type, InterfaceDeclaration declaration);
-  /// The text that nodes are being made for: that of the file, or a run-time text.
+  /// Returns the text for which nodes are being made: the file or a run-time text.
   [[nodiscard]] SourceText& writing() {
     return writing_ == 0 ? static_cast<SourceText&>(*this) : *texts_[writing_].text;
   }
-  /// The number of the run-time text that declares the type; 0: none does.
+  /// Returns the number of the run-time text that declares the type; 0 if none does.
   [[nodiscard]] std::uint32_t owner_of(const NodeType& type) const;
-  /// The same for one that may be gone: nothing where no text has it. 0: the file's.
+  /// Returns the number of the text that declares a type, which may be deleted; 0 for the file. Returns nullopt if no
+  /// text declares it.
   [[nodiscard]] std::optional<std::uint32_t> text_declaring(const NodeType* type) const;
   [[nodiscard]] const SourceText& text_at(std::uint32_t owner) const {
     return owner == 0 ? static_cast<const SourceText&>(*this) : *texts_[owner].text;
   }
-  /// Run-time texts that are in memory.
+  /// Returns the number of run-time texts in memory.
   [[nodiscard]] std::size_t run_time_texts() const { return texts_.size() - 1 - free_texts_.size(); }
 
   /// Replaces the top-level nodes of the file, for replaceWorld.
@@ -189,13 +192,13 @@ class SceneGraph : public SourceText {
  private:
   friend class WritingFor;
   friend class RunTimeText;
-  /// A run-time text, and what goes with it.
+  /// Run-time text with the resources that it owns.
   struct OwnedText {
-    std::unique_ptr<SourceText> text;  // null: the number is free
-    std::size_t nodes = 0;             // that were made for it, without those of PROTO bodies
-    std::size_t charged = 0;           // bytes, without the places and values of nodes, which are used again
+    std::unique_ptr<SourceText> text;  // null means that the number is free
+    std::size_t nodes = 0;             // nodes made for it, except those of PROTO bodies
+    std::size_t charged = 0;           // bytes, except indices and values of nodes, which are reused
     std::size_t expanded_nodes = 0, expanded_bytes = 0;
-    bool open = false;  // is being read
+    bool open = false;  // being read
   };
 
   bool draw(std::size_t bytes);
@@ -207,7 +210,7 @@ class SceneGraph : public SourceText {
 
   std::shared_ptr<Budget> budget_;
   Share nodes_share_, instances_share_;
-  std::size_t charged_ = 0;  // of nodes_share_
+  std::size_t charged_ = 0;  // part of nodes_share_ in use
   bool exhausted_ = false;
   std::size_t expanded_nodes_ = 0;
   std::uint32_t generation_ = 0, generations_left_ = 0;
@@ -224,11 +227,12 @@ class SceneGraph : public SourceText {
   std::vector<std::uint32_t> free_texts_;
   std::uint32_t writing_ = 0;
   std::vector<Route> routes_;
-  std::unordered_map<std::uint64_t, const SourceText*> value_texts_;  // by node and slot, where it is not the node's
+  // By node and slot, if different from the node's text.
+  std::unordered_map<std::uint64_t, const SourceText*> value_texts_;
   std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>> inlines_;
 };
 
-/// While it lives, nodes are made for the run-time text of this number, or for the file (0).
+/// Directs new nodes, during its lifetime, to the run-time text of this number, or to the file (0).
 class WritingFor {
  public:
   WritingFor(SceneGraph& scene, std::uint32_t owner) : scene_(scene), before_(std::exchange(scene.writing_, owner)) {}
@@ -241,8 +245,8 @@ class WritingFor {
   std::uint32_t before_;
 };
 
-/// A new text of a world that lives, into whose scene it is read while this lives; it goes with the last node made for
-/// it. If none was made, with this.
+/// New text of a running world. While this object lives, text is read into the world's scene for it. The text is freed
+/// with the last node made for it, or with this object if there is none.
 class RunTimeText {
  public:
   /// `written_by` is the text that asked for this one. `fetched_from` is the source of a text read from a URL; null

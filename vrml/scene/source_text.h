@@ -37,36 +37,36 @@ struct TextSource {
   std::uint8_t address_space = 0;  // net::AddressSpace of the host
 };
 
-/// A text that nodes were written in, a file or what was read into a world that lives: its statements, and what its
-/// nodes need beside their values. Of the nodes it has the ids only.
+/// Text that nodes were written in: a file, or text read into a running world. Holds its statements, and everything
+/// that its nodes need besides their values. Refers to nodes only by id.
 class SourceText {
  public:
-  /// `file_name` is what diagnostics call this text.
+  /// `file_name` identifies this text in diagnostics.
   explicit SourceText(std::string file_name);
   ~SourceText();
   SourceText(const SourceText&) = delete;
   SourceText& operator=(const SourceText&) = delete;
 
   [[nodiscard]] const std::string& file_name() const { return file_name_; }
-  /// Text of the file on whose behalf this text was read: for a run-time text, that of the Script that asked for it.
-  /// It lives as long as its scene. For the text of a file, the text itself.
+  /// Returns the text of the file on behalf of which this text was read: for a run-time text, that of the requesting
+  /// Script. It lives as long as its scene. Returns the text itself for a file.
   [[nodiscard]] const SourceText& origin() const { return origin_ ? *origin_ : *this; }
-  /// Source of the bytes: decides what the text may refer to, and what relative URLs are relative to. A text that a
-  /// Script wrote has the source of the Script. Null if nobody set one.
+  /// Returns the source of the bytes, which determines access rights and the base of relative URLs. A text that a
+  /// Script wrote has the source of the Script. Null if unset.
   [[nodiscard]] const std::shared_ptr<const TextSource>& source() const { return source_; }
   void set_source(std::shared_ptr<const TextSource> source) { source_ = std::move(source); }
   /// Reports whether a Script computed this text (createVrmlFromString), as opposed to a text read from a URL.
   [[nodiscard]] bool is_computed() const { return computed_; }
-  /// Nodes at top level.
+  /// Returns the top-level nodes.
   [[nodiscard]] const MFNode& roots() const { return roots_; }
   [[nodiscard]] std::vector<Statement>& statements() { return statements_; }
   [[nodiscard]] const std::vector<Statement>& statements() const { return statements_; }
-  /// Appends a top-level node: to `roots` and to the statements.
+  /// Appends a top-level node to `roots` and to the statements.
   void add_root(NodeId id);
   /// Adds a PROTO, EXTERNPROTO or Script type that lives as long as the text.
   NodeType& add_type(std::unique_ptr<NodeType> type);
   [[nodiscard]] const std::vector<std::unique_ptr<NodeType>>& types() const { return types_; }
-  /// Keeps a scene alive whose PROTOs are used here through EXTERNPROTO.
+  /// Keeps a scene alive that provides PROTOs through EXTERNPROTO.
   SceneGraph& attach_library(std::unique_ptr<SceneGraph> library);
 
  protected:

@@ -7,7 +7,7 @@
 namespace gs::vrml {
 
 /// Parses all of `text` as a number of VRML97 clause 5 (5.5 `sffloatValue`, 5.6 `sfint32Value`): decimal with optional
-/// sign, fraction and exponent, correctly rounded. Integers may be 0x hex, whose 32 bits are taken unchanged. Returns
+/// sign, fraction and exponent, correctly rounded. Integers may be 0x hex; its 32 bits are taken unchanged. Returns
 /// false and leaves `value` unchanged for other text. Floats that are too large become infinity, those too small zero.
 /// Accepts untrusted input.
 [[nodiscard]] bool parse_number(std::string_view text, float& value);

@@ -54,23 +54,23 @@ class Parser {
 /// Parses a whole text.
 ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics);
 
-/// Nodes that were made at run time.
+/// Nodes made at run time.
 struct RunTimeNodes {
   MFNode roots;
   ParseOutcome outcome = ParseOutcome::complete;
 };
 
-/// Reads a text into a scene that lives, for createVrmlFromString and its like (VRML97 4.12.10): a text of its own,
-/// with names and PROTOs of its own, which needs no header; nodes refer to it by Node::text. The nodes are in no field
-/// yet: hold them (Execution::hold) before events go on, after Execution::attach. `written_by` is the text that asked
-/// for this one; null means the scene's file. Its origin() must live as long as the scene. `fetched_from`: see
+/// Reads a text into a running scene, for createVrmlFromString and similar functions (VRML97 4.12.10). The text needs
+/// no header and has its own names and PROTOs; nodes refer to it by Node::text. The nodes are not in any field yet:
+/// after Execution::attach, hold them (Execution::hold) before events are delivered. `written_by` is the text that
+/// requested this one; null means the scene's file. Its origin() must live as long as the scene. For `fetched_from` see
 /// RunTimeText.
 RunTimeNodes read_into(SceneGraph& scene, std::string file_name, std::string_view text, Diagnostics& diagnostics,
                        const SourceText* written_by = nullptr,
                        std::shared_ptr<const TextSource> fetched_from = nullptr);
 
-/// Reads the interface declarations of a row of the node table (or of any PROTO) into `type`.
-/// Used at start-up, for text of our own; false where the text is wrong.
+/// Reads the interface declarations of a row of the node table (or of any PROTO) into `type`. Used at start-up for
+/// built-in text. Returns false if the text is invalid.
 [[nodiscard]] bool parse_interface(std::string_view text, NodeType& type);
 
 }  // namespace gs::vrml

@@ -179,7 +179,7 @@ Step Parser::State::is_mapping(const Token& name) {
 }
 
 // Parses `access type name [value]` after the access. `values` tells whether fields have values here, which EXTERNPROTO
-// lacks. `is_allowed` is set for a Script, whose fields may use IS.
+// lacks. `is_allowed` is set for a Script: its fields may use IS.
 Step Parser::State::interface_declaration(AccessType access, NodeType& type, bool values, bool is_allowed) {
   const Lexer::Position behind_access = lexer.position();
   const Token type_name = lexer.next();

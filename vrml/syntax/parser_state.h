@@ -149,7 +149,7 @@ struct Parser::State {
   std::vector<Scope> scopes;
   std::string carry;           // received bytes that cannot be used yet
   std::size_t retry_size = 0;  // size of `carry` at which to retry
-  int interfaces_open = 0;     // open PROTO interfaces, whose default nodes are live
+  int interfaces_open = 0;     // open PROTO interfaces; their default nodes are live
   bool header_read = false;
   bool headerless = false;
   bool anything_read = false;
