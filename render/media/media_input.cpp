@@ -183,7 +183,7 @@ AVCodecContext* MediaInput::open_decoder(int stream, std::string& problem,
 
 bool MediaInput::decode(int stream, AVCodecContext& decoder, AVFrame& frame, std::string& problem) {
   const Libav& av = libav();
-  constexpr int kMostPackets = 20'000;  // without a result
+  constexpr int kMostPackets = 20'000;  // maximum number of packets without a decoded frame
   for (int packets = 0;; ++packets) {
     if (stopped()) {
       problem = error("the time for it is over");

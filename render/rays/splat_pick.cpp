@@ -29,7 +29,7 @@ constexpr float kLeastOpacity = 0.01f;       // minimum opacity of a hit volume
 constexpr float kVolumeReach = 4.5f;         // squared distance, in spacings, beyond which opacity is negligible
 constexpr float kLeastDeterminant = 1e-30f;
 
-/// Ray in a cloud's space.
+/// Ray in a point set's space.
 struct NodeRay {
   glm::vec3 origin, direction;  // the length of `direction` is one world unit
   glm::vec3 across, up;         // unit vectors, orthogonal to `direction` and to each other
@@ -66,7 +66,7 @@ std::optional<NodeRay> in_node(const PickRay& ray, const glm::dmat4& world_from_
   return node;
 }
 
-/// Finds the nearest splat hit by a ray in a part of a cloud.
+/// Finds the nearest splat hit by a ray in a part of a point set.
 class DiscPicker {
  public:
   DiscPicker(const qnv::Cloud& cloud, float growth, bool two_sided, const NodeRay& ray)

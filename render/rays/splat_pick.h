@@ -21,26 +21,26 @@ struct PickRay {
   float farthest = std::numeric_limits<float>::infinity();  // maximum distance of a hit
 };
 
-/// Work limits of a ray per cloud.
+/// Work limits of a ray per point set.
 struct PickLimits {
-  std::size_t vectors = std::size_t{1} << 23;        // for larger clouds, the first ones, enlarged, represent all
-  std::size_t level_vectors = std::size_t{1} << 18;  // clouds with levels: size of the cut along the ray
+  std::size_t vectors = std::size_t{1} << 23;        // for larger point sets, the first ones, enlarged, represent all
+  std::size_t level_vectors = std::size_t{1} << 18;  // point sets with levels: size of the cut along the ray
   unsigned threads = 0;
 };
 
 /// Nearest splat of a surface hit by a ray.
 struct DiscPick {
   float distance = 0;              // world units
-  std::optional<qnv::Rgb8> color;  // of the splat itself; nullopt means that of the cloud
+  std::optional<qnv::Rgb8> color;  // of the splat itself; nullopt means that of the point set
 };
 
 /// Returns the nearest splat of a surface on the ray: the distance in world units, and the splat's colour. The hit is
 /// the one that an image sample shows by the definition of raycast_surface, with splats no smaller than drawn ones.
-/// Back-facing splats count only if the cloud is two-sided. Accepts any affine matrix; returns nullopt if the cloud's
-/// arrays are inconsistent or the matrix is singular.
+/// Back-facing splats count only if the point set is two-sided. Accepts any affine matrix; returns nullopt if the point
+/// set's arrays are inconsistent or the matrix is singular.
 ///
-/// For a cloud with levels it decodes the cut along the ray, like LodStream::cut for the viewport kPickViewport; call
-/// it on the drawing thread. Otherwise it tests every splat in about 6 ns. Accepts any numbers.
+/// For a point set with levels it decodes the cut along the ray, like LodStream::cut for the viewport kPickViewport;
+/// call it on the drawing thread. Otherwise it tests every splat in about 6 ns. Accepts any numbers.
 [[nodiscard]] std::optional<DiscPick> pick_disc(const qnv::Cloud& cloud, const glm::dmat4& world_from_node,
                                                 const PickRay& ray, const PickLimits& limits = {});
 /// Returns only the distance.

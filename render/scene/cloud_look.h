@@ -12,14 +12,14 @@ namespace gs::render {
 
 /// Colour source of splats and voxels; all but `own` serve to inspect streams.
 enum class ColorBy : std::uint8_t {
-  own,     // colour of the cloud or the material
+  own,     // colour of the point set or the material
   normal,  // node space: x, y, z from -1..1 as red, green, blue
   level,   // level of detail: coarse is blue, fine is red
   chunk,   // a colour per chunk
   age,     // order of arrival: first is blue, latest is red
 };
 
-/// User settings for all clouds of an image.
+/// User settings for all point sets of an image.
 struct CloudLook {
   ColorBy color_by = ColorBy::own;
   // Volumes only.

@@ -158,7 +158,7 @@ class Collector {
 
 /// Reports whether all elements are finite and fit a float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
-/// Returns world space from a cloud's positions, which are relative to its origin.
+/// Returns world space from a point set's positions, which are relative to its origin.
 [[nodiscard]] glm::dmat4 world_from_cloud(const glm::dmat4& world_from_node, const qnv::Cloud& cloud);
 
 }  // namespace gs::render

@@ -41,7 +41,7 @@ namespace gs::render {
 /// Returns the colour of an arrival order: 0 (first) is blue, 1 (last) is red.
 [[nodiscard]] inline qnv::Rgb8 age_color(double age) { return ramp_color(age); }
 
-// Clouds without levels are in progressive order. For these, octaves of the order stand for levels, and blocks for
+// Point sets without levels are in progressive order. For these, octaves of the order stand for levels, and blocks for
 // chunks:
 
 /// Octave of a vector: 0 for the first kFirstOctave, plus one per doubling.

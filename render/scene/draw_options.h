@@ -36,7 +36,7 @@ struct DrawOptions {
   bool headlight = true;
   bool visibility_limit = true;         // apply that of the bound NavigationInfo (VRML97 6.29)
   float unit = 1;                       // world units per unit of the bound Viewpoint; for the visibility limit
-  std::size_t budget = 0;               // splats of all clouds in total; 0 means unlimited
+  std::size_t budget = 0;               // splats of all point sets in total; 0 means unlimited
   std::optional<glm::vec3> background;  // replaces the world's Background
   bool backdrop = false;  // neutral gradient instead of the world's Background, unless `background` is set
   DisplayMode display = DisplayMode::surface;
@@ -53,7 +53,7 @@ struct DrawOptions {
 
 struct FrameStatistics {
   std::size_t triangles = 0, items = 0, draw_calls = 0;
-  std::size_t vectors = 0;  // vectors of clouds in view
+  std::size_t vectors = 0;  // vectors of point sets in view
   const char* splats =
       "none";             // rendering path in use: "gl" or "cpu"; also "cpu" if OpenGL was requested but unavailable
   bool pending = false;   // more detail for this view is on its way: draw again

@@ -59,7 +59,7 @@ struct MeshCache {
   /// of primitives share one mesh with different scales, and so one draw call.
   std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
 
-  /// Meshes of clouds with triangles, while the clouds exist.
+  /// Meshes of point sets with triangles, while the point sets exist.
   struct SurfaceEntry {
     std::weak_ptr<const qnv::Cloud> cloud;
     std::array<std::shared_ptr<const vrml::Mesh>, 2> meshes;  // second: the textured part

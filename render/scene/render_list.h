@@ -86,7 +86,7 @@ struct SplatItem {
   std::shared_ptr<const qnv::Cloud> cloud;
   glm::dmat4 world_from_node{1.0};
   Material material;
-  bool own_color = false;  // use the cloud's colour instead of the material's
+  bool own_color = false;  // use the point set's colour instead of the material's
   float detail = 1;        // > 0: factor of the QNV node for its share of the budget and its level of detail
   LightList directional_lights;
   std::uint32_t place = kNoPlace;  // path of the Shape
@@ -165,7 +165,7 @@ struct RenderList {
   std::uint64_t generation = 0, dressed = 0;
   std::vector<std::uint32_t> moved;
   /// Number that changes with any content, unique in the process (`next_change`). While it stays the same, a drawn
-  /// image remains valid. 0 means untracked. Growth of the clouds and images in the list does not count.
+  /// image remains valid. 0 means untracked. Growth of the point sets and images in the list does not count.
   std::uint64_t changes = 0;
   std::vector<SplatItem> splats;
   std::vector<Light> lights;               // directional ones act through DrawItem::directional_lights

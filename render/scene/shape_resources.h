@@ -51,12 +51,13 @@ class ShapeResources {
   };
   [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
                                       std::size_t level);
-  /// Returns the mesh of a cloud with triangles: its textured part if `pictured`, else the rest.
+  /// Returns the mesh of a point set with triangles: its textured part if `pictured`, else the rest.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Cloud>& cloud,
                                                                bool pictured) {
     return meshes_.surface_of(cloud, pictured);
   }
-  /// Returns the texture of a QNV node's surface (Cloud::picture) from the images of nodes; empty until it has loaded.
+  /// Returns the texture of a QNV node's surface (qnv::Cloud::picture) from the images of nodes; empty until it has
+  /// loaded.
   [[nodiscard]] TextureUse surface_texture(const vrml::Node& node, const qnv::Cloud& cloud) const;
   /// Returns the shared default mesh of a Box, Cone, Cylinder or Sphere, with its coarser levels. `fineness` is an
   /// index in kSegments.

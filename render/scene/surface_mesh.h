@@ -14,8 +14,8 @@
 
 namespace gs::render {
 
-/// Returns the mesh of a cloud with triangles (qnv::Cloud::triangles). If part of it has a picture, `pictured` selects
-/// that part, otherwise the rest. For a surface in patches, it returns one level of all patches for collision
+/// Returns the mesh of a point set with triangles (qnv::Cloud::triangles). If part of it has a picture, `pictured`
+/// selects that part, otherwise the rest. For a surface in patches, it returns one level of all patches for collision
 /// detection, not for drawing.
 [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud, bool pictured = false);
 

@@ -12,7 +12,7 @@
 namespace gs::render {
 namespace {
 
-// Fraction of the budget that is shared evenly, so that small clouds do not vanish.
+// Fraction of the budget that is shared evenly, so that small point sets do not vanish.
 constexpr double kEvenPart = 0.125;
 // Voxels per pixel of a cut at full detail: edges are a quarter to one pixel (levels are integers), on two sides.
 constexpr double kMostAPixel = 8;

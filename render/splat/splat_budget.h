@@ -13,7 +13,7 @@
 
 namespace gs::render {
 
-/// Camera of a viewport, as far as it determines the importance of clouds.
+/// Camera of a viewport, as far as it determines the importance of point sets.
 struct BudgetView {
   glm::dmat4 camera_from_world{1.0};
   glm::vec2 tangents{1.0f};  // of the half angles of view, horizontally and vertically

@@ -13,8 +13,8 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kSurveyedDiscs = 8192;  // number of sampled splats
-// Maximum number of covered samples, counted per splat; larger clouds are thinned, since a driver that is busy for
-// seconds is considered hung. Typical clouds cover a thousandth.
+// Maximum number of covered samples, counted per splat; larger point sets are thinned, since a driver that is busy for
+// seconds is considered hung. Typical point sets cover a thousandth.
 constexpr double kMostCoveredSamples = 2e10;
 constexpr float kMargin = 0.05f;  // samples: margin of the rectangles for rounding of their corners
 

@@ -16,7 +16,7 @@
 
 namespace gs::render {
 
-/// Range of a cloud's splats; like SplatPiece, but it holds the cloud.
+/// Range of a point set's splats; like SplatPiece, but it holds the point set.
 struct SharedSplatPiece {
   std::shared_ptr<const qnv::Cloud> cloud;
   std::size_t first = 0, count = 0;
@@ -53,7 +53,7 @@ class SplatGl {
   /// Reads the result back as a layer of the viewport's size.
   [[nodiscard]] SplatLayer read(const SplatTextures& textures, const SplatView& view);
 
-  /// Frees copies of clouds without other owners; call it once per frame.
+  /// Frees copies of point sets without other owners; call it once per frame.
   void forget_unused() { store_.forget_unused(); }
   [[nodiscard]] const SplatStore& store() const { return store_; }
 

@@ -94,7 +94,7 @@ bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {
   made.width = view.width;
   made.height = view.height;
   made.samples = view.supersample;
-  // Attachments of earlier clouds stay, since others in the image will need them too.
+  // Attachments of earlier point sets stay, since others in the image will need them too.
   made.colored = kind.colored || (same && t.colored);
   made.smooth = kind.smooth || (same && t.smooth);
   t = {};

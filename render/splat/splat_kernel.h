@@ -12,7 +12,7 @@
 
 namespace gs::render {
 
-/// Splats of a cloud as the surface splatter reads them.
+/// Splats of a point set as the surface splatter reads them.
 struct SplatSource {
   const glm::vec3 *positions = nullptr, *normals = nullptr;
   const float* weights = nullptr;

@@ -21,7 +21,7 @@
 namespace gs::render {
 namespace {
 
-/// Reports whether all arrays of a cloud have consistent sizes.
+/// Reports whether all arrays of a point set have consistent sizes.
 bool has_whole_arrays(const qnv::Cloud& cloud) {
   const auto fits = [&](const auto& array) { return array.empty() || array.size() == cloud.size(); };
   return cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size() && fits(cloud.colors) &&
@@ -281,7 +281,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     if (!textures) textures = on_processor(pieces, view, whole);
     statistics.vectors += textures->discs;
     statistics.draw_calls += textures->draw_calls;
-    // A cloud that OpenGL could not draw shows in the statistics.
+    // A point set that OpenGL could not draw shows in the statistics.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
     shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0, sets[i],

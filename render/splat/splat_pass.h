@@ -18,17 +18,17 @@
 
 namespace gs::render {
 
-/// Draws the clouds of a RenderList: rasterizes them on the CPU or with OpenGL, then shades each pixel with the scene's
-/// lights, tested against the existing depth.
+/// Draws the point sets of a RenderList: rasterizes them on the CPU or with OpenGL, then shades each pixel with the
+/// scene's lights, tested against the existing depth.
 class SplatPass {
  public:
   explicit SplatPass(const Gl& gl);
 
-  /// Draws the clouds. `camera` must have near and far planes. Leaves blending and the depth test off.
+  /// Draws the point sets. `camera` must have near and far planes. Leaves blending and the depth test off.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
-  /// Shades the result of another CPU rasterizer for an item, like a cloud. `options` as for `draw`.
+  /// Shades the result of another CPU rasterizer for an item, like a point set. `options` as for `draw`.
   void draw_layer(const SplatLayer& layer, const RenderList& list, const DrawItem& item, const Camera& camera,
                   const Projection& projection, const DrawOptions& options);
 

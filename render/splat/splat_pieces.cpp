@@ -31,7 +31,7 @@ std::optional<qnv::Rgb8> tint_of(const qnv::Piece& piece, ColorBy color_by) {
   return std::nullopt;
 }
 
-/// Returns the first `count` vectors of a cloud, split where the tint changes.
+/// Returns the first `count` vectors of a point set, split where the tint changes.
 std::vector<SharedSplatPiece> prefix_of(const std::shared_ptr<const qnv::Cloud>& cloud, std::size_t count,
                                         ColorBy color_by) {
   const std::size_t all = cloud->size();

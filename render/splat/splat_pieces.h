@@ -13,7 +13,7 @@
 
 namespace gs::render {
 
-/// Size and colours of a cloud's part for one view.
+/// Size and colours of a point set's part for one view.
 struct CutOptions {
   std::size_t budget = 0;        // vectors; 0 means unlimited
   std::size_t most_decoded = 0;  // vectors that may be decoded now; 0 means unlimited
@@ -28,10 +28,10 @@ struct SplatCut {
   std::size_t decoded = 0;  // vectors decoded for this cut
 };
 
-/// Selects the part of a cloud to draw in a view: for a stream with levels, its cut; for others, the prefix of the
+/// Selects the part of a point set to draw in a view: for a stream with levels, its cut; for others, the prefix of the
 /// progressive order within the budget, enlarged to keep its area. With colours by level, chunk or age, each piece has
-/// a tint of color_ramps.h; a level has the same colour in all streams. In clouds without levels, octaves of the order
-/// stand for levels and blocks for chunks. Returns nothing for non-finite views.
+/// a tint of color_ramps.h; a level has the same colour in all streams. In point sets without levels, octaves of the
+/// order stand for levels and blocks for chunks. Returns nothing for non-finite views.
 [[nodiscard]] SplatCut cut_cloud(const std::shared_ptr<const qnv::Cloud>& cloud, const SplatView& view,
                                  const CutOptions& options);
 

@@ -17,7 +17,7 @@
 
 namespace gs::render {
 
-/// View of a cloud for rasterizing.
+/// View of a point set for rasterizing.
 struct SplatView {
   glm::mat4 camera_from_node{1.0f};  // any affine matrix
   glm::vec2 tangents{1.0f};          // of the half angles of view, horizontally and vertically
@@ -48,13 +48,14 @@ struct SplatAllocator : std::allocator<T> {
   }
 };
 
-/// Result of rasterizing a cloud in a rectangle of the viewport, rows from the bottom. Coverage is 0 for empty pixels.
+/// Result of rasterizing a point set in a rectangle of the viewport, rows from the bottom. Coverage is 0 for empty
+/// pixels.
 struct SplatLayer {
   int x = 0, y = 0, width = 0, height = 0;
   std::vector<float, SplatAllocator<float>> depth;  // distance along the view axis, camera units
   // 4 per pixel: camera space x, y, z as 0..65535 for -1..1; coverage 0..65535.
   std::vector<std::uint16_t, SplatAllocator<std::uint16_t>> normals;
-  // 4 per pixel: RGB and unused; empty if the cloud has one colour.
+  // 4 per pixel: RGB and unused; empty if the point set has one colour.
   std::vector<std::uint8_t, SplatAllocator<std::uint8_t>> colors;
   std::size_t discs = 0;  // splats in view
   std::size_t drawn = 0;  // splats drawn; fewer if all would cover more than kMostSplatSamples
@@ -68,7 +69,7 @@ struct SplatLayer {
 /// threads.
 [[nodiscard]] SplatLayer rasterize_surface(const qnv::Cloud& cloud, const SplatView& view);
 
-/// Range of a cloud's splats.
+/// Range of a point set's splats.
 struct SplatPiece {
   const qnv::Cloud* cloud = nullptr;
   std::size_t first = 0, count = 0;
@@ -78,11 +79,11 @@ struct SplatPiece {
 /// Rasterizes pieces of one surface: all or none with cells, all or none two-sided.
 [[nodiscard]] SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView& view);
 
-/// Maximum number of blended samples, counted per splat. Larger clouds would take seconds and are thinned evenly;
-/// typical clouds need a hundredth.
+/// Maximum number of blended samples, counted per splat. Larger point sets would take seconds and are thinned evenly;
+/// typical point sets need a hundredth.
 inline constexpr std::uint64_t kMostSplatSamples = 2'000'000'000;
 
-/// Estimates for pieces of clouds in a view, from a sample of their splats.
+/// Estimates for pieces of point sets in a view, from a sample of their splats.
 struct SplatSurvey {
   std::size_t discs = 0;  // in view
   bool smooth = false;    // rasterize_surface lets the normals follow the surface between the splats

@@ -18,7 +18,7 @@ using qnv::finite;
 constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // maximum codes
 constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // splats encoded at a time
 constexpr std::uint32_t kTaskDiscs = 16384;
-constexpr std::size_t kLeastRange = 1024;      // splats: larger clouds are not split into smaller ranges
+constexpr std::size_t kLeastRange = 1024;      // splats: larger point sets are not split into smaller ranges
 constexpr std::size_t kSampledRecords = 1024;  // per chunk
 
 bool can_be_drawn(const glm::vec3& position, const glm::vec3& normal, float weight) {
@@ -162,7 +162,7 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds) 
   std::vector<Upload> uploads;
   for (const auto& cloud : clouds) {
     Entry& entry = entries_[cloud.get()];
-    // An expired entry belonged to another cloud at the same address.
+    // An expired entry belonged to another point set at the same address.
     if (entry.cloud.expired()) {
       give_back(entry);
       entry = {};
@@ -189,7 +189,7 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds) 
   return !take_errors(gl_) && good;
 }
 
-// Allocates memory for all splats of a cloud, or none.
+// Allocates memory for all splats of a point set, or none.
 bool SplatStore::place(Entry& entry) {
   std::size_t left = entry.discs, want = std::min(left, slab_discs_);
   while (left > 0) {
@@ -242,7 +242,7 @@ bool SplatStore::make_slab(bool cells) {
   return true;
 }
 
-// Frees the least recently drawn clouds; keeps those of this frame. Returns false if there is nothing to free.
+// Frees the least recently drawn point sets; keeps those of this frame. Returns false if there is nothing to free.
 bool SplatStore::make_room() {
   std::uint64_t oldest = frame_;
   for (const auto& [cloud, entry] : entries_)
@@ -289,7 +289,7 @@ void SplatStore::upload(std::span<const Upload> uploads) {
   // Part of a range that is encoded by one task.
   struct Task {
     const Upload* upload;
-    std::size_t from;  // index in the cloud
+    std::size_t from;  // index in the point set
     Range to;
     std::size_t at;  // index in `codes`
   };

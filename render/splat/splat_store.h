@@ -19,31 +19,31 @@
 
 namespace gs::render {
 
-/// Splat as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the cloud, an octahedral normal
-/// of 2 x 14, a logarithmic radius of 16 and a colour of 24. A radius of 0 means invisible.
+/// Splat as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the point set, an octahedral
+/// normal of 2 x 14, a logarithmic radius of 16 and a colour of 24. A radius of 0 means invisible.
 using SplatCode = std::array<std::uint32_t, 4>;
 /// Cube of a splat: a logarithmic edge of 16 bits (0 means none), and the offset of its centre, 16 bits.
 using CellCode = std::uint32_t;
 
-/// Decoding parameters of one cloud's codes.
+/// Decoding parameters of one point set's codes.
 struct SplatCoding {
   // Maximum distance of a cube's centre from its splat, in edges.
   static constexpr float kOffsetRange = 4;
-  glm::vec3 lower{0}, step{0};          // position = lower + code * step; units of the cloud
+  glm::vec3 lower{0}, step{0};          // position = lower + code * step; units of the point set
   glm::vec2 radius{0}, edge{0};         // log2 of the value = x + code * y
   float largest_radius = 0, reach = 0;  // reach: of the largest cube from its splat
 };
 
-/// Returns nullopt if nothing of the cloud can be drawn: its arrays differ in length, or no splat is finite. Accepts
-/// any numbers.
+/// Returns nullopt if nothing of the point set can be drawn: its arrays differ in length, or no splat is finite.
+/// Accepts any numbers.
 [[nodiscard]] std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud);
 /// Encodes codes.size() splats from index `first`.
 void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<SplatCode> codes);
-/// Encodes the cubes of these splats; the cloud must have cubes.
+/// Encodes the cubes of these splats; the point set must have cubes.
 void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes);
 
-/// Caches clouds in GPU memory, 16 bytes per splat, 20 with cubes, while other owners hold them. The least recently
-/// drawn clouds make room for others.
+/// Caches point sets in GPU memory, 16 bytes per splat, 20 with cubes, while other owners hold them. The least recently
+/// drawn point sets make room for others.
 ///
 /// The data is in slabs, large buffers shared by thousands of clusters of a stream, so that a cut needs few calls to
 /// upload and draw. Shaders read slabs as buffer textures, indexed by splat.
@@ -53,7 +53,7 @@ class SplatStore {
     Buffer codes, cells;                   // SplatCodes; CellCodes, or none
     Texture codes_texture, cells_texture;  // RGBA32UI and R32UI, one texel per splat
     RangeAllocator free;
-    std::size_t discs = 0;  // of all clouds
+    std::size_t discs = 0;  // of all point sets
   };
   /// Consecutive splats in a slab.
   struct Range {
@@ -72,11 +72,11 @@ class SplatStore {
   explicit SplatStore(const Gl& gl, std::size_t most_bytes = std::size_t{1} << 30,
                       std::size_t slab_discs = std::size_t{1} << 18);
 
-  /// Uploads clouds that are not yet cached. Returns false if memory does not suffice for all.
+  /// Uploads point sets that are not yet cached. Returns false if memory does not suffice for all.
   bool add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds);
-  /// Returns the location of a cloud; null if it was not added. Valid until the next `add` or `forget_unused`.
+  /// Returns the location of a point set; null if it was not added. Valid until the next `add` or `forget_unused`.
   [[nodiscard]] const Entry* find(const qnv::Cloud* cloud) const;
-  /// Frees copies of clouds without other owners; call it once per frame.
+  /// Frees copies of point sets without other owners; call it once per frame.
   void forget_unused();
 
   [[nodiscard]] const Slab& slab(std::uint32_t number) const { return *slabs_[number]; }

@@ -32,13 +32,13 @@ static_assert(sizeof(SplatDisc) == 64);
 /// Flag in SplatDisc::color: the back is visible.
 constexpr std::uint32_t kSplatBack = 1u << 24;
 
-/// Rays of a view, shared by all splats of a cloud.
+/// Rays of a view, shared by all splats of a point set.
 struct SplatRays {
   glm::vec3 origin, right, up;  // node space, depth 1: ray of sample (0, 0), and increments per sample
   float near_plane;
 };
 
-/// Properties shared by all splats of a cloud.
+/// Properties shared by all splats of a point set.
 struct SplatKind {
   bool cubes = false, colored = false;
   bool sides = false;   // two-sided

@@ -73,15 +73,15 @@ struct VolumeOptions {
   CameraFog fog;
 };
 
-/// View-independent data of a cloud, or of a prefix of its vectors.
+/// View-independent data of a point set, or of a prefix of its vectors.
 struct VolumeModel {
   /// s_k in node units. It is Description::spacing if vectors around k are as dense as in a boundary three voxels
   /// thick. For sparser vectors it is e sqrt(3 / n) for n vectors in a cube of edge e around k; for vectors denser than
   /// a solid, e cbrt(1 / n). At most twice the 90th percentile. If all vectors are drawn, at most the edge of the
   /// vector's cell, if it has one.
   std::vector<float> spacing;
-  VolumeTransfer transfer{};  // from the cloud's description
-  float full_magnitude = 0;   // median of the weights of the whole cloud
+  VolumeTransfer transfer{};  // from the point set's description
+  float full_magnitude = 0;   // median of the weights of the whole point set
 
   [[nodiscard]] bool empty() const { return spacing.empty(); }
 };
@@ -96,12 +96,12 @@ struct VolumePrefix {
 /// then overlap by up to a fifth more than needed.
 [[nodiscard]] VolumePrefix volume_prefix(std::size_t size, std::size_t budget);
 
-/// Computes the model for images of all vectors. If `counted` comes from volume_prefix() and is less than the cloud's
-/// size, computes it for any prefix with that `counted`: the spacings are those among the first `counted` vectors,
-/// given for all vectors that may be shown.
+/// Computes the model for images of all vectors. If `counted` comes from volume_prefix() and is less than the point
+/// set's size, computes it for any prefix with that `counted`: the spacings are those among the first `counted`
+/// vectors, given for all vectors that may be shown.
 ///
-/// Empty if the cloud is empty or its arrays are inconsistent. Thread-safe; accepts any numbers; the result does not
-/// depend on the number of threads. Takes a few bytes per vector plus at most 16 MB.
+/// Empty if the point set is empty or its arrays are inconsistent. Thread-safe; accepts any numbers; the result does
+/// not depend on the number of threads. Takes a few bytes per vector plus at most 16 MB.
 [[nodiscard]] VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads = 0,
                                        std::size_t counted = std::numeric_limits<std::size_t>::max());
 

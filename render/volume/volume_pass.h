@@ -19,8 +19,8 @@
 
 namespace gs::render {
 
-/// Draws the volumes of a RenderList (only SplatItems with clouds of Kind::volume): blends the vectors of all of them
-/// by depth, with OpenGL or on the CPU, over the existing image. Colours are those of DrawOptions::clouds; of the
+/// Draws the volumes of a RenderList (only SplatItems with point sets of Kind::volume): blends the vectors of all of
+/// them by depth, with OpenGL or on the CPU, over the existing image. Colours are those of DrawOptions::clouds; of the
 /// material only the transparency counts. volume_lights() selects the lights. If the budget (share_budget) excludes
 /// some vectors, a volume shows a prefix of its progressive order.
 ///
@@ -77,7 +77,7 @@ class VolumePass {
   VertexArray no_attributes_;
   Texture pixels_texture_, depths_texture_;
   Overlay overlay_, edge_overlay_;
-  std::unordered_multimap<const qnv::Cloud*, Held> models_;  // of clouds with other owners
+  std::unordered_multimap<const qnv::Cloud*, Held> models_;  // of point sets with other owners
   std::uint64_t frame_ = 0;
 };
 

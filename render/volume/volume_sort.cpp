@@ -89,7 +89,7 @@ VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::s
   bool same = true;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const VolumeSortPart& part = parts[i];
-    // Compares ownership, since another cloud may have the same address.
+    // Compares ownership, since another point set may have the same address.
     if (seen[i].count != part.count || seen[i].cloud.owner_before(part.cloud) || part.cloud.owner_before(seen[i].cloud))
       return Likeness::far;
     if (seen[i].row == part.row) continue;
@@ -145,7 +145,7 @@ void VolumeSorter::run(const std::stop_token& stop) {
     } catch (const std::bad_alloc&) {
       result->far_first.clear();
     }
-    parts.clear();  // releases the clouds
+    parts.clear();  // releases the point sets
     lock.lock();
     newest_ = std::move(result);
     changed_.notify_all();

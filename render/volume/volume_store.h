@@ -17,12 +17,12 @@
 
 namespace gs::render {
 
-/// Vector of a volume as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the cloud, an
+/// Vector of a volume as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the point set, an
 /// octahedral normal of 2 x 10 (both kNoNormal if none), a logarithmic weight of 16 (0 means zero), a colour of 24 and
 /// the class of 8.
 using VolumeCode = std::array<std::uint32_t, 4>;
 
-/// Decoding parameters of one cloud's codes.
+/// Decoding parameters of one point set's codes.
 struct VolumeCoding {
   static constexpr std::uint32_t kLargestPosition = 0xFFFFF, kLargestNormal = 1022, kNoNormal = 1023,
                                  kLargestWeight = 0xFFFF;
@@ -30,7 +30,7 @@ struct VolumeCoding {
   glm::vec2 weight{0};          // log2 of the weight = x + code * y
 };
 
-/// Returns the parameters for the first `count` vectors of a cloud with a model. Accepts any numbers.
+/// Returns the parameters for the first `count` vectors of a point set with a model. Accepts any numbers.
 [[nodiscard]] VolumeCoding volume_coding(const qnv::Cloud& cloud, std::size_t count);
 /// Encodes codes.size() vectors from index `first`.
 void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, std::size_t first,
@@ -42,15 +42,15 @@ struct VolumeDecoded {
 };
 [[nodiscard]] VolumeDecoded decode_volume_code(const VolumeCode& code, const VolumeCoding& coding);
 
-/// Volume with shared ownership of its cloud and model.
+/// Volume with shared ownership of its point set and model.
 struct SharedVolume {
   std::shared_ptr<const qnv::Cloud> cloud;
   std::shared_ptr<const VolumeModel> model;
 };
 
 /// Caches volume vectors in GPU memory, 20 bytes each, in one buffer texture, so that several volumes can be drawn in
-/// one order. Caches as many as their models have spacings, while other owners hold the clouds. Belongs to the thread
-/// of its context.
+/// one order. Caches as many as their models have spacings, while other owners hold the point sets. Belongs to the
+/// thread of its context.
 class VolumeStore {
  public:
   /// `most_bytes` limits GPU memory.
@@ -63,7 +63,7 @@ class VolumeStore {
   /// Uploads volumes that are not yet cached. Returns their locations in order; empty if there is no room. Valid until
   /// the next call.
   std::vector<Place> place(std::span<const SharedVolume> volumes);
-  /// Frees the data of clouds without other owners; call it once per frame.
+  /// Frees the data of point sets without other owners; call it once per frame.
   void forget_unused();
 
   [[nodiscard]] const Texture& codes() const { return codes_; }        // GL_RGBA32UI
