@@ -54,8 +54,8 @@ class LightSets {
   [[nodiscard]] std::size_t count(std::uint32_t set) const { return sets_[set].size(); }
   /// Reports whether a set has only directional lights, so that lighting does not depend on the position.
   [[nodiscard]] bool directional_only(std::uint32_t set) const { return directional_only_[set]; }
-  /// Computes the shader's result for a surface with a constant normal (camera space, unit, towards the viewer) and no
-  /// specular colour, lit by directional lights only. Components may exceed 1.
+  /// Computes the shader's result for a flat surface without specular colour that only directional lights reach.
+  /// `normal` is in camera space, a unit vector towards the viewer. Components may exceed 1.
   [[nodiscard]] glm::vec3 color_of(std::uint32_t set, const glm::vec3& normal, const glm::vec3& diffuse,
                                    const glm::vec3& emissive, float ambient_intensity) const;
   /// Uploads all sets; call it between `choose` and `bind`.

@@ -9,8 +9,8 @@
 namespace gs::render {
 namespace {
 
-/// Bytes of the file. If they end inside the pixels, giflib sees a last block of just the remaining length and then the
-/// end of the picture, so every complete row is kept.
+/// Bytes of the file. If they end inside the pixels, giflib sees a last block of the remaining length and the end of
+/// the picture. Every complete row is thus kept.
 struct GifSource {
   std::span<const std::byte> bytes;
   std::size_t position = 0;

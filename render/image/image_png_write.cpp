@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-// Writes PNG (ISO/IEC 15948) on several threads. Strips of rows are filtered and compressed in parallel, as deflate
-// blocks that end on a byte and have no references to earlier data, so that they can be concatenated.
+// Writes PNG (ISO/IEC 15948) on several threads. Strips of rows are filtered and compressed in parallel. Their deflate
+// blocks end on a byte and have no references to earlier data, so they can be concatenated.
 namespace gs::render {
 namespace {
 

@@ -11,8 +11,8 @@ namespace gs::render {
 
 /// Makes drawing cancellable: draws are split into slices, each finished before the next begins, and the callback is
 /// polled between two slices. Slices double while they are fast and shrink when they are slow, since the pixels per
-/// triangle are unknown in advance. Without a callback, it still limits the slices in flight for software drivers,
-/// which store a slice's triangles until other threads have filled their pixels. Belongs to the thread of the context.
+/// triangle are unknown in advance. Software drivers store a slice's triangles until other threads have filled their
+/// pixels. The slices in flight are therefore limited even without a callback. Belongs to the thread of the context.
 class DrawPacer {
  public:
   /// `go_on` may be null. `pixels` is the size of the target.

@@ -29,8 +29,8 @@ static_assert(sizeof(Instance) == 24 * sizeof(float));
 /// parts of a map; the vertex shader then avoids differences of large numbers.
 [[nodiscard]] glm::vec3 local_origin(const vrml::Bounds& bounds);
 
-/// Caches meshes in GPU memory. Small meshes of the same format share pages (a vertex array, a vertex buffer and an
-/// index buffer), so that they are drawn without state changes.
+/// Caches meshes in GPU memory. Small meshes of the same format share pages, so that they are drawn without state
+/// changes. A page has a vertex array, a vertex buffer and an index buffer.
 class MeshStore {
  public:
   /// Location of a mesh in its page.

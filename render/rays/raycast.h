@@ -40,7 +40,7 @@ struct RaySurface {
 /// Implements the definition of rasterize_surface, exactly and slowly, in double precision.
 ///
 /// For each sample's ray, it finds the nearest splat that covers the ray's intersection with its plane. A splat from an
-/// octree covers its cube, enlarged on each side by kCubeMargin of the edge (kBackMargin if its back is visible) or by
+/// octree covers its cube plus a margin on each side: kCubeMargin of the edge (kBackMargin if its back is visible), or
 /// kSampleMargin samples. Any other splat covers kDiscCover times its radius; if the point set has cubes, it covers a
 /// cube of that half edge. All splats cover at least kLeastReach samples. Back-facing splats count only if the point
 /// set is two-sided. Splats seen edge-on, up to a cosine of kGrazing, never count. splat_constants.h defines the

@@ -57,8 +57,8 @@ struct VolumePick {
   float opacity = 0;   // of the volume along the whole ray, 0..1
 };
 
-/// Returns the point of a volume before which half of the light is absorbed (equation (1) of the paper, with the
-/// opacities of `model` and `options`; `options.clip` is in node space). Splats face the ray here, and the camera in
+/// Returns the point of a volume before which half of the light is absorbed, by equation (1) of the paper. Opacities
+/// are those of `model` and `options`; `options.clip` is in node space. Splats face the ray here, and the camera in
 /// images. If the whole ray absorbs less than half, it returns the point at half of the total absorption; nullopt below
 /// one percent. Accepts any numbers.
 [[nodiscard]] std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel& model,

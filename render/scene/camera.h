@@ -62,7 +62,7 @@ struct Projection {
 /// Returns the projection; `near_plane` and `far_plane` must be set. `width` and `height` are those of the drawn part.
 [[nodiscard]] Projection projection(const Camera& camera, float width, float height, bool reversed = false);
 
-/// Replaces a parallel projection by a perspective one from so far away that points in `bounds` deviate by at most
+/// Replaces a parallel projection by a perspective one from far away. Points in `bounds` deviate by at most
 /// kFarParallax of the image's half side. Returns other cameras unchanged.
 [[nodiscard]] Camera far_camera(const Camera& camera, const WorldBounds& bounds);
 inline constexpr double kFarParallax = 1.0 / 4096;

@@ -89,9 +89,9 @@ class ShapeResources {
   bool made_mesh_ = false;
 };
 
-/// Returns the level of detail for a text (an index in vrml::kTextTolerances) at which no corners are visible, by the
-/// font size at the nearest point of its box. `bounds` is in world space; `pixels_per_radian` refers to the image
-/// centre. `pictures` permits the glyph atlas for small text.
+/// Returns the level of detail for a text, an index in vrml::kTextTolerances, at which no corners are visible. It
+/// depends on the font size at the nearest point of the text's box. `bounds` is in world space; `pixels_per_radian`
+/// refers to the image centre. `pictures` permits the glyph atlas for small text.
 [[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node,
                                      const WorldBounds& bounds, const glm::dvec3& viewer, float pixels_per_radian,
                                      bool pictures);

@@ -63,10 +63,9 @@ struct SplatLayer {
   [[nodiscard]] bool empty() const { return depth.empty(); }
 };
 
-/// Splats a surface on the CPU: finds the nearest surface of every sample, then averages normals and colours of the
-/// splats there, weighted by a bell of the distance in the splat (paper, section 3; two passes as in Botsch et al.
-/// 2005). Splats from an octree cover only their cube and a small margin. Gives the same bits for any number of
-/// threads.
+/// Splats a surface on the CPU. The first pass finds the nearest surface of every sample. The second averages normals
+/// and colours of the splats there, weighted by a bell of the distance (paper, section 3; Botsch et al. 2005). Splats
+/// from an octree cover only their cube and a small margin. Gives the same bits for any number of threads.
 [[nodiscard]] SplatLayer rasterize_surface(const qnv::Cloud& cloud, const SplatView& view);
 
 /// Range of a point set's splats.

@@ -19,8 +19,8 @@
 
 namespace gs::render {
 
-/// Splat as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the point set, an octahedral
-/// normal of 2 x 14, a logarithmic radius of 16 and a colour of 24. A radius of 0 means invisible.
+/// Splat as the vertex shader reads it, 16 bytes. Bits: 3 x 20 for coordinates in the box of the point set; 2 x 14 for
+/// an octahedral normal. Then 16 for a logarithmic radius (0 means invisible) and 24 for a colour.
 using SplatCode = std::array<std::uint32_t, 4>;
 /// Cube of a splat: a logarithmic edge of 16 bits (0 means none), and the offset of its centre, 16 bits.
 using CellCode = std::uint32_t;
@@ -45,8 +45,8 @@ void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_
 /// Caches point sets in GPU memory, 16 bytes per splat, 20 with cubes, while other owners hold them. The least recently
 /// drawn point sets make room for others.
 ///
-/// The data is in slabs, large buffers shared by thousands of clusters of a stream, so that a cut needs few calls to
-/// upload and draw. Shaders read slabs as buffer textures, indexed by splat.
+/// Slabs are large buffers that thousands of clusters of a stream share. A cut thus needs few calls to upload and draw.
+/// Shaders read slabs as buffer textures, indexed by splat.
 class SplatStore {
  public:
   struct Slab {

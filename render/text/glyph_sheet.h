@@ -27,8 +27,8 @@ class GlyphSheet {
     const Grey all = grey(1, glm::vec2(0.25f));
     return (all.lower + all.upper) * 0.5f;
   }
-  /// Rectangle of the atlas for `size` ems in which a fraction `density` (0 to 1) of scattered pixels is 255, like the
-  /// letters of an unreadable word.
+  /// Rectangle of the atlas that looks like the letters of an unreadable word of `size` ems. A fraction `density` (0 to
+  /// 1) of its pixels, scattered, is 255.
   struct Grey {
     glm::vec2 lower, upper;
   };

@@ -25,7 +25,7 @@ namespace gs::render {
 enum class VolumeSort : std::uint8_t { automatic, thread, compute };
 
 /// Volume splatting with OpenGL 3.3: the image of rasterize_volumes, up to rounding. It blends instanced rectangles of
-/// all volumes from back to front at 16 bits per channel, tested per sample against the existing depth, and then
+/// all volumes from back to front at 16 bits per channel. Each sample is tested against the existing depth. Then it
 /// composites the result. Without such a target, it blends into the image directly, with 8-bit rounding. Belongs to the
 /// thread of its context.
 ///

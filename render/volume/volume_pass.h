@@ -25,8 +25,8 @@ namespace gs::render {
 /// some vectors, a volume shows a prefix of its progressive order.
 ///
 /// The existing image hides vectors behind it per sample, so that polygons before, inside and behind a volume are
-/// correct. If the CPU path cannot read depth back, each volume pixel has one depth, at which its opacity reaches 0.5,
-/// and is hidden as a whole. Writes no depth, so that later transparent polygons blend over volumes.
+/// correct. If the CPU path cannot read depth back, each volume pixel is hidden as a whole. Its depth is that at which
+/// its opacity reaches 0.5. Writes no depth, so that later transparent polygons blend over volumes.
 class VolumePass {
  public:
   explicit VolumePass(const Gl& gl, VolumeSort sort = VolumeSort::automatic);

@@ -17,9 +17,9 @@
 
 namespace gs::render {
 
-/// Vector of a volume as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the point set, an
-/// octahedral normal of 2 x 10 (both kNoNormal if none), a logarithmic weight of 16 (0 means zero), a colour of 24 and
-/// the class of 8.
+/// Vector of a volume as the vertex shader reads it, 16 bytes. Bits: 3 x 20 for coordinates in the box of the point
+/// set; 2 x 10 for an octahedral normal (kNoNormal if none). Then 16 for a logarithmic weight (0 means zero), 24 for a
+/// colour and 8 for the class.
 using VolumeCode = std::array<std::uint32_t, 4>;
 
 /// Decoding parameters of one point set's codes.

@@ -9,8 +9,8 @@ struct BindableEvents {
 };
 
 void tell_bound(Execution& execution, EventNode node, bool bound) {
-  // If the node was bound and unbound with one timestamp, the second event waits for the next one, since each eventOut
-  // sends once per timestamp (4.10.4).
+  // Each eventOut sends once per timestamp (4.10.4). If the node was bound and unbound with one timestamp, the second
+  // event waits for the next.
   if (execution.has_sent(node, BindableEvents::is_bound)) {
     execution.call_at(node, execution.now());
     return;

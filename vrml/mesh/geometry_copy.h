@@ -11,8 +11,8 @@ namespace gs::vrml {
 /// Returns 0 if the node is no geometry.
 [[nodiscard]] std::size_t tessellation_cost(const SceneGraph& scene, NodeId geometry);
 
-/// Copy of a geometry node and everything its mesh depends on, in a scene of its own, for a thread that does not own
-/// the original scene. Arrays are shared copy-on-write (docs/decisions/0003).
+/// Copy of a geometry node and everything its mesh depends on, in its own scene. For a thread that does not own the
+/// original scene. Arrays are shared copy-on-write (docs/decisions/0003).
 struct GeometryCopy {
   std::unique_ptr<SceneGraph> scene;  // draws from the world's budget; null if that is exhausted
   NodeId geometry, refiner;           // in `scene`; see MeshOptions::refiner

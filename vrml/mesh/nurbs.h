@@ -17,9 +17,9 @@ class NurbsAxis {
  public:
   static constexpr int kMaximumOrder = 32;
 
-  /// Makes an axis for `points` control points. If the knots are not points + order in number, decrease or are not
-  /// finite, uniform ones replace them that reach the first and last control point. Returns nullopt for fewer points
-  /// than the order, and for an order below 2 or above kMaximumOrder.
+  /// Makes an axis for `points` control points. Invalid knots (wrong number, decreasing or not finite) are replaced by
+  /// uniform ones that reach the first and last control point. The valid number is points + order. Returns nullopt for
+  /// fewer points than the order, and for an order below 2 or above kMaximumOrder.
   [[nodiscard]] static std::optional<NurbsAxis> make(std::size_t points, std::int32_t order,
                                                      std::span<const float> knots);
 

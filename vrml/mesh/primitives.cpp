@@ -36,8 +36,8 @@ struct Direction {
   float x, z;
 };
 
-/// Returns segments + 1 directions once around the Y axis, from the back (-Z), where the texture seam lies (VRML97
-/// 6.11, 6.14, 6.43), counter-clockwise seen from above.
+/// Returns segments + 1 directions once around the Y axis, counter-clockwise seen from above. They start at the texture
+/// seam at the back (-Z; VRML97 6.11, 6.14, 6.43).
 [[nodiscard]] std::vector<Direction> turn(int segments) {
   std::vector<Direction> directions(static_cast<std::size_t>(segments) + 1);
   for (int i = 0; i < segments; ++i) {

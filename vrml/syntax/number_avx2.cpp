@@ -13,8 +13,8 @@ namespace {
 
 // Each round examines the 64 bytes after the last number. Vector compares turn them into bit masks, and a few
 // operations give the start, the point and the end of each number. No number waits for the previous one. Up to kRound
-// complete numbers of the window are converted at once, each in its own byte lane with its last digit in the last byte.
-// Windows with exponents or long numbers take a longer path. read_number repeats numbers with uncertain rounding;
+// complete numbers of the window are converted at once. Each has its own byte lane, with its last digit in the last
+// byte. Windows with exponents or long numbers take a longer path. read_number repeats numbers with uncertain rounding;
 // read_plain handles windows with anything that is no number.
 constexpr std::ptrdiff_t kWindow = 64;
 constexpr std::size_t kRound = 8;
