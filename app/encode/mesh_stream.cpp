@@ -16,16 +16,16 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kStreamedTogether = 4096;                // triangles that are handed over at once
-constexpr std::size_t kPutAsideEvery = std::size_t{64} << 20;  // bytes of a file that were read
-constexpr std::size_t kColorsLookedAt = 65'536;                // facets, to tell whether they have colours
-const qnv::Rgb8 kPlainGrey{204, 204, 204};                     // Material.diffuseColor (VRML97 6.27)
+constexpr std::size_t kStreamedTogether = 4096;                // triangles per batch
+constexpr std::size_t kPutAsideEvery = std::size_t{64} << 20;  // bytes read before memory is released
+constexpr std::size_t kColorsLookedAt = 65'536;                // facets to check for colours
+const qnv::Rgb8 kPlainGrey{204, 204, 204};                     // default Material.diffuseColor (VRML97 6.27)
 
-/// Hands triangles over in batches.
+/// Buffer that passes triangles to the sink in batches.
 class TriangleBatches {
  public:
   explicit TriangleBatches(const qnv::TriangleSink& sink) : sink_(sink) { batch_.reserve(kStreamedTogether); }
-  /// False: no more are wanted.
+  /// Returns false if the sink stopped.
   [[nodiscard]] bool add(const std::array<glm::vec3, 3>& positions, const std::array<qnv::Rgb8, 3>& colors) {
     qnv::Triangle& triangle = batch_.emplace_back();
     triangle.positions = positions;
@@ -71,13 +71,13 @@ std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const Put
   return stream;
 }
 
-/// A property of a row of fixed size.
+/// Property in a row of fixed size.
 struct RowColumn {
   std::size_t offset = 0;
   PlyType type = PlyType::float32;
 };
 
-/// Where properties of these names lie in a row; nothing where one is missing.
+/// Returns the columns of these properties; nullopt if one is missing.
 std::optional<std::array<RowColumn, 3>> columns_of(const PlyElement& element,
                                                    const std::array<std::string_view, 3>& names) {
   std::array<RowColumn, 3> columns;
@@ -94,7 +94,7 @@ std::optional<std::array<RowColumn, 3>> columns_of(const PlyElement& element,
   return found == 7 ? std::optional(columns) : std::nullopt;
 }
 
-/// A PLY's vertices, in their file.
+/// Vertices of a PLY, read from the file.
 template <bool big>
 class VertexRows {
  public:
@@ -121,7 +121,7 @@ class VertexRows {
     }
     return to_rgb8({parts[0], parts[1], parts[2]});
   }
-  /// Whether places have more digits than triangles can hold.
+  /// Reports whether coordinates have more precision than triangles can store.
   [[nodiscard]] bool wide() const { return places_[0].type == PlyType::float64; }
 
  private:
@@ -136,7 +136,7 @@ class VertexRows {
   std::optional<std::array<RowColumn, 3>> colors_;
 };
 
-/// The corners of faces, row by row; `each`: false for no more.
+/// Calls `each` with the corners of each face, until it returns false.
 template <bool big, class Each>
 bool for_each_face(std::span<const std::byte> bytes, const PlyElement& element, const Each& each) {
   PlyBinarySource<big> source(bytes);
@@ -188,7 +188,7 @@ std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable 
   for (std::size_t i = 0; i < rows->size(); ++i)
     if (const glm::dvec3 p = rows->place(i); qnv::finite(p)) box.add(p);
   if (!box.empty()) stream.size = glm::vec3(box.upper - box.lower);
-  // What a file has as float32 gains nothing from another origin.
+  // float32 coordinates gain nothing from another origin.
   if (rows->wide()) stream.origin = qnv::local_origin(box);
   stream.source = [rows, data, faces, origin = stream.origin](const qnv::TriangleSink& sink) {
     TriangleBatches batches(sink);

@@ -18,25 +18,26 @@ namespace {
 using qnv::finite;
 
 constexpr std::size_t kTriangleBatch = 4096;
-// The edges of a textured triangle are halved until they are this many texels long, but not more often than this.
+// Edges of textured triangles are halved down to this length in texels, but at most kMostDivisions times.
 constexpr float kTexels = 2;
 constexpr int kMostDivisions = 7;
 
-// An edge is bent where the normals at its ends are this near to each other, and by this part of its length at most.
+// An edge is curved if the cosine of its end normals exceeds kBentCosine; the offset is limited to kMostBend of its
+// length.
 constexpr float kBentCosine = 0.5f, kMostBend = 0.15f;
 
-/// How often an edge is halved, and whether its middle lies on a curve that its normals say or on a line.
+/// Number of times an edge is halved, and whether its midpoint follows the normals or a straight line.
 struct EdgeCut {
   int halvings = 0;
   bool bent = false;
 };
-/// Of a triangle: the edge from corner k to corner k + 1.
+/// Cuts of a triangle: edge k goes from corner k to corner k + 1.
 using EdgeCuts = std::array<EdgeCut, 3>;
 struct SharedEdge {
   EdgeCut cut;
-  std::array<glm::vec3, 2> normals;  // at its ends, the lesser first
+  std::array<glm::vec3, 2> normals;  // normals at the smaller end and the larger end
 };
-/// The two ends of an edge, the lesser first.
+/// Key of an edge: coordinates of its ends, the smaller one first.
 using EdgePlaces = std::array<float, 6>;
 struct HashEdge {
   std::size_t operator()(const EdgePlaces& edge) const {
@@ -51,19 +52,19 @@ EdgePlaces edge_places(const glm::vec3& a, const glm::vec3& b) {
   return {least.x, least.y, least.z, most.x, most.y, most.z};
 }
 
-// One coordinate of a texture, in texels.
+// Converts a texture coordinate to a texel index.
 std::uint32_t texel(float at, std::uint32_t size, bool repeat) {
   if (!std::isfinite(at)) return 0;
   at = repeat ? at - std::floor(at) : std::clamp(at, 0.0f, 1.0f);
   return std::min(static_cast<std::uint32_t>(at * static_cast<float>(size)), size - 1);
 }
 
-// VRML97 Table 4.6: RGB textures replace the colour, intensity textures are multiplied with it.
+// Samples a texture: RGB replaces the colour, intensity multiplies it (VRML97 Table 4.6).
 glm::vec3 sample(const render::TextureUse& texture, const glm::vec2& at, const glm::vec3& color) {
   const render::Image& image = *texture.image;
   const glm::vec3 p = texture.transform * glm::vec3(at, 1.0f);
   const std::uint32_t x = texel(p.x, image.width, texture.repeat_s), y = texel(p.y, image.height, texture.repeat_t);
-  const std::size_t row = image.height - 1 - y;  // t runs upwards
+  const std::size_t row = image.height - 1 - y;  // t points up
   const std::uint8_t* c = image.pixels.data() + (row * image.width + x) * image.components;
   if (image.components < 3) return color * (static_cast<float>(c[0]) / 255.0f);
   return {static_cast<float>(c[0]) / 255.0f, static_cast<float>(c[1]) / 255.0f, static_cast<float>(c[2]) / 255.0f};
@@ -80,7 +81,7 @@ class Emitter {
       : item_(item), sink_(sink), place_(item.world_from_node) {
     place_[3] -= glm::dvec4(origin, 0);
     world_from_node_ = glm::mat3(item.world_from_node);
-    // The adjugate stands for the inverse transpose and exists for singular matrices too.
+    // The adjugate replaces the inverse transpose, and also exists for singular matrices.
     const glm::mat3& m = world_from_node_;
     normal_matrix_ = glm::mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
     flipped_ = glm::dot(m[0], glm::cross(m[1], m[2])) < 0;
@@ -88,7 +89,7 @@ class Emitter {
     textured_ = shows_picture(item);
   }
 
-  /// Three corners for each triangle, until `work` is false.
+  /// Calls `work` with the corners of each triangle until it returns false.
   template <class Work>
   bool each(const Work& work) const {
     const vrml::Mesh& mesh = *item_.mesh;
@@ -163,8 +164,8 @@ class Emitter {
     return n;
   }
 
-  // What all triangles at an edge do with it, so that the surface stays closed between them: they halve it as often as
-  // the one in which it has most texels, and bend it where their normals are the same.
+  // Records how to cut the edges, so that the surface stays closed. The triangle with the most texels sets the number
+  // of halvings. The edge is curved where the triangles share its normals.
   bool measure_edges(const std::array<SurfaceCorner, 3>& corners) {
     for (std::size_t k = 0; k < 3; ++k) {
       const SurfaceCorner *least = &corners[k], *most = &corners[(k + 1) % 3];
@@ -191,7 +192,7 @@ class Emitter {
     SurfaceCorner c{};
     c.position = (a.position + b.position) * 0.5f;
     if (bent) {
-      // Half way to where the planes at both ends are: on a circle, just there.
+      // Place the midpoint half way to the tangent planes at both ends; this is exact for a circle.
       const glm::vec3 half = (b.position - a.position) * 0.5f;
       const glm::vec3 off = 0.25f * (glm::dot(half, b.normal) * b.normal - glm::dot(half, a.normal) * a.normal);
       const float size = glm::length(off), most = kMostBend * 2 * glm::length(half);
@@ -205,19 +206,19 @@ class Emitter {
     return c;
   }
 
-  // Edges are cut as they say, whatever the others of the triangle do: so the triangle on the other side, which does
-  // the same, meets this one in the same places. `depth`: times that a triangle was divided before.
+  // Subdivides a triangle by its edge cuts alone. The triangle on the other side of an edge thus creates the same
+  // vertices. `depth` is the number of divisions so far.
   bool emit(const std::array<SurfaceCorner, 3>& c, const EdgeCuts& cuts, int depth) {
     const auto is_cut = [&](std::size_t k) { return cuts[k % 3].halvings > 0; };
     const int halved = is_cut(0) + is_cut(1) + is_cut(2);
     if (halved == 0) return put(c);
-    // Edges inside are as long as they are; no triangle is divided more than kMostDivisions times.
+    // Inner edges are cut by their own length; the total depth stays within kMostDivisions.
     const auto inside = [&](const SurfaceCorner& a, const SurfaceCorner& b) {
       return EdgeCut{std::min(halvings_of(a.texture, b.texture), kMostDivisions - depth - 1),
                      glm::dot(a.normal, b.normal) > kBentCosine};
     };
     const auto half = [&](std::size_t k) { return EdgeCut{cuts[k % 3].halvings - 1, cuts[k % 3].bent}; };
-    const auto cut = [&](std::size_t k) {  // the place that two triangles share is worked out from the same end
+    const auto cut = [&](std::size_t k) {  // both triangles compute the shared midpoint from the same end
       const SurfaceCorner &a = c[k % 3], &b = c[(k + 1) % 3];
       return before(b.position, a.position) ? middle(b, a, cuts[k % 3].bent) : middle(a, b, cuts[k % 3].bent);
     };
@@ -229,7 +230,7 @@ class Emitter {
              emit({ca, bc, c[2]}, {near_c, half(1), half(2)}, depth + 1) &&
              emit({ab, bc, ca}, {near_b, near_c, near_a}, depth + 1);
     }
-    // One edge, or of two the one that the other follows: from corner k on.
+    // One cut edge; or, of two cut edges, the first of the adjacent pair. Start at corner k.
     std::size_t k = 0;
     while (!is_cut(k) || (halved == 2 && !is_cut(k + 1))) ++k;
     const SurfaceCorner &p = c[k], &q = c[(k + 1) % 3], &r = c[(k + 2) % 3];
@@ -270,10 +271,10 @@ class Emitter {
 
   const render::DrawItem& item_;
   const qnv::TriangleSink& sink_;
-  glm::dmat4 place_;  // from the node's space to the world's from the origin
+  glm::dmat4 place_;  // from node space to world space relative to the origin
   glm::mat3 world_from_node_{1.0f}, normal_matrix_{1.0f};
   bool flipped_ = false, textured_ = false;
-  std::unordered_map<EdgePlaces, SharedEdge, HashEdge> edges_;  // that are halved
+  std::unordered_map<EdgePlaces, SharedEdge, HashEdge> edges_;  // edges to halve
   std::vector<qnv::Triangle> batch_;
 };
 

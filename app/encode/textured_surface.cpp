@@ -25,29 +25,31 @@ namespace {
 using render::DrawItem;
 using render::Image;
 
-// Pixels around what is painted, which smaller pictures of it reach over.
+// Margin around tiles in pixels, for mipmaps; size of single-colour tiles.
 constexpr std::uint32_t kMargin = 8, kSolid = 16;
-// What repeats is painted so many times at most; all of it together has so many pixels an axis.
+// Max repetitions of a repeated texture, and max size of the atlas in pixels per axis.
 constexpr float kMostRepeats = 8;
 constexpr std::uint32_t kMostPixels = 4096;
-// Coordinates of one texture are left as they are, as far as they repeat no more often than that.
+// A single texture keeps its coordinates unless they repeat more often than this.
 constexpr float kMostSpan = 16;
 
-// A coarse file before the picture itself has this many pixels an axis, and less than two times as many; where it takes
-// more than this part of the picture there is none. Before PNG, which shows row by row, there are more.
+// Coarse previews start at this many pixels per axis (up to twice that). They are omitted if larger than this fraction
+// of the picture. Before a PNG, which decodes row by row, there are several.
 constexpr std::uint32_t kCoarsest = 48, kFiner = 4;
 constexpr std::size_t kWorthOfCoarse = 3;
 constexpr int kCoarseQuality = 50, kFullChroma = 95;
-// PNG is to be so many times smaller than JPEG.
+// PNG is used only if it is smaller than JPEG by this factor.
 constexpr std::size_t kWorthOfPng = 3;
 
-/// One of the pictures that are painted side by side.
+/// Tile of the texture atlas.
 struct TextureTile {
-  const Image* image = nullptr;  // null: of one colour
+  const Image* image = nullptr;  // null means a single colour
   bool repeat_s = true, repeat_t = true;
-  glm::vec3 color{1};  // that an intensity is multiplied with, or that of all
-  glm::vec2 lower{std::numeric_limits<float>::max()}, upper{std::numeric_limits<float>::lowest()};  // that is shown
-  std::uint32_t x = 0, y = 0, width = 0, height = 0;  // in the picture, margins among them
+  glm::vec3 color{1};  // single colour, or factor of an intensity texture
+  glm::vec2 lower{std::numeric_limits<float>::max()}, upper{std::numeric_limits<float>::lowest()};  // used range of
+                                                                                                    // texture
+                                                                                                    // coordinates
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  // rectangle in the atlas, with margins
 };
 using TileKey = std::tuple<const Image*, bool, bool, float, float, float>;
 
@@ -60,7 +62,8 @@ bool seen_through(const Image& image) {
 
 glm::vec3 rounded_color(const qnv::Rgb8& c) { return glm::vec3(c.r, c.g, c.b) / 255.0f; }
 
-/// The colour of an item that shows no picture, or with which its picture is multiplied; nothing: it has several.
+/// Returns the colour of an item without texture, or the factor of its texture. Returns nullopt if there are several
+/// colours.
 std::optional<glm::vec3> one_color_of(const DrawItem& item) {
   const vrml::Mesh& mesh = *item.mesh;
   if (mesh.colors.size() == mesh.positions.size()) {
@@ -80,7 +83,7 @@ std::uint32_t pixel(std::int64_t at, std::uint32_t size, bool repeat) {
   return static_cast<std::uint32_t>(repeat ? ((at % n) + n) % n : std::clamp<std::int64_t>(at, 0, n - 1));
 }
 
-/// That of a tile's picture, which begins at its lower left corner.
+/// Returns a pixel of a tile's texture; the origin is the lower left corner.
 glm::vec3 pixel_of(const TextureTile& tile, std::int64_t x, std::int64_t y) {
   if (!tile.image) return tile.color;
   const Image& image = *tile.image;
@@ -91,7 +94,7 @@ glm::vec3 pixel_of(const TextureTile& tile, std::int64_t x, std::int64_t y) {
   return glm::vec3(c[0], c[1], c[2]) / 255.0f;
 }
 
-/// Where tiles are in a picture as wide as it says, one row below the other; its height.
+/// Lays out tiles in rows for an atlas of this width. Returns the height.
 std::uint32_t lay_out(std::vector<TextureTile>& tiles, std::uint32_t width) {
   std::vector<std::size_t> order(tiles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -111,7 +114,7 @@ std::uint32_t lay_out(std::vector<TextureTile>& tiles, std::uint32_t width) {
   return y + high;
 }
 
-/// The first pixel of what a tile shows, in its picture.
+/// Returns the first used pixel of a tile's texture.
 glm::vec2 first_pixel(const TextureTile& tile) {
   return tile.image ? glm::floor(tile.lower * glm::vec2(static_cast<float>(tile.image->width),
                                                         static_cast<float>(tile.image->height)))
@@ -122,7 +125,7 @@ class PictureGatherer {
  public:
   explicit PictureGatherer(qnv::TexturedSurface& to) : to_(to) {}
 
-  /// False where a picture cannot stand for the item.
+  /// Starts an item. Returns false if it cannot be part of the atlas.
   bool begin(const DrawItem& item) {
     TextureTile tile;
     if (shows_picture(item)) {
@@ -154,7 +157,7 @@ class PictureGatherer {
       tile.upper = glm::max(tile.upper, p);
     }
   }
-  /// What repeats is where it is shown first, triangle by triangle.
+  /// Shifts repeated texture coordinates of each triangle to the first repetition.
   void shift() {
     for (TextureTile& tile : tiles) {
       tile.lower = glm::vec2(std::numeric_limits<float>::max());
@@ -173,7 +176,7 @@ class PictureGatherer {
   }
 
   std::vector<TextureTile> tiles;
-  std::vector<std::size_t> of;  // a triangle: its tile
+  std::vector<std::size_t> of;  // tile index by triangle
 
  private:
   qnv::TexturedSurface& to_;
@@ -182,7 +185,7 @@ class PictureGatherer {
   std::size_t now_ = 0;
 };
 
-/// All tiles in one picture, and coordinates in it. Nothing where they do not go into it.
+/// Paints all tiles into one atlas and updates the texture coordinates. Returns nullopt if they do not fit.
 std::optional<Image> painted(PictureGatherer& gathered, qnv::TexturedSurface& surface) {
   std::vector<TextureTile>& tiles = gathered.tiles;
   double pixels = 0;
@@ -190,7 +193,7 @@ std::optional<Image> painted(PictureGatherer& gathered, qnv::TexturedSurface& su
   for (TextureTile& tile : tiles) {
     glm::vec2 size(kSolid);
     if (tile.image) {
-      // What does not repeat is its border beyond it.
+      // A non-repeating texture extends its border.
       const glm::vec2 shown = tile.upper - tile.lower;
       if (!(shown.x * shown.y <= kMostRepeats) || !(std::max(shown.x, shown.y) <= kMostSpan)) return std::nullopt;
       const glm::vec2 of(static_cast<float>(tile.image->width), static_cast<float>(tile.image->height));
@@ -253,7 +256,7 @@ Image without_alpha(const Image& image) {
   return plain;
 }
 
-/// Means of squares of so many pixels.
+/// Downsamples by averaging squares of pixels.
 Image smaller(const Image& image, std::uint32_t by) {
   Image out;
   out.components = image.components;
@@ -272,7 +275,7 @@ Image smaller(const Image& image, std::uint32_t by) {
   return out;
 }
 
-/// How far a coarser one is off, on the scale of the finer one's pixels.
+/// Returns the error of a coarse picture at the resolution of the fine one.
 double error_of(const Image& coarse, const Image& fine) {
   double sum = 0;
   for (std::uint32_t y = 0; y < fine.height; ++y) {
@@ -289,7 +292,7 @@ double error_of(const Image& coarse, const Image& fine) {
   return sum;
 }
 
-/// From how many bytes on a file is better than what was off by so much; how far all of it is off.
+/// Number of bytes from which a file improves on a given error, and the error of the whole file.
 struct Enough {
   std::size_t bytes = 0;
   double error = 0;
@@ -310,7 +313,7 @@ Enough enough_of(std::span<const std::byte> jpeg, const Image& image, double err
   return enough;
 }
 
-/// As a file with a coarse one before it, so that the first bytes show something.
+/// Encodes the picture with a coarse preview before it, so that the first bytes already show the texture.
 void pack(const Image& image, int quality, qnv::TexturedSurface& surface) {
   surface.width = image.width;
   surface.height = image.height;
@@ -318,13 +321,13 @@ void pack(const Image& image, int quality, qnv::TexturedSurface& surface) {
   std::vector<std::byte> png = render::encode_png(image);
   const bool as_png = fine.empty() || (!png.empty() && png.size() < fine.size() / kWorthOfPng);
   if (as_png) fine = std::move(png);
-  double error = std::numeric_limits<double>::infinity();  // of the files so far
+  double error = std::numeric_limits<double>::infinity();  // error of the files so far
   std::uint32_t by = std::bit_floor(std::max(image.width, image.height) / kCoarsest);
   for (; by > 1; by = as_png ? by / kFiner : 0) {
-    // Parts of a texture lie side by side: its colours are as fine as its brightness.
+    // Atlas tiles are adjacent, so chroma needs full resolution.
     std::vector<std::byte> coarse = render::encode_jpeg(smaller(image, by), {kCoarseQuality, true});
     if (coarse.empty() || coarse.size() > fine.size() / kWorthOfCoarse) break;
-    // The first one is small: its first scans have next to no colours.
+    // The first preview is small, and its first scans have almost no colour. Require it completely.
     const Enough all = enough_of(coarse, image, error);
     const std::size_t enough = surface.picture.empty() ? coarse.size() : all.bytes;
     error = all.error;

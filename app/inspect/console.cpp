@@ -6,7 +6,7 @@
 namespace gs::app {
 namespace {
 
-// Of a program, as the log says it; nothing: of something else.
+// Converts a diagnostic of a program to a console line; nullopt for other diagnostics.
 std::optional<ProgramLine> line_of(const vrml::Diagnostic& one) {
   if (one.severity == vrml::Severity::note && one.file == "print")
     return ProgramLine{ProgramLine::Kind::printed, {}, one.message};

@@ -17,10 +17,10 @@ namespace {
 using vrml::FieldType;
 using vrml::NodeKind;
 
-constexpr std::size_t kElements = 6, kText = 200;          // that are shown
-constexpr std::size_t kEdited = 64, kEditedText = 16'000;  // elements and octets that are changed on a line
+constexpr std::size_t kElements = 6, kText = 200;          // max elements and text length displayed
+constexpr std::size_t kEdited = 64, kEditedText = 16'000;  // max elements and bytes editable on a line
 
-// By the names that the standard's nodes have for them; NodeKind::other: of all nodes.
+// Unit by field name and type, as in the standard's nodes. NodeKind::other means all nodes.
 struct UnitRow {
   std::string_view field;
   FieldType type;
@@ -81,7 +81,7 @@ std::string_view plain_name(std::string_view name) {
   return name.ends_with(kChanged) ? name.substr(0, name.size() - kChanged.size()) : name;
 }
 
-// On one line, without what would end it.
+// Replaces control characters to keep the text on one line.
 std::string on_a_line(std::string text) {
   for (char& letter : text)
     if (static_cast<unsigned char>(letter) < 0x20) letter = ' ';

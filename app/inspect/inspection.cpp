@@ -11,10 +11,10 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kWork = 200'000;      // nodes that are looked at in a step
-constexpr std::size_t kMostEdits = 10'000;  // that wait
-constexpr double kBetweenPictures = 0.1;    // seconds, of what changes by itself
-constexpr double kLit = 0.6;                // so long something is lit
+constexpr std::size_t kWork = 200'000;      // max nodes visited per step
+constexpr std::size_t kMostEdits = 10'000;  // max pending edits
+constexpr double kBetweenPictures = 0.1;    // min seconds between pictures of continuous changes
+constexpr double kLit = 0.6;                // seconds of highlight after an event
 
 std::shared_ptr<Document> document_of(Session& session) {
   const View* const seen = session.view();
@@ -24,7 +24,7 @@ std::shared_ptr<Document> document_of(Session& session) {
 
 }  // namespace
 
-// A step ------------------------------------------------------------------------------------------
+// Step -------------------------------------------------------------------------------------------
 
 void Inspection::enter(const std::shared_ptr<Document>& document) {
   if (document == document_) return;
@@ -100,7 +100,7 @@ bool Inspection::take_news(double now) {
   return std::exchange(news_, false) || lit || measured;
 }
 
-// A picture ---------------------------------------------------------------------------------------
+// Picture -----------------------------------------------------------------------------------------
 
 void Inspection::prepare(Session& session, std::span<const Frame::Picture> pictures, double now) {
   clock_ = shown_at_ = now;
@@ -136,12 +136,12 @@ void Inspection::find_bounds(const View& view, double now) {
   for (auto step = way.rbegin(); step != way.rend(); ++step)
     if (!(step->node == selected_)) nodes.push_back(step->node);
   bounds_ = bounds_in(*view.list, nodes);
-  // Of a large world not with each picture.
+  // Limit the share of time in large worlds.
   constexpr double kShare = 30;
   bounds_due_ = now + kShare * (world_time() - begin);
 }
 
-// The chosen node ---------------------------------------------------------------------------------
+// Selected node -----------------------------------------------------------------------------------
 
 void Inspection::select(const NodeAt& node, bool reveal) {
   selected_ = node;
@@ -152,7 +152,7 @@ void Inspection::select(const NodeAt& node, bool reveal) {
 void Inspection::reveal_pending() {
   if (!reveal_) return;
   const std::vector<HeldStep> way = index_.way_to(selected_);
-  if (way.empty() && !index_.complete()) return;  // it will be known
+  if (way.empty() && !index_.complete()) return;  // not indexed yet
   reveal_ = false;
   revealed_ = outline_.reveal(way);
 }
@@ -196,7 +196,7 @@ const vrml::FieldValue* Inspection::value_of(const vrml::InterfaceDeclaration& i
 
 std::optional<std::string> Inspection::send_text(const vrml::InterfaceDeclaration& event_in, const std::string& text) {
   if (!world_ || !selected_) return "there is no node any more";
-  // Names are those of the world's own file.
+  // DEF names resolve in the world's main file only.
   if (vrml::holds_nodes(event_in.type) && selected_.scene != &world_->root())
     return "nodes of Inlines get no nodes from here";
   if (!names_) names_ = std::make_unique<vrml::NodeNames>(world_->root());
@@ -258,7 +258,7 @@ void Inspection::evaluate(const std::string& line) {
 
 void Inspection::retry(const StreamList::Row& row) { retried_.push_back(row); }
 
-// The node is looked for by its place in memory alone, since it may be gone.
+// Finds the node by address only, because it may no longer exist.
 void Inspection::send_again(Session& session, const StreamList::Row& row) {
   const std::shared_ptr<Document>& document = row.document;
   if (document && document->living && row.load.node) {

@@ -13,7 +13,7 @@
 namespace gs::app {
 
 render::WorldBounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes) {
-  // PROTO instances are drawn as the nodes that they stand for.
+  // A PROTO instance is drawn as the node that implements it.
   std::vector<NodeAt> drawn;
   for (const NodeAt& node : nodes)
     drawn.push_back(
@@ -55,7 +55,7 @@ std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose
     corners[i] = viewer_from_world * (corner - pose.position);
     size = std::max(size, glm::length(corners[i]));
   }
-  // The smaller side of the picture has the field of view.
+  // The field of view applies to the smaller side of the picture.
   const double smaller = std::max(1, std::min(viewport.width, viewport.height));
   const double pixels = smaller / (2 * std::tan(double{pose.field_of_view} / 2));
   const double near = std::max(1e-4 * size, 1e-9);

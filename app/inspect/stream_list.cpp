@@ -12,7 +12,7 @@ std::string count_text(std::size_t count, const char* what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-// Of a stream that grows.
+// Describes the state of a QNV stream that is loading.
 std::string detail_of(const Document& document, const LoadRow& load) {
   for (const auto& feed : document.world.feeds) {
     if (feed.get() != load.feed || !feed->stream()) continue;
@@ -37,10 +37,10 @@ bool RateHistory::note(std::uint64_t bytes, double now) {
   }
   const double seconds = now - at_;
   if (seconds < kSeconds) return false;
-  // Another reading begins at nothing.
+  // A restarted download counts from 0 again.
   const std::uint64_t more = bytes >= *bytes_ ? bytes - *bytes_ : bytes;
   const auto rate = static_cast<float>(static_cast<double>(more) * 8 / seconds);
-  // Who has not looked for a while sees what has come on an average.
+  // After a pause, fill in the average rate.
   const auto times = static_cast<std::size_t>(std::min(seconds / kSeconds, static_cast<double>(kSamples)));
   for (std::size_t i = 0; i < times; ++i) rates_[count_++ % kSamples] = rate;
   bytes_ = bytes;

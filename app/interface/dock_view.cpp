@@ -79,9 +79,9 @@ void DockView::tabs(DockSide side, const PanelFrame& frame, const UiModel& model
   if (!ImGui::BeginTabBar("##tabs", ImGuiTabBarFlags_Reorderable | ImGuiTabBarFlags_FittingPolicyScroll |
                                         ImGuiTabBarFlags_NoCloseWithMiddleMouseButton))
     return;
-  // What a key or menu brings to the front is told to the tabs; what is clicked, they tell.
+  // Keys and menus set the front tab; clicks are read from the tab bar.
   const bool told = shown != dock_.front_at(side);
-  const std::vector<std::size_t> open = dock_.open_at(side);  // as it is now: tabs may close
+  const std::vector<std::size_t> open = dock_.open_at(side);  // a copy, because tabs may close
   for (const std::size_t panel : open) {
     const PanelRow& row = panel_rows()[panel];
     const bool front = dock_.is_front(panel);

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <string>
 
-// The address bar, and the list of places below it.
+// Address bar with its list of suggestions.
 namespace gs::app {
 namespace {
 
@@ -20,7 +20,7 @@ constexpr ImGuiWindowFlags kListFlags = ImGuiWindowFlags_NoDecoration | ImGuiWin
 
 }  // namespace
 
-// Paths that go on as they are typed; else bookmarks and recent places that fit, and files of the present folder.
+// Returns completions of a typed path, else matching bookmarks, recent files and files of the present folder.
 std::vector<UiOverlay::State::Suggestion> UiOverlay::State::suggestions(const UiModel& model,
                                                                         const std::string& typed) {
   std::vector<Suggestion> result;
@@ -68,7 +68,7 @@ void UiOverlay::State::address_bar(const UiModel& model, UiActions& actions, flo
   const ImVec2 lower = ImGui::GetItemRectMin(), upper = ImGui::GetItemRectMax();
   if (events.active && !bar.active) listing.forget();
   if (events.changed) bar.chosen.reset();
-  // With Enter the field has left the keys already.
+  // On Enter, the field has already lost the focus.
   bar.typed = (events.active || events.entered) && (bar.typed || events.changed);
   bar.active = events.active;
   const bool listed = bar.active || bar.list_hovered || events.entered;

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <string>
 
-// In a corner of the picture: where the axes lead, and how large the squares on the ground are.
+// Axes widget in a corner of the picture, and the size of the grid squares.
 namespace gs::app {
 namespace {
 
@@ -23,14 +23,14 @@ struct AxisEnd {
 
 constexpr ImU32 kAxisColors[] = {IM_COL32(226, 84, 84, 255), IM_COL32(112, 190, 84, 255), IM_COL32(88, 144, 240, 255)};
 constexpr const char* kAxisNames[] = {"X", "Y", "Z"};
-constexpr float kAxesHalf = 3.2f;  // of the square that they take, in heights of the text
+constexpr float kAxesHalf = 3.2f;  // half size of the widget, in text heights
 
 ImVec2 in_units(const glm::vec2& pixels) {
   const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
   return {pixels.x / std::max(scale.x, 0.01f), pixels.y / std::max(scale.y, 0.01f)};
 }
 
-/// The side of a thing that is seen from where an axis leads to.
+/// Returns the action that views the object from the end of an axis.
 Action side_along(const glm::vec3& along, const Upright& upright) {
   const std::pair<glm::vec3, Action> sides[] = {
       {upright.front, Action::side_front},    {-upright.front, Action::side_back}, {-upright.right(), Action::side_left},
@@ -87,7 +87,7 @@ void UiOverlay::State::axes_widget(const UiViewport& viewport, const UiModel& mo
     return ImVec2(center.x + end.seen.x * length, center.y - end.seen.y * length);
   };
   if (!viewport.active) {
-    // A click there makes the viewport the active one.
+    // A click there activates the viewport.
     for (const AxisEnd& end : axis_ends(viewport.pose))
       draw_axis(*ImGui::GetBackgroundDrawList(), end, center, place_of(end), dot, scale);
     return;

@@ -35,9 +35,9 @@ float button_width(const char* label) {
 
 void group_gap() { ImGui::SameLine(0, ImGui::GetStyle().ItemSpacing.x * 2.5f); }
 
-constexpr std::size_t kLabelLength = 80;  // bytes that a list shows of a name
+constexpr std::size_t kLabelLength = 80;  // max bytes of a name in a list
 
-/// A list of labels to choose from, which may be anything and may repeat.
+/// Draws a list of labels, which may contain any text and duplicates.
 std::optional<std::size_t> choose(const char* id, const std::string& preview, const std::vector<std::string>& labels,
                                   std::optional<std::size_t> chosen, float width) {
   std::optional<std::size_t> result;
@@ -68,9 +68,9 @@ constexpr ModeIcon kModeIcons[] = {{NavigationMode::examine, Icon::examine},
                                    {NavigationMode::pan, Icon::pan},
                                    {NavigationMode::look_at, Icon::look_at}};
 
-/// How much of the tool bar there is room for. Each row leaves out more than the one before.
+/// Elements of the tool bar for a given width. Each row omits more than the previous one.
 struct BarPlan {
-  float files, viewpoints;  // widths at scale 1; 0: left out
+  float files, viewpoints;  // widths at scale 1; 0 means omitted
   bool mode_words, words, arrows, panels, layouts, link;
 };
 constexpr BarPlan kBarPlans[] = {
@@ -83,7 +83,7 @@ constexpr BarPlan kBarPlans[] = {
 
 float layout_button_width() { return ImGui::GetFrameHeight() * 1.2f; }
 
-/// What a plan needs, up to what stands at the right end.
+/// Returns the width that a plan needs, without the elements at the right end.
 float width_of(const BarPlan& plan, const UiModel& model, float scale) {
   const float gap = ImGui::GetStyle().ItemSpacing.x, group = gap * 2.5f;
   const auto button = [&](std::string_view word, bool with_word) {
@@ -125,7 +125,7 @@ std::string counted(std::size_t count) {
 float UiOverlay::State::tool_bar_height() const { return ImGui::GetFrameHeight() + std::round(8 * scale); }
 float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
 
-// An icon, with its word where there is room.
+// Draws a button with an icon, and its label if there is room.
 void UiOverlay::State::tool(Action action, Icon icon, bool with_word, const UiModel& model, UiActions& actions) {
   const ActionRow& row = row_of(action);
   ImGui::BeginDisabled(!is_possible(action, model));
@@ -231,7 +231,7 @@ void UiOverlay::State::status_bar(const UiModel& model) {
   begin_bar("##status", ImGui::GetIO().DisplaySize.y - height, height, 4 * scale);
   char numbers[96];
   std::string line;
-  if (model.frames_a_second > 0) {  // only motion has a rate: a picture that rests is not drawn again
+  if (model.frames_a_second > 0) {  // only motion has a frame rate; static pictures are not redrawn
     std::snprintf(numbers, sizeof numbers, "%.0f fps   ", model.frames_a_second);
     line += numbers;
   }

@@ -86,7 +86,7 @@ void draw_bar(ImDrawList& draw, const ColorBar& bar, const MarkArea& area, float
 
 }  // namespace
 
-// Over the picture of the active viewport: the ruler, and what colours stand for.
+// Draws ruler and colour bar over the active viewport.
 void UiOverlay::State::tool_marks(const UiModel& model) const {
   const auto active = std::find_if(model.viewports.begin(), model.viewports.end(),
                                    [](const UiViewport& viewport) { return viewport.active; });

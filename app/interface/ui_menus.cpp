@@ -8,14 +8,14 @@
 #include <cmath>
 #include <string>
 
-// The menu bar: every action of the table, and what the user has opened and kept.
+// Menu bar: all actions of the table, recent files and bookmarks.
 namespace gs::app {
 namespace {
 
 constexpr std::size_t kMostShown = 15;
-constexpr float kRoomForTwo = 62;  // letters that a menu and one beside it take
+constexpr float kRoomForTwo = 62;  // min width for a menu with a submenu beside it, in font heights
 
-// A part of the row of menus.
+// Begins a part of the menu row.
 void begin_row(const char* name, float left, float width, float height, const ImVec2& padding, bool menus) {
   ImGui::SetNextWindowPos({left, 0});
   ImGui::SetNextWindowSize({width, height});
@@ -122,7 +122,7 @@ bool UiOverlay::State::is_possible(Action action, const UiModel& model) {
 }
 
 void UiOverlay::State::menu_item(const ActionRow& row, const UiModel& model, UiActions& actions) {
-  // A panel goes by the name on its tab.
+  // A panel's menu item has the title of its tab.
   const auto panel = panel_of(row.action);
   const std::string_view words = panel ? panel_rows()[*panel].title : row.help;
   const ImVec2 place = ImGui::GetCursorScreenPos();
@@ -135,16 +135,15 @@ void UiOverlay::State::menu_item(const ActionRow& row, const UiModel& model, UiA
               ImGui::GetColorU32(UiColors::kQuiet));
 }
 
-// A menu, as Dear ImGui begins one, that is never higher than what is left of the window below the menu bar: what does
-// not fit is scrolled to.
+// Begins a menu that fits the window below the menu bar, scrolling if needed.
 bool UiOverlay::State::begin_menu(const std::string& label, bool enabled) {
   const float below = ImGui::GetIO().DisplaySize.y - menu_bar_height() - ImGui::GetStyle().DisplaySafeAreaPadding.y;
   ImGui::SetNextWindowSizeConstraints({0, 0}, {FLT_MAX, std::max(below, menu_bar_height())});
   return ImGui::BeginMenu(label.c_str(), enabled);
 }
 
-// A menu in a menu; in a window that has no room for it beside that one, where it would lie over it and under the
-// pointer, a part of that one. `end_part` where this is true.
+// Begins a submenu. In a narrow window, where it would cover its parent, adds its items to the parent instead. Call
+// `end_part` if this returns true.
 bool UiOverlay::State::begin_part(const std::string& title, bool enabled) {
   const std::string label = "      " + title;
   if (ImGui::GetIO().DisplaySize.x >= kRoomForTwo * ImGui::GetFontSize()) return begin_menu(label, enabled);
@@ -186,7 +185,7 @@ void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
   ImGui::EndMenu();
 }
 
-// A menu in a menu, where its first row stands.
+// Draws the submenu of a group at its first row.
 void UiOverlay::State::group_menu(const ActionRow& first, const UiModel& model, UiActions& actions) {
   const ActionRow* before = &first == app::actions().data() ? nullptr : &first - 1;
   if (before && before->group == first.group && before->menu == first.menu) return;
@@ -206,7 +205,7 @@ void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {
       bool parted = !panels;
       for (const ActionRow& row : app::actions()) {
         if (row.menu != menu || panel_of(row.action).has_value() != panels) continue;
-        if (row.action == Action::quit) continue;  // the last of all
+        if (row.action == Action::quit) continue;  // added last
         if (!std::exchange(parted, true)) ImGui::Separator();
         if (!row.group.empty()) {
           group_menu(row, model, actions);
@@ -245,7 +244,7 @@ void UiOverlay::State::menu_bar(const UiModel& model, UiActions& actions) {
   ImGui::End();
 }
 
-// Back, forward, again, and where one is.
+// Draws Back, Forward, Reload or Stop, the address bar and the bookmark button.
 void UiOverlay::State::places_of_travel(const UiModel& model, UiActions& actions) {
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {7 * scale, std::round(3 * scale)});
   const auto button = [&](Action action, Icon icon) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-// The Open dialog, where the desktop has none.
+// Built-in Open dialog, for desktops without one.
 namespace gs::app {
 namespace {
 
@@ -18,8 +18,8 @@ constexpr std::size_t kMostRecentShown = 5;
 
 }  // namespace
 
-// A folder is looked into; anything else is opened, and the dialog stays until something of it shows: what cannot be
-// opened is mended there.
+// Opens a folder in the list, or a file. The dialog stays until the file is displayed, so that errors can be corrected
+// there.
 void UiOverlay::State::choose_in_dialog(const std::string& typed, UiActions& actions) {
   const std::string path = opened_path(typed);
   if (path.empty()) return;
@@ -37,7 +37,7 @@ void UiOverlay::State::choose_in_dialog(const std::string& typed, UiActions& act
   dialog.problem.clear();
 }
 
-// What fits the typed part in the folder that is typed before it; of nothing typed, the folder of before.
+// Returns the entries of the typed folder that match the last component.
 std::vector<FolderListing::Entry> UiOverlay::State::dialog_rows(const TypedPath& path) {
   std::vector<FolderListing::Entry> rows;
   const std::string part = lower_case(path.part);
@@ -89,7 +89,7 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
     if (dialog.chosen)
       choice = path.before + rows[*dialog.chosen].name;
     else if (rows.size() == 1 && !is_there)
-      choice = path.before + rows.front().name;  // a part of the name has found it
+      choice = path.before + rows.front().name;  // unique match of a partial name
     else
       choice = dialog.typed;
   }

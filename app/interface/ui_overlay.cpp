@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr int kFramesToFocus = 4;  // until a text field that appears has the keys, at most
+constexpr int kFramesToFocus = 4;  // max frames until a new text field has the focus
 const std::string kSideNames[kDockSides] = {"left", "right", "bottom"};
 
 }  // namespace
@@ -25,7 +25,7 @@ bool UiOverlay::State::toggle_panel(Action action) {
   return panel.has_value();
 }
 
-// Colours, and letters of the user's size; glyphs that texts of the frame before have lacked.
+// Applies colours and text size, and adds glyphs that the last frame lacked.
 void UiOverlay::State::apply_appearance(bool at_first) {
   const float wanted = screen_scale * static_cast<float>(settings.text_size);
   if (!at_first && wanted != scale) menus_width = 0;
@@ -68,7 +68,7 @@ void UiOverlay::begin_frame(double now, const std::vector<WindowEvent>& events) 
   for (const WindowEvent& event : events)
     if (event.kind == WindowEvent::Kind::button_down || event.kind == WindowEvent::Kind::key_down)
       state_->address.opening.clear();
-  // A field that has lost the keys keeps them, for Dear ImGui, a frame longer: that is not the one that waits.
+  // Dear ImGui keeps a field that lost the focus active for a frame. This is not the field that waits.
   const bool had_text = std::exchange(state_->has_text, ImGui::GetIO().WantTextInput);
   if (state_->has_text && !had_text) state_->text_waits = 0;
   if (state_->text_waits > 0) --state_->text_waits;
@@ -100,7 +100,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (model.panes > 1) state.pane_bar(viewport, model, actions);
-    // The next file of a series that plays is read all the time.
+    // A playing series loads its next file all the time.
     const bool plays = viewport.active && model.tools.playing;
     if (!viewport.loading.empty() && !plays)
       state.loading_line(viewport, i, actions);
@@ -108,7 +108,7 @@ UiActions UiOverlay::build(const UiModel& model) {
       state.failure_card(viewport, model, actions);
     else if (viewport.label.empty() && !state.dialog.open)
       state.welcome(viewport, i);
-    // While the ruler is used, its own line stands in their place.
+    // The ruler's own line takes their position.
     else if (model.first_steps && viewport.active && !state.dialog.open && !model.tools.measuring)
       state.first_steps(viewport, model, actions);
   }
@@ -224,9 +224,9 @@ void UiOverlay::open_ended(const std::string& problem) {
   dialog.problem = problem;
   if (problem.empty()) {
     dialog.open = false;
-    dialog.typed = typed_path(dialog.typed).before;  // next time it begins in the same folder
+    dialog.typed = typed_path(dialog.typed).before;  // the next dialog starts in the same folder
   } else if (dialog.open) {
-    // What is typed next is another try.
+    // Let the user type another path.
     dialog.wanted = true;
     state_->text_waits = kFramesToFocus;
   }
@@ -245,7 +245,7 @@ bool UiOverlay::close_over() {
   }
   for (bool* open : {&state.dialog.open, &state.preferences, &state.help})
     if (std::exchange(*open, false)) return true;
-  return state.address.active;  // the field leaves the keys by itself
+  return state.address.active;  // the field drops the focus by itself
 }
 
 bool UiOverlay::close_beside() { return state_->dock.close_one() || state_->notices.close_one(); }

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <string>
 
-// The palette of commands: whatever can be done, found by typing a part of its name.
+// Command palette: finds actions by part of their name.
 namespace gs::app {
 namespace {
 
 constexpr std::size_t kMostRows = 400;
-constexpr int kFramesToType = 4;  // until its field has the keys, at most
+constexpr int kFramesToType = 4;  // max frames until its field has the focus
 
 }  // namespace
 
@@ -96,7 +96,7 @@ void UiOverlay::State::palette_dialog(const UiModel& model, UiActions& actions) 
   if (wanted || left) {
     palette = {};
   } else if (events.entered) {
-    // Nothing is called so: what is typed next is still for the palette.
+    // No match: keep the focus in the palette.
     palette.appears = true;
     text_waits = kFramesToType;
   }

@@ -26,7 +26,7 @@ constexpr KeyHelp kPointerHelp[] = {
     {"Click", "Look at: go to what is under the pointer"},
     {"Hand", "Something in the world that a click or a left drag sets in motion, or a link"},
 };
-// Keys that move the viewer while they are held.
+// Keys that move the viewer while held.
 constexpr KeyHelp kHeldKeyHelp[] = {
     {"Arrows", "Examine: turn.  Fly, Walk: ahead, back, turn"},
     {"W A S D, Q E", "Ahead, left, back, right, down, up; with Shift fast"},
@@ -49,7 +49,7 @@ void help_table(const char* id, const KeyHelp (&rows)[N]) {
   ImGui::EndTable();
 }
 
-// Two columns of them: keys and what they do.
+// Draws keys and their actions in two columns.
 void action_table() {
   if (!ImGui::BeginTable("##actions", 4, ImGuiTableFlags_None)) return;
   const float keys = ImGui::CalcTextSize("Ctrl+Shift+Tab ").x;

@@ -10,13 +10,13 @@
 #include <cstdio>
 #include <string>
 
-// Over the viewports: their bars and menus, the dividers between them, and what could not be shown in them.
+// Overlays of viewports: bars and menus, dividers, and error cards.
 namespace gs::app {
 namespace {
 
-constexpr float kHandle = 8;                            // of a divider, times the scale: where it can be taken
-constexpr float kLeastViewport = 96;                    // a side, likewise
-constexpr std::size_t kBarLabel = 40, kMenuLabel = 60;  // bytes of a name
+constexpr float kHandle = 8;                            // width of a divider's handle, at scale 1
+constexpr float kLeastViewport = 96;                    // min side of a viewport, at scale 1
+constexpr std::size_t kBarLabel = 40, kMenuLabel = 60;  // max bytes of a name
 
 std::string name_of_pane(std::size_t pane, const std::string& label) {
   return std::to_string(pane + 1) + "  " + (label.empty() ? "empty" : label);
@@ -34,7 +34,7 @@ std::string thousands(std::size_t count) {
   return digits;
 }
 
-// "180 kbit/s of 200 kbit/s"
+// Formats "180 kbit/s of 200 kbit/s".
 std::string arriving_text(const UiViewport& viewport) {
   const std::string arriving = readable_rate(viewport.arriving);
   return viewport.rate > 0 ? arriving + " of " + readable_rate(static_cast<double>(viewport.rate)) : arriving;
@@ -115,7 +115,7 @@ void UiOverlay::State::pane_bar(const UiViewport& viewport, const UiModel& model
     colored_text(UiColors::kQuiet, arriving_text(viewport));
     tooltip("How much comes for it a second; its menu says how much may");
   }
-  // Where the user is; elsewhere they would only hide the picture.
+  // Show buttons only in the active or hovered viewport, because they cover the picture.
   const bool wanted = viewport.active || area.contains(ImGui::GetIO().MousePos);
   const auto button = [&](const char* id, Icon icon, const std::string& words) {
     const bool pressed = icon_button(id, icon, "");
@@ -174,7 +174,7 @@ void UiOverlay::State::pane_menu(const UiViewport& viewport, const UiModel& mode
   ImGui::EndPopup();
 }
 
-// What it gets of what all viewports divide.
+// Draws the viewport's weight in the shared resources.
 void UiOverlay::State::pane_shares(const UiViewport& viewport, UiActions& actions) {
   colored_text(UiColors::kQuiet, "Weight of its shares");
   auto weight = static_cast<float>(viewport.weight);
@@ -201,7 +201,7 @@ void UiOverlay::State::failure_card(const UiViewport& viewport, const UiModel& m
   const ViewportArea area = area_of(viewport.place);
   const float gap = std::round(10 * scale), width = std::min(area.width() - 2 * gap, 460 * scale);
   if (width < 60 * scale) return;
-  // What is shown still, or instead, is not covered.
+  // Do not cover a world that is still displayed.
   const bool beside = !viewport.label.empty();
   ImGui::SetNextWindowPos({std::floor((area.lower.x + area.upper.x) / 2),
                            beside ? area.upper.y - gap : std::floor((area.lower.y + area.upper.y) / 2)},

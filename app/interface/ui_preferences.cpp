@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <string>
 
-// Preferences: the table of settings, a row each.
+// Preferences dialog, with a row for each setting.
 namespace gs::app {
 namespace {
 
-// True when it is another than before.
+// Draws the control of a setting. Returns true if the value changed.
 bool setting_control(UserSettings& settings, const SettingRow& row) {
   const std::string value = row.get(settings);
   const std::string id = "##" + std::string(row.name);
@@ -73,7 +73,7 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
       text(row.label);
       ImGui::TableNextColumn();
       changed |= setting_control(chosen, row);
-      // Beside it where that is no column of single words.
+      // Put the help beside the control if there is room for more than single words.
       const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
       if (end - ImGui::GetItemRectMax().x > 12 * ImGui::GetFontSize()) ImGui::SameLine(0, 10 * scale);
       ImGui::PushTextWrapPos(0);
@@ -90,7 +90,7 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
   ImGui::End();
 }
 
-// A line below the bars, which takes its room from the picture.
+// Draws a line below the bars; it takes its height from the picture.
 void UiOverlay::State::restore_line(const UiModel& model, UiActions& actions) {
   if (model.to_restore == 0) return;
   const float width = ImGui::GetIO().DisplaySize.x, height = restore_height();

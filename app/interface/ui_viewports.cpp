@@ -21,10 +21,10 @@ constexpr struct LayoutRow {
     {ViewportLayout::four, "##four", "Four viewports (F6)", 2, 2},
 };
 
-/// A small picture of the layout.
+/// Draws a button with a small picture of the layout.
 bool layout_button(const LayoutRow& row, bool on, float scale) {
   const float height = ImGui::GetFrameHeight();
-  // switch_button takes its size from the label; blanks of a known width make room for the picture.
+  // switch_button takes its size from the label, so blanks of a known width reserve room for the picture.
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {height * 0.6f, ImGui::GetStyle().FramePadding.y});
   const bool pressed = switch_button(row.id, on);
   ImGui::PopStyleVar();
@@ -83,7 +83,7 @@ void UiOverlay::State::viewport_marks(const UiModel& model) const {
 void UiOverlay::State::loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions) {
   const ViewportArea area = area_of(viewport.place);
   const float thickness = std::round(3 * scale);
-  // A glint that runs along the upper edge: the length of the work is not known.
+  // Draw an indeterminate progress bar along the upper edge.
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const float phase = static_cast<float>(std::fmod(now * 0.8, 1.0));
   const float from = area.lower.x + (phase * 1.3f - 0.3f) * area.width();

@@ -8,13 +8,13 @@
 namespace gs::app {
 namespace {
 
-constexpr double kOuterDecibels = -20;  // at the outer ellipsoid, and towards an intensity of 0
+constexpr double kOuterDecibels = -20;  // at the outer ellipsoid, and in the limit of intensity 0
 
 double factor_of(double decibels) { return std::pow(10, decibels / 20); }
 
 }  // namespace
 
-// The conic r = p / (1 - e cos), with the focus in the middle.
+// Uses the conic r = p / (1 - e cos), with the focus at the origin.
 double ellipsoid_radius(double front, double back, double cosine) {
   const double below = (front + back) - (front - back) * cosine;
   return below > 0 ? 2 * front * back / below : 0;
@@ -24,7 +24,7 @@ double intensity_factor(double intensity) {
   return intensity > 0 ? factor_of(kOuterDecibels * (1 - std::min(intensity, 1.0))) : 0;
 }
 
-// Figure 7.1: 0.5 ahead and behind, 0 to the left, 1 to the right, as the angle has it.
+// Follows Figure 7.1 of VRML97: 0.5 ahead and behind, 0 left, 1 right, linear in the angle.
 Pan pan_of(const glm::dvec3& viewer) {
   if (viewer.x == 0 && viewer.z == 0) return pan_of({0, 0, -1});
   double angle = std::atan2(viewer.x, -viewer.z);  // from straight ahead to the right
@@ -37,7 +37,7 @@ Pan pan_of(const glm::dvec3& viewer) {
 
 Heard hear(const render::SoundState& sound, const glm::dmat4& world_from_viewer) {
   Heard heard;
-  // Ratios along one line are the same in all coordinate systems, so ellipsoids are measured in the sound's own.
+  // Ratios along a line are invariant under transforms, so the ellipsoids are measured in the sound's own space.
   const double volume = glm::determinant(glm::dmat3(sound.world_from_local));
   if (!std::isfinite(volume) || volume == 0) return heard;
   const glm::dvec3 viewer(glm::inverse(sound.world_from_local) * world_from_viewer[3]);
@@ -62,7 +62,7 @@ Heard hear(const render::SoundState& sound, const glm::dmat4& world_from_viewer)
   return heard;
 }
 
-// Those in front are played: of high priority, and of cues the newest ones, else the loudest ones.
+// Orders sounds to play first: high priority, then the newest for cues, else the loudest.
 bool operator<(const SoundRank& a, const SoundRank& b) {
   constexpr double kCue = 0.5;
   if (a.priority != b.priority) return a.priority > b.priority;

@@ -13,15 +13,15 @@
 namespace gs::app {
 namespace {
 
-constexpr double kFade = 0.005;      // seconds in which a sound that is cut off dies away
-constexpr double kMostApart = 0.02;  // seconds: a sound that is farther from where it should be jumps
-constexpr double kNear = 0.02;       // of a pair: as exactly as times since 1970 are known, and more
-constexpr double kFastest = 64;      // of the file's samples a sample: beyond, nobody hears anything
-constexpr int kLobes = 8;            // of the filter, on each side
-constexpr int kFilterSteps = 512;    // of its table, a lobe
+constexpr double kFade = 0.005;      // fade-out of a cut sound, in seconds
+constexpr double kMostApart = 0.02;  // max drift in seconds before a sound jumps to its position
+constexpr double kNear = 0.02;       // tolerance in pairs; above the precision of times since 1970
+constexpr double kFastest = 64;      // max file samples per output sample; faster sounds are inaudible
+constexpr int kLobes = 8;            // filter lobes on each side
+constexpr int kFilterSteps = 512;    // table entries per lobe
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// sin(x) / x in a window, for resampling.
+/// Windowed sinc function for resampling.
 struct SincFilter {
   std::array<float, static_cast<std::size_t>(kLobes* kFilterSteps) + 2> values{};
   SincFilter() {
@@ -51,14 +51,14 @@ const SincFilter& sinc_filter() {
 
 struct Mixer::Playing {
   Voice voice;
-  std::unique_ptr<VoiceStream> stream;  // null: it cannot be read
-  double place = 0;                     // number of the stream's pair that comes next
-  bool placed = false;                  // it has been heard
-  bool leaves = false;                  // it is not wanted any more, and goes on to its end
-  double left = 0, right = 0;           // factors at the end of the last stretch
-  bool began = false;                   // these count
+  std::unique_ptr<VoiceStream> stream;  // null if it cannot be read
+  double place = 0;                     // position in the stream, in pairs
+  bool placed = false;                  // it has played
+  bool leaves = false;                  // no longer wanted; plays until its end
+  double left = 0, right = 0;           // channel gains at the end of the last block
+  bool began = false;                   // the gains are valid
   double end = kNever;
-  bool cut = false;  // it ends before its sound does
+  bool cut = false;  // ends before the sound does
 };
 
 Mixer::Mixer() = default;
@@ -82,7 +82,7 @@ bool Mixer::sounding() const {
   return sounding_;
 }
 
-// What is wanted, matched with what plays.
+// Matches the wanted voices with those that play.
 void Mixer::take_over() {
   std::vector<Voice> wanted;
   double now = 0;
@@ -131,11 +131,11 @@ void Mixer::take_over() {
 void Mixer::mix_one(Playing& playing, double from, double to, std::span<float> pairs) {
   const Voice& voice = playing.voice;
   const std::size_t count = pairs.size() / 2;
-  // Times since 1970 have some tenths of a microsecond: a stretch that is as long as its pairs is just that.
+  // Times since 1970 resolve some tenths of a microsecond. Treat a block of about the usual length as exact.
   constexpr double kRounding = 5e-7;
   const double usual = static_cast<double>(count) / kMixRate;
   const double a_pair = (std::abs(to - from - usual) < kRounding ? usual : to - from) / static_cast<double>(count);
-  // A new sound begins as loud as it is; one that others hear already comes in.
+  // A new sound starts at full level; one already playing elsewhere fades in.
   if (!playing.began && voice.start >= from - kFade) {
     playing.left = voice.left;
     playing.right = voice.right;
@@ -153,14 +153,14 @@ void Mixer::mix_one(Playing& playing, double from, double to, std::span<float> p
   const double time = from + static_cast<double>(first) * a_pair;
   const double step = a_pair * voice.rate * stream.rate();
   if (!(step > 0) || step > kFastest || first >= count) return;
-  // Where it should be: a looping one in any turn.
+  // Compute the target position; a loop may be in any turn.
   double should = std::max(0.0, time - voice.start) * voice.rate * stream.rate();
   const auto turn = static_cast<double>(stream.length());
   if (voice.loop && turn > 0) should = std::fmod(should, turn);
   double apart = should - (voice.loop && turn > 0 ? std::fmod(playing.place, turn) : playing.place);
   if (voice.loop && turn > 0) apart -= turn * std::round(apart / turn);
   if (!playing.placed || std::abs(apart) > kMostApart * stream.rate() * voice.rate) playing.place = should;
-  // Samples that fall on those of the file are these.
+  // Snap to the file's samples if the rates match.
   if (std::abs(step - 1) < 1e-9 && std::abs(playing.place - std::round(playing.place)) < kNear)
     playing.place = std::round(playing.place);
   playing.placed = true;

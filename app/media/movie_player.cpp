@@ -10,16 +10,16 @@
 
 namespace gs::app {
 
-/// What the thread works on. `movie` and `open` belong to who decodes, the rest is guarded by MoviePlayers::mutex_.
+/// Decoder state. `movie` and `opened` belong to the decoding thread; MoviePlayers::mutex_ guards the rest.
 struct MoviePlayers::Player::Decoder {
   std::unique_ptr<render::Movie> movie;
   bool opened = false;
   double wanted = -1, done = -1;  // seconds
   bool busy = false;
   std::optional<render::Movie::Frame> ready;
-  double ready_time = -1;  // of the last one that was ready
+  double ready_time = -1;  // time of the last ready picture
 
-  /// The picture at a time, if it is another than the one at `before`.
+  /// Decodes the picture at a time. Returns nullopt if it is the same as the one at `before`.
   std::optional<render::Movie::Frame> decode(const Player& of, double seconds, double before) {
     if (!std::exchange(opened, true)) {
       render::ImageLimits limits = texture_limits(of.budget_);
@@ -31,7 +31,7 @@ struct MoviePlayers::Player::Decoder {
     const auto found = movie->at(seconds);
     const auto* frame = std::get_if<const render::Movie::Frame*>(&found);
     if (!frame || !*frame) {
-      movie.reset();  // it is broken here, and shows what it has shown
+      movie.reset();  // damaged from here on; keep the last picture
       return std::nullopt;
     }
     if ((*frame)->time == before) return std::nullopt;
@@ -53,7 +53,7 @@ MoviePlayers::~MoviePlayers() { *over_ = true; }
 
 std::shared_ptr<MoviePlayers::Player> MoviePlayers::open(std::shared_ptr<const MediaFile> file,
                                                          const render::Image& first, const WorldBudget& budget) {
-  // This picture, one that is ready, one that is decoded, and what the decoder refers to.
+  // Room for this picture, a ready one, one being decoded, and the decoder's reference pictures.
   constexpr std::size_t kPictures = 12;
   vrml::Share share(budget, vrml::Resource::pixels);
   if (!share.grow(kPictures * first.pixels.size())) return nullptr;
@@ -107,7 +107,7 @@ void MoviePlayers::run(const std::stop_token& stop) {
           player = one->lock();
           const bool turn = player && player->decoder_->wanted != player->decoder_->done;
           if (turn) {
-            std::rotate(one, one + 1, asked_.end());  // the others come first the next time
+            std::rotate(one, one + 1, asked_.end());  // the other players get the next turn
             return true;
           }
           one = asked_.erase(one);

@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-/// The functions of OpenAL that are called.
+/// OpenAL functions in use.
 #define GHOSTSPACE_OPENAL_FUNCTIONS(X) \
   X(alBufferData)                      \
   X(alDeleteBuffers)                   \
@@ -39,13 +39,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kPairs = 512;  // of a buffer
+constexpr std::size_t kPairs = 512;  // pairs per buffer
 constexpr int kBuffers = 4;
 constexpr double kBuffer = static_cast<double>(kPairs) / kMixRate;  // seconds
-constexpr double kClocksApart = 0.05;                               // seconds: beyond, the time of the sound jumps
-constexpr double kSilence = 2;                                      // seconds of silence before the device has a rest
+constexpr double kClocksApart = 0.05;                               // max clock difference in seconds; beyond it,
+                                                                    // the sound's time jumps
+constexpr double kSilence = 2;                                      // seconds of silence before the device pauses
 
-/// OpenAL, opened with the first sound.
+/// OpenAL library, loaded with the first sound.
 struct OpenAl {
 #define GHOSTSPACE_OPENAL_MEMBER(name) decltype(&::name) name = nullptr;
   GHOSTSPACE_OPENAL_FUNCTIONS(GHOSTSPACE_OPENAL_MEMBER)
@@ -71,7 +72,7 @@ const OpenAl& openal() {
 
 void say_nothing(const char*, int, const char*, int, const char*, ...) {}
 
-/// ALSA writes to the terminal what it does not find.
+/// Silences ALSA's messages on the terminal.
 void keep_alsa_quiet() {
   using Handler = void (*)(const char*, int, const char*, int, const char*, ...);
   void* const library = dlopen("libasound.so.2", RTLD_NOW | RTLD_GLOBAL);
@@ -80,7 +81,7 @@ void keep_alsa_quiet() {
   if (set) (void)set(say_nothing);
 }
 
-/// An open device with one source, to which buffers are given one after the other.
+/// Open device with one source and a queue of buffers.
 class Output {
  public:
   ~Output() {
@@ -113,7 +114,7 @@ class Output {
     return al.alGetError() == AL_NO_ERROR;
   }
 
-  /// Whether there is room for a buffer more.
+  /// Reports whether there is room for another buffer.
   bool wants() {
     const OpenAl& al = openal();
     ALint done = 0;
@@ -126,7 +127,7 @@ class Output {
     return !free_.empty();
   }
 
-  /// Seconds that are still to be heard of what it has.
+  /// Returns the seconds of queued sound still to play.
   double waiting() {
     ALint offset = 0;
     openal().alGetSourcei(source_, AL_SAMPLE_OFFSET, &offset);
@@ -188,18 +189,18 @@ void SoundDevice::run(const std::stop_token& stop) {
   }
 }
 
-// Until nothing is to be heard any more. False: there is no device.
+// Plays until no sound is left. Returns false if there is no device.
 bool SoundDevice::play(const std::stop_token& stop) {
   Output output;
   if (!output.open()) return false;
   std::array<float, 2 * kPairs> pairs{};
-  std::optional<double> next;  // the time of the pair that is mixed next
+  std::optional<double> next;  // time of the next pair to mix
   double silent_since = clock_();
   while (!stop.stop_requested()) {
     while (output.wants()) {
       const double heard_at = clock_() + output.waiting() - kBehind;
       if (!next || std::abs(*next - heard_at) > kClocksApart) next = heard_at;
-      // The clocks of device and system differ a little: nobody hears a thousandth of a tone.
+      // The device and system clocks drift apart. Correct by at most 0.1 %, which is inaudible.
       const double correction = std::clamp((heard_at - *next) * 0.05, -0.001 * kBuffer, 0.001 * kBuffer);
       const bool even = std::abs(heard_at - *next) < 0.01;
       const double to = *next + kBuffer + (even ? 0 : correction);

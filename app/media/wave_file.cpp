@@ -27,7 +27,7 @@ std::vector<std::byte> WaveFile::bytes() const {
   number(kHead + size, 4);
   text("WAVEfmt ");
   number(kFormat, 4);
-  number(1, 2);  // numbers as they are
+  number(1, 2);  // PCM
   number(kChannels, 2);
   number(kMixRate, 4);
   number(kMixRate * kChannels * kSample, 4);

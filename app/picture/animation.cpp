@@ -29,7 +29,7 @@ std::optional<std::string> plan_animation(const AnimationRequest& request, std::
     if (request.times) step.time = request.times->first + (request.times->second - request.times->first) * place / all;
     if (request.turntable) step.turned = 2 * std::numbers::pi * place / all;
     if (legs > 0) {
-      const double at = count > 1 ? legs * place / (all - 1) : 0;  // the last one is at the last Viewpoint
+      const double at = count > 1 ? legs * place / (all - 1) : 0;  // the last picture is at the last Viewpoint
       const double leg = std::min(std::floor(at), legs - 1);
       step.from = static_cast<std::size_t>(leg);
       step.part = at - leg;

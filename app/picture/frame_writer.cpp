@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-/// Written over is only what is a picture, or a movie, itself: a mistyped name must not cost a world.
+/// Refuses to overwrite a file that is no picture or movie, so that a mistyped name cannot destroy a world.
 std::optional<std::string> refuse_frame_file(const std::string& name, bool movie) {
   std::error_code error;
   if (!std::filesystem::exists(name, error)) return std::nullopt;

@@ -14,7 +14,7 @@ render::PictureOptions options_of(const PictureScene& scene, const PictureReques
   return options;
 }
 
-/// Gives the bands with what is drawn over them to `take`. What is wrong, if anything.
+/// Renders bands with their overlay and passes them to `take`. Returns an error message on failure.
 std::optional<std::string> paint(render::Renderer& renderer, const PictureScene& scene, const PictureRequest& request,
                                  render::FrameStatistics* statistics, const std::function<bool(render::Image&)>& take) {
   int top = 0;

@@ -17,7 +17,7 @@ std::string pictures_folder(const std::function<std::string(const char*)>& varia
   if (std::string own = variable("XDG_PICTURES_DIR"); own.starts_with('/')) return own;
   const std::string home = variable("HOME");
   if (!home.starts_with('/')) return {};
-  // Lines like XDG_PICTURES_DIR="$HOME/Bilder" (xdg-user-dirs).
+  // Match lines such as XDG_PICTURES_DIR="$HOME/Bilder" (xdg-user-dirs).
   constexpr std::string_view kName = "XDG_PICTURES_DIR=\"", kHome = "$HOME";
   const std::size_t name = user_directories.find(kName);
   const bool starts = name == 0 || (name != std::string_view::npos && user_directories[name - 1] == '\n');

@@ -170,7 +170,7 @@ const ActionRow* action_of(const WindowEvent& event) {
     if (row.key == Key::unknown || row.key != event.key || row.control != event.control || row.alt != event.alt)
       continue;
     if (row.shift == event.shift) return &row;
-    // Many keyboards need Shift for +; but Tab with it goes the other way.
+    // Ignore Shift, which many keyboards need for +. Shift+Tab is an action of its own.
     if (!row.shift && row.key != Key::tab) without_shift = &row;
   }
   return without_shift;

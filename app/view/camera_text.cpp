@@ -20,7 +20,7 @@ namespace {
 constexpr std::string_view kExpectedCamera =
     "expected position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS and, for parallel rays, height=H, or the "
     "text of a Viewpoint";
-constexpr std::string_view kNodeWords[] = {"OrthoViewpoint", "Viewpoint"};  // that say what the text is
+constexpr std::string_view kNodeWords[] = {"OrthoViewpoint", "Viewpoint"};  // words that identify the text as a node
 constexpr std::size_t kMostCameraText = 4096;  // bytes
 
 std::string numbers_text(std::span<const double> numbers, char separator) {
@@ -47,11 +47,11 @@ CameraNumbers numbers_of_camera(const Pose& pose) {
           {double{pose.field_of_view}}};
 }
 
-/// Words, names and numbers; what parts them does not matter.
+/// Tokenizer of words, names and numbers; ignores separators.
 class CameraWords {
  public:
   explicit CameraWords(std::string_view text) : left_(text) {}
-  /// Empty at the end.
+  /// Returns the next token, or "" at the end.
   std::string_view next() {
     for (;;) {
       const std::size_t first = left_.find_first_not_of(" \t\r\n,={}");

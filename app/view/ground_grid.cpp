@@ -13,11 +13,11 @@
 namespace gs::app {
 namespace {
 
-constexpr double kSquares = 10;         // that things stand on, about
-constexpr double kBright = 10;          // each so many lines
-constexpr std::size_t kMostLines = 200;  // one way
+constexpr double kSquares = 10;         // approximate number of squares under the scene
+constexpr double kBright = 10;          // a bright line every so many lines
+constexpr std::size_t kMostLines = 200;  // per direction
 
-/// Of what stands upright, along its right, up and front.
+/// Bounding box along the orientation's right, up and front.
 struct OwnBox {
   glm::dvec3 lower{0}, upper{0};
 };
@@ -39,7 +39,7 @@ OwnBox own_box(const render::WorldBounds& bounds, const Upright& upright) {
   return box;
 }
 
-/// `ends` count from `origin`.
+/// Adds lines; `ends` are relative to `origin`.
 void add_lines(render::RenderList& list, const std::vector<glm::vec3>& ends, const glm::dvec3& origin,
                const glm::vec3& color) {
   if (ends.empty()) return;
@@ -67,7 +67,7 @@ double grid_spacing(const render::WorldBounds& bounds, const Upright& upright) {
   if (!fills_something(bounds)) return 0;
   const OwnBox box = own_box(bounds, upright);
   const glm::dvec3 size = box.upper - box.lower;
-  // What stands high on little ground has a grid as well.
+  // Tall content on a small ground needs a coarser grid, too.
   const double wanted = std::max({size.x, size.z, size.y / 2}) / kSquares;
   const double power = std::pow(10.0, std::floor(std::log10(wanted)));
   const double part = wanted / power;
@@ -79,7 +79,7 @@ std::shared_ptr<const render::RenderList> ground_grid(const render::WorldBounds&
   if (!(spacing > 0)) return nullptr;
   const OwnBox box = own_box(bounds, upright);
   const glm::dmat3 world_from_own = world_from_upright(upright);
-  // Some squares more than what it stands under.
+  // Extend the grid beyond the scene by some squares.
   const double margin = 3;
   const double left = std::floor(box.lower.x / spacing - margin), right = std::ceil(box.upper.x / spacing + margin);
   const double back = std::floor(box.lower.z / spacing - margin), front = std::ceil(box.upper.z / spacing + margin);

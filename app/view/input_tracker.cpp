@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kDoubleClickTime = 0.4;  // seconds
 constexpr float kDoubleClickRange = 6;    // pixels
-constexpr float kPixelsANotch = 20;       // of a zooming drag
+constexpr float kPixelsANotch = 20;       // per notch, in a zoom drag
 
 DragButton drag_button(MouseButton button) {
   switch (button) {
@@ -54,7 +54,7 @@ InputTracker::Gesture InputTracker::take(const WindowEvent& event, NavigationMod
       break;
     case Kind::button_down:
       pointer_ = event.pointer;
-      if (drag_ != Drag::none) break;  // the first button down leads
+      if (drag_ != Drag::none) break;  // the first button pressed determines the drag
       drag_ = drag_of(mode, drag_button(event.button), event.shift || event.control);
       button_ = event.button;
       press_ = event.pointer;

@@ -15,14 +15,14 @@ namespace {
 using qnv::finite;
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr glm::vec3 kUp(0, 1, 0);            // of the world (VRML97 4.4.5)
+constexpr glm::vec3 kUp(0, 1, 0);            // world up (VRML97 4.4.5)
 constexpr float kLongestStep = 0.25f;        // seconds
-constexpr float kEaseTime = 0.08f;           // seconds until keys have taken effect by 63 %
-constexpr float kZoomTime = 0.06f;           // likewise for the wheel
-constexpr float kZoomNotch = 0.85f;          // what one notch leaves of the distance
-constexpr float kTurnRate = kPi / 3;         // radians a second, by key
-constexpr float kSteepest = 85 * kPi / 180;  // how far a walker can look up or down
-constexpr float kLevelTime = 0.15f;          // seconds until a walker's roll is gone by 63 %
+constexpr float kEaseTime = 0.08f;           // time constant of keys in seconds (63 %)
+constexpr float kZoomTime = 0.06f;           // time constant of the wheel in seconds
+constexpr float kZoomNotch = 0.85f;          // distance factor per notch
+constexpr float kTurnRate = kPi / 3;         // radians per second, by key
+constexpr float kSteepest = 85 * kPi / 180;  // max pitch in WALK
+constexpr float kLevelTime = 0.15f;          // time constant for removal of roll in WALK, in seconds
 constexpr float kFast = 4;
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
@@ -38,19 +38,19 @@ glm::dvec3 clean_place(const glm::dvec3& v) {
 }
 float clean(float v, float limit) { return finite(v) ? std::clamp(v, -limit, limit) : 0.0f; }
 
-/// Metres a pixel at `distance` along the view.
+/// Returns the size of a pixel in metres at `distance` along the view.
 float pixel_size(const Pose& pose, float distance, const glm::vec2& viewport) {
   const float pixels = std::max(1.0f, std::min(viewport.x, viewport.y));
   if (pose.height > 0) return static_cast<float>(pose.height) / pixels;
   return 2 * distance * std::tan(pose.field_of_view / 2) / pixels;
 }
 
-// By parallel rays what is `left` of the distance is seen as such a part of the height.
+// In parallel projection, scales the height as the distance scales by `left`.
 void scale_height(Pose& pose, double left) {
   if (pose.height > 0) pose.height *= left;
 }
 
-/// How far away the things are that EXAMINE looks at; never too near to move on.
+/// Returns the distance of the objects that EXAMINE shows, limited so that movement stays possible.
 float examined_distance(const Navigation& state, const std::optional<glm::dvec3>& target) {
   const glm::vec3 to_target(target.value_or(state.center) - state.pose.position);
   const float along = glm::dot(to_target, state.pose.forward());
@@ -58,7 +58,7 @@ float examined_distance(const Navigation& state, const std::optional<glm::dvec3>
   return std::clamp(distance, state.scene_size * 1e-3f, state.scene_size * 1e3f);
 }
 
-/// The shortest rotation from one direction to another, both of length 1.
+/// Returns the shortest rotation between two unit vectors.
 glm::quat rotation_between(const glm::vec3& from, const glm::vec3& to) {
   const float cosine = glm::dot(from, to);
   if (cosine > 0.9999999f) return {1, 0, 0, 0};
@@ -68,45 +68,45 @@ glm::quat rotation_between(const glm::vec3& from, const glm::vec3& to) {
   return glm::normalize(glm::quat(1 + cosine, axis.x, axis.y, axis.z));
 }
 
-/// The level part of a direction, of length 1; 0 where it has none.
+/// Returns the horizontal part of a direction as a unit vector; 0 if there is none.
 glm::vec3 level(const Navigation& state, const glm::vec3& direction) {
   return unit_or(direction - state.up * glm::dot(direction, state.up), glm::vec3(0));
 }
 
-/// Turns the view by `right` and `up` radians: about the world's up, so that a level view stays level.
+/// Turns the view by `right` and `up` radians; yaw is about the world's up, so that a level view stays level.
 glm::quat turned(const Navigation& state, float right, float up) {
   const Pose& pose = state.pose;
-  const float sense = glm::dot(pose.up(), state.up) < 0 ? -1.0f : 1.0f;  // upside down, right is still right
+  const float sense = glm::dot(pose.up(), state.up) < 0 ? -1.0f : 1.0f;  // upside down, right stays right
   const glm::quat yaw = glm::angleAxis(-right * sense, state.up);
   const glm::quat pitch = glm::angleAxis(up, glm::vec3(1, 0, 0));
   return glm::normalize(yaw * pose.orientation * pitch);
 }
 
-/// A walker's view: turned, looking at most 85 degrees up or down, with `roll_left` of its roll.
+/// Turns the view in WALK: limits pitch to 85 degrees and keeps the fraction `roll_left` of the roll.
 glm::quat turned_level(const Navigation& state, float right, float up, float roll_left) {
-  // Where +Y is up.
+  // Work in a space where +Y is up.
   const glm::quat upright = rotation_between(state.up, kUp);
   Pose pose;
   pose.orientation = upright * state.pose.orientation;
   const glm::vec3 forward = pose.forward();
   const glm::vec3 ahead = glm::vec3(forward.x, 0, forward.z);
-  // Straight up or down the top of the view tells where ahead is.
+  // Looking straight up or down, use the top of the view as the heading.
   const glm::vec3 heading = glm::length(ahead) > 1e-3f ? ahead : pose.up() * (forward.y > 0 ? -1.0f : 1.0f);
   const float yaw = std::atan2(-heading.x, -heading.z);
   const float pitch = std::asin(std::clamp(forward.y, -1.0f, 1.0f));
   const glm::quat level = glm::angleAxis(yaw, kUp) * glm::angleAxis(pitch, glm::vec3(1, 0, 0));
-  const glm::quat tilt = glm::inverse(level) * pose.orientation;  // about the view's own axis
+  const glm::quat tilt = glm::inverse(level) * pose.orientation;  // about the view axis
   float roll = 2 * std::atan2(tilt.z, tilt.w);
   if (roll > kPi) roll -= 2 * kPi;
   if (roll < -kPi) roll += 2 * kPi;
   roll = std::abs(roll) < 1e-4f ? 0.0f : roll * roll_left;
-  const float steep = std::max(kSteepest, std::abs(pitch));  // who starts steeper is not torn away
+  const float steep = std::max(kSteepest, std::abs(pitch));  // a steeper initial view is kept
   return glm::inverse(upright) * glm::angleAxis(yaw - right, kUp) *
          glm::angleAxis(std::clamp(pitch + up, -steep, steep), glm::vec3(1, 0, 0)) *
          glm::angleAxis(roll, glm::vec3(0, 0, 1));
 }
 
-/// Brings `value` towards `target`; returns the mean over the step, so that paths do not depend on its length.
+/// Eases `value` towards `target`. Returns the mean over the step, so that paths do not depend on its length.
 template <class Vector>
 Vector ease(Vector& value, const Vector& target, float seconds) {
   const float left = std::exp(-seconds / kEaseTime);
@@ -123,7 +123,7 @@ void rotate_about_center(Navigation& state, float right, float up) {
   state.pose.position = state.center + glm::dquat(change) * (before.position - state.center);
 }
 
-/// The drag of EXAMINE and PAN, and the looking and sliding of FLY and WALK.
+/// Applies drags: rotating and panning in EXAMINE and PAN, looking and sliding in FLY and WALK.
 void apply_drag(Navigation& state, const NavigationInput& input) {
   const float radians = kPi / std::max(1.0f, std::min(input.viewport.x, input.viewport.y));
   const glm::vec2 moved = input.moved;
@@ -148,7 +148,7 @@ void apply_drag(Navigation& state, const NavigationInput& input) {
   }
 }
 
-/// The distance that the wheel goes through, over all its steps the same however they are cut.
+/// Applies the pending wheel zoom; the total distance does not depend on the step size.
 void apply_zoom(Navigation& state, float seconds) {
   if (state.zoom_left == 0) return;
   const float left = std::exp(-seconds / kZoomTime);
@@ -174,12 +174,12 @@ void apply_zoom(Navigation& state, float seconds) {
   if (distance > 0) scale_height(state.pose, double{next} / double{distance});
 }
 
-/// Held keys, and the travelling drag, which is a key that knows how much.
+/// Applies held keys and the travel drag, which acts like an analog key.
 void apply_keys(Navigation& state, const NavigationInput& input, float seconds) {
   glm::vec3 want_move = glm::clamp(input.move, glm::vec3(-1), glm::vec3(1)) * (input.fast ? kFast : 1.0f);
   glm::vec2 want_turn = glm::clamp(input.turn, glm::vec2(-1), glm::vec2(1));
   if (input.drag == Drag::travel) {
-    // A third of the window is full speed; the first pixels are rest.
+    // A third of the window is full speed; the first pixels are a dead zone.
     const float unit = std::max(1.0f, std::min(input.viewport.x, input.viewport.y)) / 3;
     glm::vec2 pull = input.from_press / unit;
     pull *= std::max(0.0f, 1 - 0.02f / std::max(glm::length(pull), 1e-6f));
@@ -196,7 +196,7 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
       break;
     case NavigationMode::examine:
     case NavigationMode::look_at: {
-      // Half the turn before and half after the move, here and below: the chord of the arc.
+      // Turn by half before and half after the move, here and below: this follows the chord of the arc.
       rotate_about_center(state, turn.x / 2, turn.y / 2);
       const glm::vec3 away(pose.position - state.center);
       const float distance = std::max(glm::length(away), state.scene_size * 1e-3f);
@@ -211,7 +211,7 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
     }
     case NavigationMode::pan: {
       const float distance = examined_distance(state, {});
-      const float ahead = 1 - std::exp(-move.z * 0.5f);  // of the distance
+      const float ahead = 1 - std::exp(-move.z * 0.5f);  // fraction of the distance
       pose.position += glm::dvec3(pose.forward() * (distance * ahead) +
                                   (pose.right() * (move.x + turn.x) + pose.up() * (move.y + turn.y)) *
                                       (distance * (1 - ahead / 2) * 0.5f));
@@ -347,7 +347,7 @@ Navigation with_mode(Navigation state, NavigationMode mode) {
 Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
   state = with_mode(std::move(state), state.mode);
   Pose to = valid_pose(pose, state.pose);
-  // How things are seen is another matter than from where.
+  // The transition keeps the present kind of projection.
   if ((to.height > 0) != (state.pose.height > 0)) {
     const double ahead = glm::dot(state.center - to.position, glm::dvec3(to.forward()));
     const double distance = glm::length(state.center - to.position);
@@ -360,14 +360,14 @@ Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
 Navigation approach(Navigation state, const glm::dvec3& point, const render::WorldBounds& bounds,
                     const glm::vec2& viewport) {
   if (!finite(point)) return state;
-  constexpr double kNearer = 1.0 / 3;  // of the way is left to who is inside
+  constexpr double kNearer = 1.0 / 3;  // remaining fraction of the distance for a viewer inside the bounds
   const glm::dvec3 position = state.pose.position;
   const bool around = !bounds.empty() && finite(bounds.center()) && glm::length(bounds.size()) > 0 &&
                       (glm::any(glm::lessThan(position, glm::dvec3(bounds.lower))) ||
                        glm::any(glm::greaterThan(position, glm::dvec3(bounds.upper))));
   const glm::dvec3 target = clean_place(around ? glm::dvec3(bounds.center()) : point);
   const glm::vec3 ahead = unit_or(glm::vec3(target - position), state.pose.forward());
-  // As who stands upright sees it; straight above and below, the picture is not turned.
+  // Keep the view level. Straight above or below, do not roll the picture.
   const glm::vec3 side = glm::cross(ahead, state.up);
   const glm::vec3 right = unit_or(glm::length(side) > 1e-3f ? side : state.pose.right(), state.pose.right());
   Pose to = state.pose;

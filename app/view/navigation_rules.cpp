@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr double kSizesOfAvatar = 12;  // that a world is at the least where its author says nothing
+constexpr double kSizesOfAvatar = 12;  // min ratio of world size to avatar height without NavigationInfo
 
 }  // namespace
 
@@ -60,7 +60,7 @@ NavigationRules default_navigation_rules(const render::WorldBounds& bounds, bool
   const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
   if (std::isfinite(size) && size > 0) {
     rules.speed = size / 8;
-    // Who enters a model of some centimetres is no giant in it.
+    // Shrink the avatar in a model of a few centimetres.
     const double part = std::min(1.0, double{size} / kSizesOfAvatar / rules.avatar.height);
     rules.avatar.radius *= part;
     rules.avatar.height *= part;

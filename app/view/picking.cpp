@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kSolid = 0.5f;  // opacity from which a volume hides what lies behind it
+constexpr float kSolid = 0.5f;  // opacity from which a volume hides content behind it
 
 }  // namespace
 
@@ -42,7 +42,7 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
                hit.triangle,
                hit.patch_color};
   };
-  // What is seen over everything else is pointed at before it, too.
+  // Overlays are drawn on top, so they are hit first.
   if (list.overlays)
     if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::overlay, options.pixel))
       return surface_hit(*hit);
@@ -96,7 +96,7 @@ std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& h
   for (std::uint32_t at = hit.splat ? list.splats[*hit.splat].place : list.items[hit.item].place; at < places.size();
        at = places[at].parent) {
     const render::Place& place = places[at];
-    // Of the children of its parent; the roots stand in the world's own.
+    // Use the space of the parent's children; roots are in world space.
     const bool root = place.parent >= places.size();
     path.push_back({place.scene, place.node, root ? glm::dmat4(1) : list.world_from_frame[places[place.parent].frame]});
   }
@@ -107,7 +107,7 @@ std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& h
 std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render::RenderList& list) {
   std::vector<SensorGeometry> result;
   std::unordered_map<const vrml::Node*, std::size_t> known;
-  std::unordered_map<std::uint32_t, std::vector<std::size_t>> of_parent;  // numbers of `result`, by place
+  std::unordered_map<std::uint32_t, std::vector<std::size_t>> of_parent;  // indices of `result`, by parent position
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const render::DrawItem& item = list.items[i];
     if (!item.seen || item.place >= list.places.size()) continue;
@@ -146,7 +146,7 @@ std::optional<render::SightLine> line_that_meets(const render::RenderList& list,
     const auto in_world = [&](const glm::vec3& point) {
       return glm::dvec3(item.world_from_node * glm::dvec4(glm::dvec3(point), 1));
     };
-    // Once for each list: a tree of the triangles would take longer.
+    // For a single query, a tree of the triangles would cost more than it saves.
     const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     const auto meets = [&](const glm::dvec3& point) -> std::optional<render::SightLine> {
       const glm::dvec3 way = point - eye;
@@ -158,7 +158,7 @@ std::optional<render::SightLine> line_that_meets(const render::RenderList& list,
       return render::nearest_of_all(mesh, in_node) ? std::optional(line) : std::nullopt;
     };
     if (const auto line = meets(in_world(mesh.bounds.center()))) return line;
-    // The triangle that is seen as the largest.
+    // Take the triangle with the largest apparent size.
     double largest = 0;
     glm::dvec3 middle(0);
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

@@ -16,7 +16,7 @@ void PoseHistory::moved(const Pose& from, const Pose& to, double now) {
   if (taken_) {
     if (goal_ && same_place(to, *goal_)) {
       taken_ = false;
-      last_ = -1e9;  // whatever comes next begins here
+      last_ = -1e9;  // the next movement starts a new entry
     }
     return;
   }
@@ -29,7 +29,7 @@ void PoseHistory::moved(const Pose& from, const Pose& to, double now) {
 std::optional<Pose> PoseHistory::go(int direction, const Pose& from) {
   std::vector<Pose>&places = direction < 0 ? behind_ : ahead_, &others = direction < 0 ? ahead_ : behind_;
   if (places.empty()) return std::nullopt;
-  // Who has not come to where he was being taken is not remembered where he is now.
+  // During a transition, remember its goal instead of the present pose.
   others.push_back(taken_ && goal_ ? *goal_ : from);
   goal_ = places.back();
   places.pop_back();

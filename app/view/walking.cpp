@@ -14,23 +14,24 @@ namespace {
 using glm::dvec3;
 using render::WorldTriangle;
 
-constexpr double kGravity = 9.81 / 1.6;  // heights of the eye a second squared: worlds have units of their own
-constexpr double kTerminal = 40;         // heights a second
-constexpr double kLagTime = 0.08;        // seconds until a step is seen by 63 %
-constexpr double kLeastLag = 1e-4;       // heights
-constexpr double kTolerance = 1e-3;      // radii, that a place may be too near to something
-constexpr double kSteepestGround = 0.5;        // cosine of the slope that one can stand on
-constexpr int kRounds = 8;               // of pushing the body out of what it met
+constexpr double kGravity = 9.81 / 1.6;  // eye heights per second squared: worlds have their own units
+constexpr double kTerminal = 40;         // eye heights per second
+constexpr double kLagTime = 0.08;        // time constant of the view after a step, in seconds (63 %)
+constexpr double kLeastLag = 1e-4;       // eye heights
+constexpr double kTolerance = 1e-3;      // tolerated penetration, in radii
+constexpr double kSteepestGround = 0.5;  // min cosine of a slope to stand on
+constexpr int kRounds = 8;               // max iterations to resolve collisions
 constexpr double kLongestWalk = 0.25;    // seconds
 
-/// Of the line from `a` to `b`.
+/// Returns the closest point to p on the segment from `a` to `b`.
 dvec3 nearest_on_line(const dvec3& a, const dvec3& b, const dvec3& p) {
   const dvec3 ab = b - a;
   const double square = glm::dot(ab, ab);
   return square > 0 ? a + ab * std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0) : a;
 }
 
-/// Of the triangle (Ericson, Real-Time Collision Detection, 5.1.5: by the regions of its corners and edges).
+/// Returns the closest point on a triangle (Ericson, Real-Time Collision Detection, 5.1.5: by regions of corners and
+/// edges).
 dvec3 nearest_on_triangle(const std::array<dvec3, 3>& t, const dvec3& p) {
   const dvec3 ab = t[1] - t[0], ac = t[2] - t[0], normal = glm::cross(ab, ac);
   const double square = glm::dot(normal, normal);
@@ -59,7 +60,7 @@ struct Pair {
   dvec3 on_line, on_triangle;
 };
 
-/// The points of the lines from `a` to `b` and `c` to `d` that are nearest to each other.
+/// Returns the closest points of the segments from `a` to `b` and from `c` to `d`.
 Pair nearest_of_lines(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d) {
   const dvec3 u = b - a, v = d - c, w = a - c;
   const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), uw = glm::dot(u, w), vw = glm::dot(v, w);
@@ -70,7 +71,7 @@ Pair nearest_of_lines(const dvec3& a, const dvec3& b, const dvec3& c, const dvec
   return {p, nearest_on_line(c, d, p)};
 }
 
-/// The points of an upright line and of a triangle that are nearest to each other.
+/// Returns the closest points of a vertical segment and a triangle.
 Pair nearest_pair(const dvec3& low, const dvec3& high, const std::array<dvec3, 3>& t) {
   Pair best{low, nearest_on_triangle(t, low)};
   double least = glm::distance(best.on_line, best.on_triangle);
@@ -83,7 +84,7 @@ Pair nearest_pair(const dvec3& low, const dvec3& high, const std::array<dvec3, 3
   if (low == high) return best;
   consider({high, nearest_on_triangle(t, high)});
   for (std::size_t i = 0; i < 3; ++i) consider(nearest_of_lines(low, high, t[i], t[(i + 1) % 3]));
-  // Where the line goes through.
+  // Also consider the point where the segment crosses the triangle's plane.
   const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
   const double below = glm::dot(low - t[0], normal), above = glm::dot(high - t[0], normal);
   if (below * above < 0) {
@@ -93,12 +94,12 @@ Pair nearest_pair(const dvec3& low, const dvec3& high, const std::array<dvec3, 3
   return best;
 }
 
-/// A body among triangles that were found around its way.
+/// Body with the triangles around its path.
 class Body {
  public:
   Body(const Avatar& avatar, std::vector<WorldTriangle> triangles, const dvec3& start)
       : avatar_(avatar), triangles_(std::move(triangles)) {
-    // Of what it stands in, no more than it does.
+    // Initial penetrations may stay, but not grow.
     room_.reserve(triangles_.size());
     for (const WorldTriangle& triangle : triangles_) {
       const Pair pair = nearest_pair(low(start), start, triangle.corners);
@@ -106,13 +107,13 @@ class Body {
     }
   }
 
-  /// The lower end of the line that the capsule is about, of a body whose eye is there.
+  /// Returns the lower end of the capsule's axis for an eye position.
   [[nodiscard]] dvec3 low(const dvec3& eye) const {
     if (!avatar_.gravity) return eye;
     return eye - avatar_.up * std::max(0.0, avatar_.height - avatar_.step - avatar_.radius);
   }
 
-  /// From `eye`, which is free, by a short `way`, and along what is met.
+  /// Moves from the free position `eye` by a short `way`, sliding along obstacles.
   dvec3 slide(const dvec3& eye, const dvec3& way, std::optional<std::size_t>& item) const {
     dvec3 at = eye + way;
     for (int round = 0; round < kRounds; ++round) {
@@ -128,7 +129,7 @@ class Body {
         if (distance > 1e-9 * avatar_.radius) {
           push = away * (depth / distance);
         } else {
-          // It stands in the triangle: back to the side that it came from.
+          // The axis intersects the triangle: push back to the side of the start.
           const dvec3 normal = glm::cross(triangles_[i].corners[1] - triangles_[i].corners[0],
                                           triangles_[i].corners[2] - triangles_[i].corners[0]);
           const double length = glm::length(normal);
@@ -138,10 +139,10 @@ class Body {
       }
       if (push == dvec3(0)) return at;
       if (avatar_.gravity) {
-        // Walls push sideways: who walks is neither lifted nor pressed into the ground.
+        // Walls push sideways: they neither lift the viewer nor press it into the ground.
         const dvec3 sideways = push - avatar_.up * glm::dot(push, avatar_.up);
         const double part = glm::length(sideways), all = glm::length(push);
-        if (part < 0.1 * all) return eye;  // a ceiling that comes down, or a step too high
+        if (part < 0.1 * all) return eye;  // a low ceiling, or a step that is too high
         push = sideways * std::min(all * all / (part * part), 4.0);
       }
       at += push;
@@ -149,7 +150,7 @@ class Body {
     return eye;  // no way out
   }
 
-  /// How far below the eye the ground is, from `highest` to `deepest`; the highest there.
+  /// Returns the depth of the highest ground below the eye, between `highest` and `deepest`.
   [[nodiscard]] std::optional<double> ground(const dvec3& eye, double highest, double deepest) const {
     const dvec3 up = avatar_.up, side = std::abs(up.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 0, 1);
     const dvec3 across = glm::normalize(glm::cross(up, side)) * (avatar_.radius * 0.5), along = glm::cross(up, across);
@@ -163,7 +164,7 @@ class Body {
   }
 
  private:
-  /// How far below a point a triangle is that one can stand on.
+  /// Returns the depth below a point of a triangle that is flat enough to stand on.
   [[nodiscard]] std::optional<double> below(const dvec3& p, const std::array<dvec3, 3>& t) const {
     const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
     const double rise = glm::dot(normal, avatar_.up);
@@ -178,7 +179,7 @@ class Body {
 
   const Avatar& avatar_;
   std::vector<WorldTriangle> triangles_;
-  std::vector<double> room_;  // how near each may come
+  std::vector<double> room_;  // permitted distance to each triangle
 };
 
 }  // namespace
@@ -195,7 +196,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
   const double gone = std::min(length, pieces * piece);
   const dvec3 step = pieces > 0 ? flat * (gone / length / pieces) : dvec3(0);
 
-  // Falling: by the mean speed, so that it does not depend on the length of the step.
+  // Use the mean speed, so that falling does not depend on the step size.
   const double gravity = kGravity * avatar.height, fastest = kTerminal * avatar.height;
   const double speed = std::min(from.falling + gravity * seconds, fastest);
   const double fall = avatar.gravity ? (from.falling + speed) / 2 * seconds : 0;
@@ -208,7 +209,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
     upper = glm::max(upper, from.eye - avatar.up * down + dvec3(reach));
   }
   const Body body(avatar, obstacles.near(lower, upper), from.eye);
-  // Up and down steps as long as it stands; else down by what it falls, or up where it was put too low.
+  // On ground, follow steps up and down. Otherwise fall, or rise if the start was too low.
   double left = fall;
   const auto settle = [&](double most) {
     const bool stood = next.on_ground;
@@ -218,7 +219,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
     if (depth) {
       const double rise = avatar.height - *depth;
       next.eye += avatar.up * rise;
-      if (stood || rise > 0) next.lag += rise;  // falls are seen as they are
+      if (stood || rise > 0) next.lag += rise;  // only steps are smoothed, not falls
       next.falling = 0;
       left = 0;
     }
@@ -233,7 +234,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
     if (!next.on_ground) {
       settle(left);
       if (!next.on_ground) {
-        // Nobody falls where there is nothing to fall onto.
+        // Without ground below, do not fall.
         if (obstacles.distance(next.eye, -avatar.up)) {
           next.eye -= avatar.up * left;
           next.falling = speed;

@@ -8,11 +8,12 @@
 namespace gs::app {
 namespace {
 
-constexpr float kStickAtRest = 0.15f;  // of a stick's way: worn ones do not come back to their middle
+constexpr float kStickAtRest = 0.15f;  // dead zone of a stick, 0..1; worn sticks do not return to the centre
 
 float number(float value) { return std::isfinite(value) ? std::clamp(value, -1.0f, 1.0f) : 0.0f; }
 
-/// Round, so that a stick that is moved along one axis does not creep along the other; gentle near the middle.
+/// Applies a round dead zone, so that movement along one axis does not drift along the other. Quadratic for fine
+/// control near the centre.
 glm::vec2 stick(float x, float y) {
   const glm::vec2 place(number(x), number(y));
   const float length = glm::length(place);

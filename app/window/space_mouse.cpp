@@ -8,10 +8,10 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSpnavMotion = 1, kSpnavButton = 2;  // of spnav.h
-constexpr float kFullPush = 350;                   // what a cap that is pushed all the way says
-constexpr float kRestingHand = 0.08f;              // a cap is rarely pushed along one axis alone
-constexpr int kMostSpnavEvents = 256;              // at a time: a daemon that never ends must not hold up the window
+constexpr int kSpnavMotion = 1, kSpnavButton = 2;  // spnav.h
+constexpr float kFullPush = 350;                   // value at full deflection
+constexpr float kRestingHand = 0.08f;              // dead zone; a cap is rarely pushed along one axis only
+constexpr int kMostSpnavEvents = 256;              // max per poll, so that a flooding daemon cannot block the window
 constexpr std::array<Key, 2> kSpnavKeys = {Key::page_up, letter_key('F')};
 
 float axis(int value) {
@@ -48,12 +48,12 @@ std::vector<WindowEvent> SpaceMouse::take(double time) {
     WindowEvent event;
     event.time = time;
     if (raw.type == kSpnavMotion) {
-      // Along x to the right, y up, z towards the user or, as the daemon has it, away from him; turned about the same.
+      // x points right, y up, z towards the user or, depending on the daemon, away; rotations use the same axes.
       event.kind = WindowEvent::Kind::axes;
       event.device = AxisDevice::space_mouse;
       event.move = {axis(raw.values[0]), axis(raw.values[1]), axis(raw.values[2])};
       event.turn = {-axis(raw.values[4]), axis(raw.values[3])};
-      // How the cap is held counts, not every way that it took there.
+      // Only the latest position of the cap matters.
       if (!events.empty() && events.back().kind == WindowEvent::Kind::axes) events.pop_back();
     } else if (raw.type == kSpnavButton && raw.values[1] >= 0 && raw.values[1] < static_cast<int>(kSpnavKeys.size())) {
       event.kind = raw.values[0] != 0 ? WindowEvent::Kind::key_down : WindowEvent::Kind::key_up;

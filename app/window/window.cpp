@@ -8,7 +8,7 @@
 namespace gs::app {
 namespace {
 
-std::string last_error;  // of GLFW, which belongs to the main thread
+std::string last_error;  // GLFW's last error; main thread only
 
 void on_error(int, const char* description) { last_error = description ? description : ""; }
 
@@ -58,7 +58,7 @@ Key key_of(int glfw, int scancode) {
   if (glfw >= GLFW_KEY_KP_0 && glfw <= GLFW_KEY_KP_9) return static_cast<Key>('0' + (glfw - GLFW_KEY_KP_0));
   if (glfw >= '0' && glfw <= '9') return static_cast<Key>(glfw);
   if (glfw < 'A' || glfw > 'Z') return Key::unknown;
-  // Commands follow the letter that is printed on the key, not the place where a US keyboard has it.
+  // Shortcuts follow the letter printed on the key, not its position on a US keyboard.
   const char* name = glfwGetKeyName(glfw, scancode);
   if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0) return static_cast<Key>(name[0] - 'a' + 'A');
   return static_cast<Key>(glfw);
@@ -79,7 +79,7 @@ GLFWwindow* create(const std::string& title, int width, int height) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  // Pictures are drawn off screen.
+  // Pictures are rendered off screen, so the window needs no depth or stencil buffer.
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
@@ -88,7 +88,7 @@ GLFWwindow* create(const std::string& title, int width, int height) {
 
 }  // namespace
 
-/// GLFW's callbacks: each turns what happened into a WindowEvent.
+/// GLFW callbacks, which convert input to WindowEvents.
 struct Window::Callbacks {
   static Window& self(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
 
@@ -134,7 +134,7 @@ struct Window::Callbacks {
   }
   static void drop(GLFWwindow* window, int count, const char** paths) {
     WindowEvent e = event(window, WindowEvent::Kind::drop);
-    double x = 0, y = 0;  // the window hears nothing of the pointer while something is dragged over it
+    double x = 0, y = 0;  // GLFW reports no pointer movement during a drag and drop
     glfwGetCursorPos(window, &x, &y);
     e.pointer = glm::vec2(x, y) * pixels_per_unit(window);
     e.paths.assign(paths, paths + std::max(count, 0));
@@ -218,7 +218,7 @@ void Window::wait(double seconds) {
   ask_devices();
 }
 
-// The first gamepad that GLFW knows the buttons of.
+// Polls the first gamepad with a known button mapping.
 void Window::ask_devices() {
   GamepadState state;
   for (int i = GLFW_JOYSTICK_1; i <= GLFW_JOYSTICK_LAST && !state.connected; ++i) {
@@ -283,7 +283,7 @@ std::optional<glm::ivec2> Window::place() const {
 }
 
 void Window::move_to(const glm::ivec2& place) {
-  constexpr int kHold = 100;  // screen coordinates that must be on a monitor, beside and below the corner
+  constexpr int kHold = 100;  // min visible extent right of and below the corner, in screen coordinates
   int count = 0;
   GLFWmonitor** const monitors = glfwGetMonitors(&count);
   for (int i = 0; i < count; ++i) {

@@ -25,7 +25,7 @@ namespace {
 
 constexpr char32_t kFirstPrivate = 0xE000, kLastPrivate = 0xF8FF, kLastOfPlane = 0xFFFF;
 
-// Where the free desktops keep a font with Latin, Greek and Cyrillic letters.
+// Usual locations of a font with Latin, Greek and Cyrillic on Linux.
 constexpr const char* kFonts[] = {
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
     "/usr/share/fonts/TTF/DejaVuSans.ttf",
@@ -33,7 +33,7 @@ constexpr const char* kFonts[] = {
     "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
     "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
 };
-// What of it is drawn at first: Latin, Greek, Cyrillic, and signs of texts.
+// Initially rendered ranges: Latin, Greek, Cyrillic, and punctuation.
 constexpr ImWchar kRanges[] = {0x0020, 0x024F, 0x0370, 0x052F, 0x2010, 0x2044, 0x2190, 0x21FF, 0};
 
 bool is_drawn_at_first(char32_t character) {
@@ -55,10 +55,10 @@ void add_character(std::string& text, char32_t c) {
   }
 }
 
-/// A glyph in shades of grey, as large as it is on the screen.
+/// Grey-scale glyph in screen size.
 struct GlyphPicture {
   int width = 0, height = 0;
-  float left = 0, top = 0, advance = 0;  // of the pen, the latter two from the base line, upwards
+  float left = 0, top = 0, advance = 0;  // relative to the pen; `top` and `advance` from the baseline, upwards
   std::vector<unsigned char> coverage;
 };
 
@@ -67,13 +67,13 @@ struct GlyphPicture {
 struct InterfaceFonts::Glyphs {
   ImGuiContext* context = nullptr;
   float pixels = 0, built_pixels = 0;
-  std::set<char32_t> wanted;               // besides what is drawn at first
-  std::size_t built = 0;                   // of these
-  std::map<char32_t, char32_t> stand_ins;  // of characters beyond the first plane, in the private area
-  std::map<char32_t, char32_t> stand_for;  // the other way round
+  std::set<char32_t> wanted;               // in addition to the initial ranges
+  std::size_t built = 0;                   // number of `wanted` glyphs already rendered
+  std::map<char32_t, char32_t> stand_ins;  // private-use characters for those outside the BMP
+  std::map<char32_t, char32_t> stand_for;  // inverse of stand_ins
   FT_Library library = nullptr;
-  std::vector<render::FontFile> files;  // best first; made when one is wanted first
-  std::vector<FT_Face> faces;           // of these; null: not opened yet, or no font
+  std::vector<render::FontFile> files;  // best match first; loaded on demand
+  std::vector<FT_Face> faces;           // by `files`; null if not opened yet or unusable
   std::vector<bool> tried;
 
   ~Glyphs() {
@@ -187,7 +187,7 @@ void InterfaceFonts::build() {
       std::memcpy(pixels + static_cast<std::ptrdiff_t>(place->Y + y) * width + place->X,
                   one.picture.coverage.data() + static_cast<std::ptrdiff_t>(y) * one.picture.width,
                   static_cast<std::size_t>(one.picture.width));
-    // Where it stands is known only now that the first font's base line is.
+    // The glyph's position depends on the first font's baseline, known only now.
     auto* glyph = const_cast<ImFontGlyph*>(font->FindGlyphNoFallback(static_cast<ImWchar>(one.character)));
     if (!glyph) continue;
     const float top = base_line - one.picture.top;
@@ -216,7 +216,8 @@ std::string InterfaceFonts::shown(std::string_view utf8) {
 }
 
 char32_t InterfaceFonts::drawn(char32_t character) {
-  if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // nobody knows what it means
+  if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // the meaning of private-use
+                                                                                    // characters is unknown
   if (character > kLastOfPlane) {
     const char32_t next = kFirstPrivate + static_cast<char32_t>(glyphs_->stand_ins.size());
     const auto [place, is_new] = glyphs_->stand_ins.try_emplace(character, std::min(next, kLastPrivate));

@@ -10,9 +10,8 @@
 namespace gs::app {
 namespace {
 
-/// A drawing in a square of 16 units, y down. Letters begin strokes: M x y: to a place; L x y: a line from there;
-/// Z: back to where the line began; C x y r: a circle; D x y r: a disc; A x y r from to: an arc, angles in degrees,
-/// clockwise from the right.
+/// Drawing in a square of 16 units, y down. Commands: M x y moves; L x y draws a line; Z closes the path; C x y r draws
+/// a circle; D x y r a filled circle. A x y r from to draws an arc; angles are in degrees, clockwise from the right.
 struct IconRow {
   Icon icon;
   const char* strokes;

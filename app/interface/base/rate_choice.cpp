@@ -23,7 +23,7 @@ std::optional<std::uint64_t> rate_choice(const char* id, std::uint64_t rate, flo
   std::optional<std::uint64_t> chosen;
   ImGui::SetNextItemWidth(width);
   if (!ImGui::BeginCombo(id, rate_text(rate).c_str(), ImGuiComboFlags_HeightLarge)) return chosen;
-  // One of the command line's own stands among the others.
+  // Insert a rate from the command line if it is not in the list.
   std::vector<std::uint64_t> rates(std::begin(kRates), std::end(kRates));
   if (std::find(rates.begin(), rates.end(), rate) == rates.end())
     rates.insert(std::upper_bound(rates.begin(), rates.end(), rate), rate);

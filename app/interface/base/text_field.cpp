@@ -19,12 +19,11 @@ namespace {
 
 bool begins_character(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
 
-/// A text of which something is written from right to left, as its field shows it: Dear ImGui draws in the order of
-/// writing, and its own drawing is not seen.
+/// Text with right-to-left parts in visual order. Dear ImGui draws logical order, so its own drawing is hidden.
 struct SeenLine {
   std::u32string text;
   SightOrder order;
-  std::vector<float> edges;  // of the seen characters, from the left of the first one; one more than there are
+  std::vector<float> edges;  // x positions of the visual characters from the left; one more than characters
 
   explicit SeenLine(const std::string& utf8) : text(render::characters_of(utf8)), order(sight_order(text)) {
     InterfaceFonts* const fonts = InterfaceFonts::current();
@@ -39,7 +38,7 @@ struct SeenLine {
     }
     edges.push_back(edge);
   }
-  /// Of the character that stands at a byte of the text, and the other way round.
+  /// Convert between character index and byte offset.
   [[nodiscard]] std::size_t character_at(std::string_view bytes, int byte) const {
     const std::string_view before = bytes.substr(0, static_cast<std::size_t>(std::max(byte, 0)));
     const auto count = std::count_if(before.begin(), before.end(), begins_character);
@@ -50,7 +49,7 @@ struct SeenLine {
     while (byte < bytes.size() && !(begins_character(bytes[byte]) && character-- == 0)) ++byte;
     return static_cast<int>(byte);
   }
-  /// Before which character of the text one writes who points at `x`, from the left of the first seen character.
+  /// Returns the text index for insertion at `x`, from the left of the line.
   [[nodiscard]] std::size_t pointed(float x) const {
     if (order.characters.empty()) return 0;
     std::size_t place = 0;
@@ -61,16 +60,16 @@ struct SeenLine {
 
 struct Editing {
   std::string& text;
-  bool to_end;  // who gets the keys by a command goes on behind what is there
+  bool to_end;  // on focus by command, move the caret to the end
   FieldEvents& events;
   const FieldKeys& keys;
-  const SeenLine* line;      // null: all of it is written from left to right
-  float left = 0;            // of the line, on the screen
-  int cursor = 0, held = 0;  // bytes; where the pointer went down
+  const SeenLine* line;      // null if the text is left-to-right
+  float left = 0;            // screen position of the line
+  int cursor = 0, held = 0;  // byte offsets; `held` is where the pointer was pressed
   int selected_from = 0, selected_to = 0;
 };
 
-// The pointer is where the line is seen, not where Dear ImGui believes it to be.
+// Places the caret by the visual text, not by Dear ImGui's logical layout.
 void follow_pointer(ImGuiInputTextCallbackData& data, Editing& editing) {
   const ImGuiIO& io = ImGui::GetIO();
   if (!editing.line || !io.MouseDown[0] || io.MouseDoubleClicked[0] || io.KeyShift) return;
@@ -125,7 +124,7 @@ int edited(ImGuiInputTextCallbackData* data) {
   return 0;
 }
 
-// In the frame of the item before, as far as it has room; what one writes at is in sight.
+// Returns the left edge of the line in the frame of the previous item. Scrolls to keep the caret visible.
 float left_of_line(const SeenLine& line, float from, float to, std::size_t caret) {
   const float width = to - from, at = line.edges[std::min(caret, line.edges.size() - 1)];
   if (line.edges.back() <= width) return from;
@@ -167,7 +166,7 @@ FieldEvents text_field(const char* id, const char* hint, std::string& text, floa
   if (width <= 0) width = std::max(1.0f, ImGui::GetContentRegionAvail().x + width);
   if (text.size() > kLongestTyped) text.resize(kLongestTyped);
   const std::string before = text;
-  // Its characters are shown one by one, as they stand in it.
+  // Request the glyphs of its characters.
   if (InterfaceFonts* fonts = InterfaceFonts::current())
     for (const char32_t character : render::characters_of(text)) fonts->note(character);
   ImGuiStorage& storage = *ImGui::GetStateStorage();

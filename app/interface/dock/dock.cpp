@@ -69,7 +69,7 @@ DockLayout Dock::lay_out(const DockRectangle& whole, float scale) const {
     return area(side).open.empty() ? 0.0f : std::round(area(side).size * scale) + divider;
   };
   float left = wanted(DockSide::left), right = wanted(DockSide::right), bottom = wanted(DockSide::bottom);
-  // Where there is little room all areas give way alike.
+  // With too little room, all areas shrink in proportion.
   const float wide = std::max(0.0f, whole.width - std::round(kLeastPicture * scale));
   if (left + right > wide) {
     const float part = wide / (left + right);

@@ -16,7 +16,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kPage = 50;  // elements of a list that are shown at a time
+constexpr std::size_t kPage = 50;  // elements of a list shown at a time
 constexpr float kDegrees = static_cast<float>(180 / std::numbers::pi);
 
 std::string ago_text(double seconds) {
@@ -31,14 +31,14 @@ std::string ago_text(double seconds) {
 
 }  // namespace
 
-/// What a line needs to show and send a value.
+/// Data needed to show and send a value.
 struct InspectorPanel::Field {
   const PanelFrame& frame;
   Inspection& inspection;
   const vrml::NodeType& type;
   const vrml::InterfaceDeclaration& interface;
-  const vrml::InterfaceDeclaration* setter;  // null: nobody sets it
-  const vrml::FieldValue* value;             // null: it has none
+  const vrml::InterfaceDeclaration* setter;  // null means read-only
+  const vrml::FieldValue* value;             // null means no value
   Unit unit;
 };
 
@@ -111,7 +111,7 @@ void InspectorPanel::row(const PanelFrame& frame, Inspection& inspection, const 
                     setter_of(type, interface),
                     inspection.value_of(interface),
                     unit_of(type, interface)};
-  // The eventIn set_x of a field x is not one more thing to set.
+  // Skip the eventIn set_x of a field x, which is already listed.
   if (interface.access == vrml::AccessType::eventIn && interface.name.starts_with("set_"))
     if (const auto* of = type.find_field(interface.name.substr(4)); of && setter_of(type, *of) == &interface) return;
   ImGui::TableNextRow();
@@ -154,14 +154,14 @@ void InspectorPanel::note(const Field& field, const std::optional<std::string>& 
   }
 }
 
-// True when a text was entered; Esc leaves the value as it is.
+// Returns true if a text was entered; Esc cancels.
 bool InspectorPanel::edited_text(const char* id, const vrml::FieldValue& value, std::string& entered) {
   std::optional<std::string> present = editable_text(value, *node_.scene);
   if (!present || present->size() > kLongestTyped) {
     colored_text(UiColors::kQuiet, value_text(value, *node_.scene));
     return false;
   }
-  // While it is typed, the value goes on to change in the world.
+  // The value may change in the world during editing.
   const ImGuiID field = ImGui::GetID(id);
   std::string text = typed_in_ == field ? typed_ : std::move(*present);
   const FieldEvents events = text_field(id, "", text, 0, false);
@@ -235,7 +235,7 @@ void InspectorPanel::value(const Field& field, UiActions& actions) {
     colored_text(UiColors::kQuiet, symbol_of(field.unit));
 }
 
-// A page of it; what lies before and behind costs nothing.
+// Shows one page of a list; other elements cost nothing.
 void InspectorPanel::list(const Field& field, UiActions& actions) {
   const std::size_t count = element_count(*field.value);
   const auto open =

@@ -85,7 +85,7 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
       std::max(60 * scale, ImGui::GetContentRegionAvail().x - button - 2 * ImGui::GetStyle().ItemSpacing.x), false);
 
   std::vector<const vrml::Diagnostic*> rows;
-  std::pair<std::string, std::size_t> newest;  // of the files with rows, and its first
+  std::pair<std::string, std::size_t> newest;  // last file with messages, and its first row
   for (const SessionLog::File& file : session_log.files()) {
     const std::size_t first = rows.size();
     for (const vrml::Diagnostic& diagnostic : file.diagnostics.entries()) {
@@ -98,7 +98,7 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
     }
     if (rows.size() > first) newest = {file.path, first};
   }
-  // Where something is wrong with another file, that is what the user wants to read.
+  // Scroll to messages of a new file, which the user wants to read.
   if (newest.first != newest_) goes_to_ = newest.second;
   newest_ = std::move(newest.first);
   ImGui::SameLine();

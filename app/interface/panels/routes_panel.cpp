@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-// A node's name that chooses it, and its event.
+// Draws one end of a ROUTE: a node name that selects the node, and the event.
 void end_of(const PanelFrame& frame, Inspection& inspection, const char* id, const NodeAt& node,
             const std::string& event, float light) {
   const bool chosen = node == inspection.selected();

@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kName = 80;  // bytes that are shown
+constexpr std::size_t kName = 80;  // max bytes shown
 
 int as_count(std::size_t count) {
   return static_cast<int>(std::min<std::size_t>(count, std::numeric_limits<int>::max() - 1));
@@ -84,7 +84,7 @@ void ScenePanel::rows(const PanelFrame& frame, Inspection& inspection) {
   ImGui::EndChild();
 }
 
-// True when it is to be opened or closed.
+// Draws a line. Returns true if it was expanded or collapsed.
 bool ScenePanel::line(const PanelFrame& frame, Inspection& inspection, std::size_t index) {
   const OutlineRow row = inspection.outline().row(index);
   ImGui::PushID(static_cast<int>(index));
@@ -132,7 +132,7 @@ bool ScenePanel::line(const PanelFrame& frame, Inspection& inspection, std::size
   return toggled;
 }
 
-// Arrows go from line to line, and open and close them.
+// Handles arrow keys: move between lines, expand and collapse.
 void ScenePanel::keys(Inspection& inspection) {
   SceneOutline& outline = inspection.outline();
   if (!line_ || *line_ >= outline.size()) return;

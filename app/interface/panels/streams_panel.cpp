@@ -45,7 +45,7 @@ void plot(const StreamList::Row& row, const char* id, const ImVec2& size) {
                    size);
 }
 
-// How fast the active viewport may read.
+// Draws the bandwidth limit of the active viewport.
 void limit_choice(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
   const auto active = std::find_if(model.viewports.begin(), model.viewports.end(),
                                    [](const UiViewport& viewport) { return viewport.active; });

@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
-// Splits of a window as texts: of the command line, and of what is kept.
+// Text format of splits, for the command line and saved settings.
 namespace gs::app {
 namespace {
 
-constexpr std::string_view kSigns = "|/+";  // of SplitAxis, in its order
+constexpr std::string_view kSigns = "|/+";  // by SplitAxis
 constexpr std::size_t kMostDepth = kMostViewports;
 constexpr double kLeastWeight = 1e-3, kMostWeight = 1e3;
 

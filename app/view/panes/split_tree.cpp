@@ -19,13 +19,13 @@ bool in_columns(const SplitPart& part, const Viewport& area) {
   return part.axis == SplitAxis::columns || (part.axis == SplitAxis::longer && area.height <= area.width);
 }
 
-/// The places of the parts of a split.
+/// Returns the rectangles of a split's parts.
 std::vector<Viewport> places_of_parts(const SplitPart& part, const Viewport& area) {
   double sum = 0, until = 0;
   for (const SplitPart& one : part.parts) sum += one.weight;
   const bool columns = in_columns(part, area);
   const int length = columns ? area.width : area.height;
-  // What a half is, rounding must not make one pixel less.
+  // The epsilon keeps rounding from losing a pixel of an exact half.
   const auto at = [&](double weight) { return static_cast<int>(std::floor(length * (weight / sum) + 1e-9)); };
   std::vector<Viewport> places;
   for (const SplitPart& one : part.parts) {
@@ -51,7 +51,7 @@ void visit(const SplitPart& part, const Viewport& area, std::vector<std::size_t>
   }
 }
 
-/// Pixels that a part needs along an axis, for every viewport in it to have `least`.
+/// Returns the min length in pixels along an axis, so that every viewport in the part has `least`.
 int least_length(const SplitPart& part, bool along_columns, int least) {
   if (part.parts.empty()) return least;
   const bool adds = part.axis == SplitAxis::longer || (part.axis == SplitAxis::columns) == along_columns;
@@ -90,7 +90,7 @@ bool splits_leaf(SplitPart& part, std::size_t pane, SplitAxis axis, std::size_t 
   return false;
 }
 
-/// A split in a split along the same axis is none of its own: its parts are those of the outer one.
+/// Merges a nested split along the same axis into its parent.
 void flatten(SplitPart& part) {
   std::vector<SplitPart> parts;
   for (SplitPart& one : part.parts) {
@@ -255,7 +255,7 @@ SplitTree with_divider_at(SplitTree tree, const SplitDivider& divider, const Vie
     if (&one < &before) until += one.weight;
     sum += one.weight;
   }
-  // Half a pixel more, so that rounding gives this pixel again.
+  // Add half a pixel, so that rounding gives the same pixel again.
   const double wanted = (from + std::clamp(place - start - from, lowest, highest) + 0.5) / whole * sum - until;
   const double both = before.weight + behind.weight;
   before.weight = std::clamp(wanted, both * 1e-6, both * (1 - 1e-6));

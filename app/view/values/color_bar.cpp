@@ -52,13 +52,13 @@ std::vector<Tick> nice_ticks(std::pair<double, double> range, std::size_t most) 
     for (const double multiple : kSteps) {
       const double step = power * multiple;
       if (!(step > 0)) return ends();
-      const double slack = 1e-9 * width;  // rounding
+      const double slack = 1e-9 * width;  // tolerance for rounding
       const double first = std::ceil((least - slack) / step), last = std::floor((largest + slack) / step);
       if (last - first + 1 > static_cast<double>(most)) continue;
       if (last < first) return ends();
       std::vector<Tick> ticks;
       for (double i = first; i <= last; ++i) {
-        const double value = i == 0 ? 0 : i * step;  // not -0
+        const double value = i == 0 ? 0 : i * step;  // avoids -0
         ticks.push_back({value, std::clamp((value - least) / width, 0.0, 1.0), tick_label(value, step)});
       }
       return ticks;

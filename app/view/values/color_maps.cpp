@@ -11,7 +11,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMapPoints = 17;  // of a transfer function that has the colours of a map
+constexpr std::size_t kMapPoints = 17;  // points of a mapped transfer function
 constexpr float kMostMapOpacity = 0.9f;
 
 template <std::size_t count>
@@ -23,8 +23,7 @@ glm::vec3 polynomial(const std::array<glm::vec3, count>& coefficients, float pla
 
 glm::vec3 grey_color(float place) { return glm::vec3(place); }
 
-// Polynomials of degree 6 that M. Zucker has fitted (CC0) to the maps of S. van der Walt and N. Smith (matplotlib,
-// CC0).
+// Polynomials of degree 6, fitted by M. Zucker (CC0) to the maps of S. van der Walt and N. Smith (matplotlib, CC0).
 constexpr std::array<glm::vec3, 7> kViridis{{{0.2777273f, 0.0054073f, 0.3340998f},
                                              {0.1050930f, 1.4046135f, 1.3845902f},
                                              {-0.3308618f, 0.2148476f, 0.0950952f},
@@ -46,15 +45,15 @@ constexpr std::array<glm::vec3, 7> kMagma{{{-0.0021365f, -0.0007497f, -0.0053861
                                            {52.1761398f, -27.9436061f, 12.9441694f},
                                            {-50.7685254f, 29.0465828f, 4.2341530f},
                                            {18.6557051f, -11.4897735f, -5.6019615f}}};
-// A. Mikhailov's own polynomials of degree 5 for Turbo (Google, 2019).
+// Polynomials of degree 5 for Turbo, by its author A. Mikhailov (Google, 2019).
 constexpr std::array<glm::vec3, 6> kTurbo{{{0.13572138f, 0.09140261f, 0.10667330f},
                                            {4.61539260f, 2.19418839f, 12.64194608f},
                                            {-42.66032258f, 4.84296658f, -60.58204836f},
                                            {132.13108234f, -14.18503333f, 110.36276771f},
                                            {-152.94239396f, 4.27729857f, -89.90310912f},
                                            {59.28637943f, 2.82956604f, 27.34824973f}}};
-// Cividis: J. Nunez, C. Anderton, R. Renslow, PLoS ONE 13 (2018); polynomials of degree 5 as M. Bostock's
-// d3-scale-chromatic has them, of 0..255.
+// Cividis: J. Nunez, C. Anderton, R. Renslow, PLoS ONE 13 (2018). Polynomials of degree 5 from M. Bostock's
+// d3-scale-chromatic, for 0..255.
 constexpr std::array<glm::vec3, 6> kCividis{{{-4.54f, 32.49f, 81.24f},
                                              {-35.34f, 170.73f, 442.36f},
                                              {2381.73f, 52.82f, -2482.43f},
@@ -72,7 +71,7 @@ glm::vec3 cividis(float place) {
   return polynomial(scaled, place);
 }
 
-/// Polar coordinates of CIE L*a*b* (K. Moreland, Diverging color maps for scientific visualization, 2009).
+/// Polar form of CIE L*a*b* (K. Moreland, Diverging color maps for scientific visualization, 2009).
 struct Msh {
   double m, s, h;
 };
@@ -86,14 +85,14 @@ glm::vec3 msh_color(const Msh& color) {
                b = color.m * std::sin(color.s) * std::sin(color.h);
   const auto part = [](double t) { return t > 6.0 / 29 ? t * t * t : 3 * (6.0 / 29) * (6.0 / 29) * (t - 4.0 / 29); };
   const double fy = (lightness + 16) / 116;
-  const double x = 0.9505 * part(fy + a / 500), y = part(fy), z = 1.089 * part(fy - b / 200);  // D65
+  const double x = 0.9505 * part(fy + a / 500), y = part(fy), z = 1.089 * part(fy - b / 200);  // white point D65
   return glm::clamp(
       glm::vec3(srgb_of(3.2406 * x - 1.5372 * y - 0.4986 * z), srgb_of(-0.9689 * x + 1.8758 * y + 0.0415 * z),
                 srgb_of(0.0557 * x - 0.2040 * y + 1.0570 * z)),
       0.0f, 1.0f);
 }
 
-/// The hue of a grey of magnitude `m` from which a saturated colour is reached evenly.
+/// Returns the hue of a grey of magnitude `m`, from which a saturated colour is reached smoothly.
 double adjusted_hue(const Msh& saturated, double m) {
   if (saturated.m >= m) return saturated.h;
   const double spin =
@@ -106,7 +105,7 @@ glm::vec3 cool_warm(float place) {
   constexpr double kMiddle = 88;
   const bool cool = place < 0.5f;
   const Msh& end = cool ? kCool : kWarm;
-  const double part = std::abs(1 - 2 * static_cast<double>(place));  // of the end
+  const double part = std::abs(1 - 2 * static_cast<double>(place));  // weight of the end colour
   const double hue = adjusted_hue(end, kMiddle);
   return msh_color({kMiddle + part * (end.m - kMiddle), part * end.s, hue + part * (end.h - hue)});
 }
@@ -158,7 +157,7 @@ Transfer mapped_transfer(const ColorMap& map, OpacityRamp ramp) {
 
 Transfer recolored(const Transfer& transfer, const ColorMap& map) {
   Transfer result;
-  // Points of its own opacities, and enough others for the colours between them.
+  // Keep the points of the original opacities, and add enough points for the colours in between.
   for (const qnv::TransferPoint& point : transfer) result.push_back({point.value, {}, point.opacity});
   for (std::size_t i = 0; i < kMapPoints; ++i) {
     const float place = static_cast<float>(i) / static_cast<float>(kMapPoints - 1);

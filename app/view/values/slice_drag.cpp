@@ -10,7 +10,8 @@
 namespace gs::app {
 namespace {
 
-// Where two lines come nearest to each other: lengths of `along` from `from`. Nothing where they are nearly parallel.
+// Returns the closest point on a line to the ray, in lengths of `along` from `from`. Returns nullopt if they are nearly
+// parallel.
 std::optional<double> nearest_along(const glm::dvec3& from, const glm::dvec3& along, const Ray& ray) {
   constexpr double kLeastSine = 0.2;
   const glm::dvec3 direction(ray.direction);

@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-/// The two axes of a slice's picture.
+/// Returns the two axes of a slice's picture.
 std::pair<std::size_t, std::size_t> axes_across(std::size_t axis) {
   return axis == 0   ? std::pair<std::size_t, std::size_t>{1, 2}
          : axis == 1 ? std::pair<std::size_t, std::size_t>{0, 2}
@@ -62,7 +62,7 @@ std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlic
   for (std::size_t i = 0; i < 4; ++i) {
     glm::dvec3 voxel(0);
     voxel[static_cast<int>(axis)] = slice_voxel(grid, slices, axis);
-    // Pixels are voxels, of which the outer ones end half a voxel beyond their centres.
+    // Pixels are voxels; the outer ones extend half a voxel beyond their centres.
     const auto edge = [&](std::size_t of, bool upper) {
       return upper ? (grid.kept(of) - 0.5) * grid.step() : -0.5 * grid.step();
     };

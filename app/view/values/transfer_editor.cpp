@@ -10,17 +10,17 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kSample = 65536;  // vectors whose magnitudes are sorted
-constexpr float kAligned = 0.99999f;    // cosine from which a plane counts as one across an axis
+constexpr std::size_t kSample = 65536;  // number of vectors in the magnitude sample
+constexpr float kAligned = 0.99999f;    // min cosine to count as perpendicular to an axis
 
-/// 0..1, and 0 for what is no number.
+/// Clamps to 0..1; NaN becomes 0.
 float unit(float v) { return v > 0 ? std::min(v, 1.0f) : 0.0f; }
 
 std::uint8_t mix(std::uint8_t from, std::uint8_t to, float part) {
   return static_cast<std::uint8_t>(std::lround(static_cast<float>(from) + part * (static_cast<float>(to) - from)));
 }
 
-/// Takes Hounsfield units (water 0, air -1000) to 0..1 of a range of values.
+/// Converter from Hounsfield units (water 0, air -1000) to 0..1 of a value range.
 class Hounsfield {
  public:
   explicit Hounsfield(std::pair<float, float> range) {
@@ -76,7 +76,7 @@ constexpr std::array<TransferPreset, 4> kPresets{{
     {"Rainbow", "Blue and transparent to red and opaque", &rainbow},
 }};
 
-/// How far the bounds reach along a direction.
+/// Returns the extent of the bounds along a direction.
 std::pair<double, double> extent(const glm::dvec3& direction, const render::WorldBounds& bounds) {
   if (bounds.empty()) return {-1.0, 1.0};
   double least = 0, most = 0;
@@ -215,7 +215,7 @@ LogScale opacity_scale() { return {0.05f, 80, false}; }
 LogScale magnitude_scale(const VolumeSummary& summary) {
   LogScale scale{summary.least(), summary.largest(), true};
   if (!(scale.largest > 0)) scale.largest = 1;
-  // Equal magnitudes need a scale as well; and where they differ by more than this, the shortest matter to nobody.
+  // Equal magnitudes need a range, too. In a wide range, the smallest magnitudes do not matter.
   scale.least = std::clamp(scale.least, scale.largest * 1e-4f, scale.largest * 0.5f);
   return scale;
 }

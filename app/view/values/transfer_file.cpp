@@ -15,7 +15,7 @@ namespace {
 
 using TransferJson = nlohmann::ordered_json;
 
-constexpr std::size_t kMostText = std::size_t{1} << 20;  // bytes of a file; a point takes some 60
+constexpr std::size_t kMostText = std::size_t{1} << 20;  // max file size in bytes; a point takes about 60
 constexpr std::string_view kFormat = "ghostspace transfer function";
 
 std::string line_and_column(std::string_view text, std::size_t byte) {
@@ -52,7 +52,7 @@ std::optional<qnv::Rgb8> point_color(const TransferJson& value) {
   return qnv::Rgb8{bytes[0], bytes[1], bytes[2]};
 }
 
-/// What is wrong with a point, if anything.
+/// Parses a point. Returns a message if it is invalid.
 std::optional<std::string> read_point(const TransferJson& row, TransferFile::Point& point) {
   if (!row.is_object()) return "expected an object with value, color and opacity";
   const auto value = row.contains("value") ? finite_number(row["value"]) : std::nullopt;
@@ -77,7 +77,7 @@ std::variant<TransferFile, std::string> read_transfer_file(std::string_view text
     root = TransferJson::parse(text);
   } catch (const TransferJson::parse_error& problem) {
     return wrong("this is no JSON; expected a transfer function", problem.byte > 0 ? problem.byte - 1 : 0);
-  } catch (const TransferJson::exception&) {  // a number that no double holds
+  } catch (const TransferJson::exception&) {  // a number out of double's range
     return wrong("a number is too large; expected a transfer function");
   }
   if (!root.is_object() || !root.contains("points") || !root["points"].is_array())
@@ -113,7 +113,7 @@ Transfer transfer_over(const TransferFile& file, std::pair<float, float> value_r
     all.push_back({static_cast<float>(place), point.color, point.opacity});
   }
   if (all.empty()) return sound_transfer({});
-  // What lies beyond the data ends at them with what the function has there, not with its last points.
+  // At the ends of the data range, interpolate the function instead of clamping to its outer points.
   const auto at = [&](float place) {
     std::size_t next = 0;
     while (next < all.size() && all[next].value < place) ++next;
@@ -140,7 +140,7 @@ Transfer transfer_over(const TransferFile& file, std::pair<float, float> value_r
 
 std::string transfer_text(const Transfer& transfer, std::pair<float, float> value_range, const std::string& units) {
   const double least = value_range.first, width = static_cast<double>(value_range.second) - least;
-  // Floats as short as they are told apart by: seven digits.
+  // Write the shortest decimal that gives the same float.
   const auto rounded = [](double value) {
     char digits[32];
     const auto end = std::to_chars(digits, digits + sizeof digits, static_cast<float>(value)).ptr;
