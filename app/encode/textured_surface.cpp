@@ -46,9 +46,7 @@ struct TextureTile {
   const Image* image = nullptr;  // null means a single colour
   bool repeat_s = true, repeat_t = true;
   glm::vec3 color{1};  // single colour, or factor of an intensity texture
-  glm::vec2 lower{std::numeric_limits<float>::max()}, upper{std::numeric_limits<float>::lowest()};  // used range of
-                                                                                                    // texture
-                                                                                                    // coordinates
+  glm::vec2 lower{std::numeric_limits<float>::max()}, upper{std::numeric_limits<float>::lowest()};  // used coordinates
   std::uint32_t x = 0, y = 0, width = 0, height = 0;  // rectangle in the atlas, with margins
 };
 using TileKey = std::tuple<const Image*, bool, bool, float, float, float>;

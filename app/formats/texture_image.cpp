@@ -7,9 +7,9 @@
 namespace gs::app {
 namespace {
 
-// A pixel's bytes here, of up to 4 components, and those of the copy of who draws, with its smaller ones.
+// Bytes per pixel: decoded, up to 4 components, and the renderer's copy with mipmaps.
 constexpr std::uint64_t kMostPixelBytes = 10, kCopyBytes = 6;
-// Smaller pictures show nothing.
+// Minimum size; smaller pictures are useless.
 constexpr std::uint64_t kFewestPixels = 64 * 64;
 
 std::string size_of(std::uint32_t width, std::uint32_t height) {

@@ -42,8 +42,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kPairs = 512;  // pairs per buffer
 constexpr int kBuffers = 4;
 constexpr double kBuffer = static_cast<double>(kPairs) / kMixRate;  // seconds
-constexpr double kClocksApart = 0.05;                               // max clock difference in seconds; beyond it,
-                                                                    // the sound's time jumps
+constexpr double kClocksApart = 0.05;                               // max clock difference in seconds, else jump
 constexpr double kSilence = 2;                                      // seconds of silence before the device pauses
 
 /// OpenAL library, loaded with the first sound.

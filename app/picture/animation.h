@@ -13,8 +13,7 @@
 
 namespace gs::app {
 
-inline constexpr double kTurntableSeconds = 8, kTourSeconds = 3;  // defaults for one turn, and for the way between
-                                                                  // two Viewpoints
+inline constexpr double kTurntableSeconds = 8, kTourSeconds = 3;  // defaults: one turn; between Viewpoints
 inline constexpr std::size_t kMostPictures = 100'000;             // max pictures in an animation
 
 /// One picture of an animation.

@@ -33,14 +33,14 @@ void clamp_colors(vrml::MFColor& colors) {
   for (std::size_t i = 0; i < colors.size(); ++i) c[i] = {clamped(c[i].r), clamped(c[i].g), clamped(c[i].b)};
 }
 
-/// True when `index`, or coord_index where it is empty, cannot lead into `values`.
+/// Reports whether `index`, or coord_index if it is empty, does not match `values`.
 template <class T>
 bool unfit(const Geometry& data, const vrml::MFInt32& index, const vrml::Array<T>& values) {
   if (index.empty()) return values.size() < data.positions.size();
   return values.empty() || index.size() != data.coord_index.size();
 }
 
-/// Arrays that must run along with coord_index: those of other length would say something else.
+/// Clears arrays that must be parallel to coord_index but differ in length.
 void drop_unfit(Geometry& data) {
   if (unfit(data, data.normal_index, data.normals)) {
     data.normals.clear();
@@ -74,10 +74,10 @@ GeometryLoss check_points(Geometry& data) {
 
 enum class Verdict : std::uint8_t { good, too_small, bad_index, not_finite };
 
-/// The four index arrays as the walk over the faces needs them.
+/// View of the index arrays for the checks of faces.
 struct Corners {
   const Geometry& data;
-  bool known_finite;  // all positions are
+  bool known_finite;  // all positions are finite
 
   [[nodiscard]] Verdict judge(std::size_t first, std::size_t end) const {
     const std::size_t least = data.kind == Geometry::Kind::faces ? 3 : 2;
@@ -98,7 +98,7 @@ struct Corners {
   }
 };
 
-/// Moves the good faces together; `keep` says which ones.
+/// Removes the faces that `keep` does not mark.
 void compact(Geometry& data, const std::vector<bool>& keep) {
   std::vector<std::int32_t*> arrays = {data.coord_index.mutable_data()};
   if (!data.normal_index.empty()) arrays.push_back(data.normal_index.mutable_data());

@@ -7,7 +7,7 @@
 namespace gs::app {
 namespace {
 
-/// What a header's reader reports, without a scene for it to go to.
+/// Header with its diagnostics, read without a target scene.
 struct HeaderReading {
   vrml::SceneGraph scene;
   vrml::Diagnostics diagnostics{1};
@@ -22,7 +22,7 @@ struct HeaderReading {
   }
 };
 
-/// Passes `rows` rows of a text; the number that were whole.
+/// Reads `rows` text rows. Returns the number of complete rows.
 std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::size_t rows, std::vector<double>* values) {
   const std::size_t width = element.properties.size();
   for (std::size_t row = 0; row < rows; ++row)
@@ -39,7 +39,7 @@ std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::siz
 
 template <bool big, class Number>
 void read_binary(const PlyTable& table, PlyType type, std::size_t offset, std::vector<Number>& values) {
-  if (table.rows == 0) return;  // there may be no data at all
+  if (table.rows == 0) return;  // the data may be empty
   const std::size_t stride = table.element.least_row_bytes();
   const std::byte* from = table.data.data() + offset;
   with_type(type, [&](auto kind) {
@@ -71,7 +71,7 @@ std::vector<Number> column_of(const PlyTable& table, std::string_view property) 
   return {};
 }
 
-/// Finds the element; the rows of those before it are in `before`.
+/// Finds the element and stores those before it in `before`.
 const PlyElement* find(const PlyHeader& header, std::string_view name, std::vector<const PlyElement*>& before) {
   for (const PlyElement& element : header.elements) {
     if (element.name == name) return &element;
@@ -115,7 +115,7 @@ std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> by
   before.pop_back();
 
   if (table.header.format == PlyFormat::ascii) {
-    // A digit and a blank become a double, in a list that doubles.
+    // A digit and a blank (2 bytes) become a double, in a list that grows by doubling.
     table.share = vrml::Share(budget, vrml::Resource::files);
     if (!table.share.grow(8 * bytes.size())) return "the numbers take " + budget->refusal(vrml::Resource::files);
     PlyTextSource source(cursor, reinterpret_cast<const char*>(bytes.data()));

@@ -14,7 +14,7 @@ using vrml::NodeKind;
 
 constexpr std::size_t kMaxNameBytes = 200;
 
-/// VRML97 Annex A: what an Id may hold. Bytes over 0x7f are parts of UTF-8 letters.
+/// Reports whether an Id may contain the character (VRML97 Annex A). Bytes over 0x7f are part of UTF-8 letters.
 bool allowed_in_id(char c) {
   const auto byte = static_cast<unsigned char>(c);
   constexpr std::string_view kForbidden = "\"#',.[\\]{}";
@@ -23,7 +23,7 @@ bool allowed_in_id(char c) {
 
 bool forbidden_at_start(char c) { return (c >= '0' && c <= '9') || c == '+' || c == '-'; }
 
-/// Words that stand for something else in the text (VRML97 Annex A).
+/// Reports whether the Id is a keyword (VRML97 Annex A).
 bool is_keyword(std::string_view id) {
   constexpr std::string_view kKeywords[] = {"DEF",     "EXTERNPROTO", "FALSE",        "IS",   "NULL",
                                             "PROTO",   "ROUTE",       "TO",           "TRUE", "USE",
@@ -56,7 +56,7 @@ void SceneBuilder::name(NodeId node, std::string_view text) {
   if (forbidden_at_start(text.front())) id += '_';
   for (const char c : text) id += allowed_in_id(c) ? c : '_';
   if (is_keyword(id)) id += '_';
-  // The count of names taken is a number that was not used with this name before, or nearly.
+  // Start at the number of names in use, which is rarely taken for this name.
   const std::string first = id + '_';
   for (std::size_t number = names_.size(); !names_.insert(id).second; ++number) id = first + std::to_string(number);
   scene_.set_name(node, id);

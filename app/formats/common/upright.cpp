@@ -38,7 +38,8 @@ std::optional<std::string_view> name_of(const glm::vec3& vector) {
   return std::nullopt;
 }
 
-/// NRRD: "left-posterior-superior" or "LPS", with "-time" behind it or not: where the axes lead to.
+/// Parses NRRD's `space`: "left-posterior-superior" or "LPS", optionally with "-time". It gives the directions of the
+/// axes.
 std::optional<Upright> upright_of_space(std::string_view text) {
   std::string space = lower_case(text);
   if (space.size() <= 4 && space.find('-') == std::string::npos) {  // "lps", "last"
@@ -82,13 +83,13 @@ std::string_view name_of(UpAxis axis) { return kUpAxes[static_cast<std::size_t>(
 Upright upright_of(UpAxis axis) { return upright_along(axis_vector(axis)); }
 
 Upright upright_along(const glm::vec3& up) {
-  // Those of +x are seen from +z, as those of +y are.
+  // An up axis of +x is seen from +z, like +y.
   const glm::vec3 right = std::abs(up.x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, up.x > 0 ? -1 : 1, 0);
   return {up, glm::normalize(glm::cross(right, up))};
 }
 
 Upright upright_of(UpRule rule, const glm::vec3& size) {
-  constexpr float kStanding = 1.5f;  // times as high as it is wide and deep
+  constexpr float kStanding = 1.5f;  // min ratio of height to width and depth
   constexpr float kSurvey = 5;       // metres
   switch (rule) {
     case UpRule::y:

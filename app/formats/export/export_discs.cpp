@@ -12,11 +12,11 @@ namespace {
 
 using qnv::finite;
 
-/// The shortest turn from +Z to a unit vector.
+/// Returns the shortest rotation from +Z to a unit vector.
 glm::vec4 rotation_to(const glm::vec3& n) {
   const double w = 1.0 + static_cast<double>(n.z);
   const double length = std::sqrt(w * w + static_cast<double>(n.x) * n.x + static_cast<double>(n.y) * n.y);
-  if (!(length > 1e-6)) return {1, 0, 0, 0};  // opposite: half a turn around x
+  if (!(length > 1e-6)) return {1, 0, 0, 0};  // opposite direction: half a turn about x
   return {static_cast<float>(-n.y / length), static_cast<float>(n.x / length), 0, static_cast<float>(w / length)};
 }
 

@@ -16,16 +16,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// glTF 2.0, 5.1.3, 5.11.5, 5.26.
+// Constants of glTF 2.0, 5.1.3, 5.11.5, 5.26.
 constexpr int kFloats = 5126, kUnsignedBytes = 5121, kIndices = 5125, kVertexBuffer = 34962, kIndexBuffer = 34963,
               kRepeat = 10497, kClamp = 33071;
 
-/// The binary part of a GLB file, with the views and accessors into it.
+/// Binary part of a GLB file, with its views and accessors.
 struct MeshBuffer {
   std::vector<std::byte> bytes;
   Json views = Json::array(), accessors = Json::array();
 
-  /// What `put` appends, padded to words; the number of its view.
+  /// Adds a view of the bytes that `put` appends, padded to words. Returns its index.
   template <class Put>
   std::size_t add_view(int target, const Put& put) {
     const std::size_t start = bytes.size();
@@ -44,7 +44,7 @@ struct MeshBuffer {
   }
 };
 
-/// What textures that viewers multiply with linear light are in, of a display's colour (IEC 61966-2-1).
+/// Converts display sRGB to linear light (IEC 61966-2-1) for textures that viewers multiply with linear light.
 std::uint8_t linear_byte(std::uint8_t display) {
   const float c = static_cast<float>(display) / 255.0f;
   const float linear = c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
@@ -53,7 +53,7 @@ std::uint8_t linear_byte(std::uint8_t display) {
 
 bool is_png(const std::vector<std::byte>& file) { return !file.empty() && file[0] == std::byte{0x89}; }
 
-/// The triangles with the picture, or the others.
+/// Builds the primitive of the textured or the untextured triangles.
 Json primitive_of(const qnv::Cloud& cloud, bool pictured, MeshBuffer& buffer) {
   const std::size_t border = cloud.first_textured();
   const std::size_t first = pictured ? border : 0, end = pictured ? cloud.size() : border;
@@ -77,7 +77,7 @@ Json primitive_of(const qnv::Cloud& cloud, bool pictured, MeshBuffer& buffer) {
     attributes["TEXCOORD_0"] = buffer.add("VEC2", kFloats, end - first, [&] {
       for (const glm::vec2& at : cloud.texture_coordinates) {
         put_little(buffer.bytes, at.x);
-        put_little(buffer.bytes, 1 - at.y);  // from the upper left corner
+        put_little(buffer.bytes, 1 - at.y);  // glTF counts from the upper left corner
       }
     });
   } else if (!cloud.colors.empty()) {

@@ -9,13 +9,13 @@
 namespace gs::app {
 namespace {
 
-/// Appends text to bytes.
+/// Appends text.
 void put_text(std::vector<std::byte>& to, std::string_view text) {
   const auto* first = reinterpret_cast<const std::byte*>(text.data());
   to.insert(to.end(), first, first + text.size());
 }
 
-/// In double where float32 would lose what the origin is for.
+/// Returns the coordinate type: double if float32 would lose the precision that the origin provides.
 const char* place_type(const glm::dvec3& origin) { return origin != glm::dvec3(0) ? "double" : "float"; }
 
 void put_header(std::vector<std::byte>& to, std::size_t count, const glm::dvec3& origin,

@@ -20,14 +20,14 @@ namespace {
 using namespace spz;
 using PlaneBytes = std::vector<std::byte>;
 
-constexpr int kZstdLevel = 12;  // the reference writer's
+constexpr int kZstdLevel = 12;  // level of the reference writer
 constexpr int kMostFractionBits = 23;
-constexpr float kFewestSteps = 4096;  // along what lies far from 0, if it is to be recognised
+constexpr float kFewestSteps = 4096;  // min quantisation steps across content far from 0, to keep it recognisable
 constexpr std::int32_t kMostFixed = (1 << 23) - 1;
 
 std::byte quantized(float value) { return static_cast<std::byte>(std::lround(std::clamp(value, 0.0f, 255.0f))); }
 
-/// As many bits behind the point as leave room for the largest coordinate in 24 bits with a sign.
+/// Returns the max fraction bits, so that the largest coordinate fits into 24 signed bits.
 int fraction_bits_for(const std::vector<ExportSplat>& splats) {
   float most = 0;
   for (const ExportSplat& splat : splats)
@@ -37,7 +37,7 @@ int fraction_bits_for(const std::vector<ExportSplat>& splats) {
   return bits;
 }
 
-/// The index of the largest component on top, then sign and nine bits of each other one.
+/// Packs a rotation: the index of the largest component in the top bits, then sign and nine bits for each other one.
 std::uint32_t packed_rotation(const glm::vec4& q) {
   int largest = 0;
   for (int k = 1; k < 4; ++k)
@@ -73,7 +73,7 @@ std::array<PlaneBytes, plane_count> planes_of(const std::vector<ExportSplat>& sp
   return planes;
 }
 
-/// What versions 3 and 4 have in common: 16 bytes, the last of which is `streams` in version 4.
+/// Writes the 16 header bytes that versions 3 and 4 share; the last one is `streams` in version 4.
 void put_header(std::vector<std::byte>& to, std::uint32_t version, std::size_t count, int fraction_bits,
                 std::uint8_t streams) {
   put_little(to, kSpzMagic);
@@ -113,7 +113,7 @@ std::optional<std::vector<std::byte>> zstd_packed(const std::vector<std::byte>& 
   return result;
 }
 
-/// The splats, or why there cannot be a file of them.
+/// Converts the vectors to splats. Returns a message if they do not fit into the format.
 Exported checked(const qnv::Cloud& cloud, std::vector<ExportSplat>& splats) {
   splats = splats_of(cloud, kFromRightUpBack);
   if (splats.empty()) return "SPZ cannot hold a cloud without vectors that can be seen";
@@ -140,7 +140,7 @@ Exported export_spz(const qnv::Cloud& cloud, const ExportOptions&) {
   const int fraction_bits = fraction_bits_for(splats);
   const auto planes = planes_of(splats, fraction_bits);
   put_header(file, 4, splats.size(), fraction_bits, plane_count);
-  put_little(file, static_cast<std::uint32_t>(kSpzHeaderBytes4));  // where the table of streams stands
+  put_little(file, static_cast<std::uint32_t>(kSpzHeaderBytes4));  // offset of the stream table
   file.resize(kSpzHeaderBytes4);
   std::vector<std::byte> streams;
   for (const PlaneBytes& plane : planes) {

@@ -17,7 +17,7 @@ namespace gs::app {
 std::string front_viewpoint(const qnv::Box& box, const Upright& upright) {
   const glm::vec3 size = box.size(), middle = box.lower + size * 0.5f;
   const float radius = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z) / 2;
-  constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), with the default field of view
+  constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), for the default field of view
   std::string text;
   const auto numbers = [&](const glm::vec3& v) {
     for (int k = 0; k < 3; ++k) {
@@ -30,7 +30,7 @@ std::string front_viewpoint(const qnv::Box& box, const Upright& upright) {
     numbers({middle.x, middle.y, middle.z + kDistance * radius});
     return text += "}\n";
   }
-  // What is up for a Viewpoint's viewer, its coordinates say (6.29).
+  // A Viewpoint's up direction comes from its coordinate system (6.29).
   const glm::dquat turn = glm::quat_cast(world_from_upright(upright));
   text += "Transform { translation ";
   numbers(middle);
@@ -44,7 +44,7 @@ std::string front_viewpoint(const qnv::Box& box, const Upright& upright) {
 
 namespace {
 
-/// The interface of the QNV node, as our node table prints it; browsers without it get it from the PROTO.
+/// Interface of the QNV node as in the node table; other browsers get it from the PROTO.
 constexpr std::string_view kInterface =
     "PROTO QNV [\n"
     "  exposedField MFString url []\n"
@@ -58,7 +58,7 @@ constexpr std::string_view kInterface =
     "  eventOut SFTime loadTime\n"
     "] {\n";
 
-// Towards the light that is baked into points: from above, behind the viewer.
+// Direction of the light baked into points: from above, behind the viewer.
 constexpr glm::vec3 kLight{0.27f, 0.53f, 0.80f};
 constexpr float kAmbient = 0.3f;
 
@@ -72,7 +72,7 @@ class Vrml97Text {
       out_ += k < 2 ? ' ' : end;
     }
   }
-  /// Three digits, which tell all 256 levels apart.
+  /// Writes three decimals, enough to distinguish all 256 levels.
   void color(const glm::vec3& rgb) {
     vector({std::round(rgb.x * 1000) / 1000, std::round(rgb.y * 1000) / 1000, std::round(rgb.z * 1000) / 1000});
   }
@@ -102,10 +102,10 @@ void put_points(const std::vector<ExportDisc>& discs, bool shaded, Vrml97Text& t
   text.add("    ] }\n  }\n");
 }
 
-/// The corners of a square of the disc's area, counter-clockwise seen from where the normal points.
+/// Returns the corners of a square of the vector's area, counterclockwise as seen from the normal's side.
 std::array<glm::vec3, 4> corners_of(const ExportDisc& disc) {
   const glm::vec3& n = disc.normal;
-  // Any vector across the normal: from the axis that it follows least.
+  // Any vector perpendicular to the normal, from the least aligned axis.
   const bool along_x = std::abs(n.x) < 0.6f;
   glm::vec3 u = along_x ? glm::vec3(0, n.z, -n.y) : glm::vec3(-n.z, 0, n.x);
   const float length = std::sqrt(u.x * u.x + u.y * u.y + u.z * u.z);
@@ -145,7 +145,8 @@ void put_viewpoint(const qnv::Description& description, Vrml97Text& text) {
   }
 }
 
-/// `moved`: all numbers are as they are stored, below a Transform to their origin, which float32 has without rounding.
+/// Writes the QNV instance. If `moved`, numbers are local and below a Transform to the origin, which is exact in
+/// float32.
 void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool moved, Vrml97Text& text) {
   text.add("}\n");
   if (moved) {
@@ -154,7 +155,7 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool mo
     text.add(" children [\n");
   }
   if (!cloud.description.box.empty()) put_viewpoint(cloud.description, text);
-  // What vectors without colours of their own are drawn in.
+  // Default colour of vectors without their own.
   text.add("Shape {\n  appearance Appearance { material Material { ");
   if (cloud.description.kind == qnv::Kind::surface && cloud.colors.empty()) {
     text.add("diffuseColor ");
@@ -177,7 +178,7 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool mo
   if (moved) text.add(" ]\n}\n");
 }
 
-/// The cloud with its places counted from 0, as float32 has them.
+/// Returns the cloud with world coordinates in float32 and origin 0.
 qnv::Cloud about_zero(qnv::Cloud cloud) {
   const glm::dvec3 origin = std::exchange(cloud.description.origin, glm::dvec3(0));
   const auto move = [&](glm::vec3& p) { p = glm::vec3(origin + glm::dvec3(p)); };
@@ -188,7 +189,7 @@ qnv::Cloud about_zero(qnv::Cloud cloud) {
 }
 
 std::vector<std::byte> world_of(const qnv::Cloud& given, const ExportOptions& options, bool patches) {
-  // A stream brings its origin itself where its node is known.
+  // A stream provides its own origin in browsers that support the node.
   const bool far = given.description.origin != glm::dvec3(0), moved = far && options.stream_url.empty();
   std::optional<qnv::Cloud> near;
   if (far && !moved) near = about_zero(given);

@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-/// What of our node's interface other browsers need; see vrml/nodes/geometry.cpp.
+/// The part of OutlineGroup's interface that other browsers need; see vrml/nodes/geometry.cpp.
 constexpr std::string_view kFallback =
     "PROTO OutlineGroup [\n"
     "  exposedField SFNode refines NULL\n"
@@ -30,11 +30,11 @@ constexpr std::string_view kFallback =
     "    coord Coordinate { point IS point }\n    coordIndex IS coordIndex\n"
     "    texCoord TextureCoordinate { point IS texCoord }\n"
     "    creaseAngle IS creaseAngle\n    solid IS solid\n    convex FALSE\n  }\n}\n";
-/// The same without textures: an empty TextureCoordinate is no default mapping.
+/// Optional lines, omitted without textures: an empty TextureCoordinate is not the default mapping.
 constexpr std::string_view kTextureField = "  field MFVec2f texCoord []\n  field MFVec2f outlineTexCoord []\n";
 constexpr std::string_view kTextureUse = "    texCoord TextureCoordinate { point IS texCoord }\n";
 
-constexpr std::size_t kFirstBatch = 128, kBatchGrowth = 4;  // groups of a node
+constexpr std::size_t kFirstBatch = 128, kBatchGrowth = 4;  // groups in the first node, and growth per node
 
 class OutlineText {
  public:
@@ -57,14 +57,14 @@ class OutlineText {
   std::string& out_;
 };
 
-/// Polygons of one of a node's two lists, as the fields have them.
+/// Polygons of one of the two lists of a node, as field text.
 struct List {
   std::string index, points, coordinates, groups;
   std::size_t corners = 0;
 
   void add(const qnv::OutlinePolygon& polygon, std::size_t group) {
     OutlineText index_text(index), point_text(points), coordinate_text(coordinates), group_text(groups);
-    // What a bridge passes twice stands there once.
+    // A bridged ring visits some corners twice; write each corner once.
     for (const std::uint32_t corner : qnv::bridged_ring(polygon)) index_text << corners + corner << " ";
     index += "-1\n";
     for (const glm::vec3& p : polygon.positions) point_text << p.x << " " << p.y << " " << p.z << "\n";
@@ -116,8 +116,8 @@ class Writer {
  public:
   Writer(const qnv::OutlineGroups& groups, std::span<const qnv::OutlineAppearance> appearances)
       : appearances_(appearances), used_(appearances.size()) {
-    // Largest first, and a node a batch: the first ones are small, so that they are there soon. What shades smoothly
-    // needs its neighbours in the same node.
+    // Write the largest groups first, one node per batch. The first batches are small, so that they load soon. Smoothly
+    // shaded groups stay in one node, because they need their neighbours.
     std::vector<std::size_t> open(appearances.size(), kNone), room(appearances.size(), kFirstBatch);
     for (const qnv::OutlineGroup& group : groups.groups) {
       std::size_t& at = open[group.appearance];

@@ -21,7 +21,7 @@
 namespace gs::app {
 namespace {
 
-/// What of glTF's required extensions is understood, or can be done without.
+/// Required extensions that are supported or can be ignored.
 constexpr std::array<std::string_view, 8> kKnownExtensions = {
     "KHR_materials_unlit", "KHR_texture_transform",           "KHR_mesh_quantization",  kDracoExtension,
     "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_specular", "KHR_materials_ior"};
@@ -49,7 +49,7 @@ glm::quat unit(const glm::quat& q) {
   return std::isfinite(length) && length > 0 ? q / length : glm::quat(1, 0, 0, 0);
 }
 
-/// Translation, rotation and scale of a matrix, which glTF says it is made of.
+/// Decomposes a matrix into translation, rotation and scale, as glTF requires.
 Placement decomposed(const std::vector<double>& values) {
   glm::mat4 m(1.0f);
   for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = finite_float(values[static_cast<std::size_t>(i)]);
@@ -57,7 +57,7 @@ Placement decomposed(const std::vector<double>& values) {
   placement.translation = glm::vec3(m[3]);
   glm::mat3 axes(m);
   for (int i = 0; i < 3; ++i) placement.scale[i] = glm::length(axes[i]);
-  // A mirror has no rotation: one axis takes the sign.
+  // A mirrored matrix is no rotation, so one axis becomes negative.
   if (glm::dot(glm::cross(axes[0], axes[1]), axes[2]) < 0) placement.scale.x = -placement.scale.x;
   for (int i = 0; i < 3; ++i) {
     if (!(std::abs(placement.scale[i]) > 0) || !std::isfinite(placement.scale[i])) return placement;
@@ -110,10 +110,10 @@ class GltfImporter {
  private:
   struct Visit {
     int node;
-    std::size_t parent;  // place in visits_; kNoParent for roots
+    std::size_t parent;  // index in visits_; kNoParent for roots
     std::size_t depth;
     glm::mat4 world;
-    bool useful = false;  // something to show in it or below
+    bool useful = false;  // the node or a descendant has visible content
     vrml::NodeId transform;
     vrml::MFNode children;
   };
@@ -130,7 +130,7 @@ class GltfImporter {
       const auto wanted = static_cast<std::size_t>(std::max(model_.defaultScene, 0));
       return model_.scenes[wanted < model_.scenes.size() ? wanted : 0].nodes;
     }
-    // Without a scene all is shown that hangs on nothing.
+    // Without a scene, show all nodes that have no parent.
     std::vector<bool> is_child(model_.nodes.size());
     for (const tinygltf::Node& n : model_.nodes)
       for (const int child : n.children)
@@ -141,7 +141,7 @@ class GltfImporter {
     return roots;
   }
 
-  /// Lists the nodes of the scene, parents first; each once, so that what a file calls a tree is one.
+  /// Lists the nodes of the scene, parents first and each once, so that the result is a tree.
   void walk() {
     visited_.assign(model_.nodes.size(), kNoParent);
     for (const int root : scene_roots()) visit(root, kNoParent);
@@ -178,7 +178,7 @@ class GltfImporter {
   }
 
   void build() {
-    // Children before parents, so that each children field is set once.
+    // Build children before parents, so that each children field is set once.
     for (std::size_t i = visits_.size(); i-- > 0;)
       if (visits_[i].useful) build(visits_[i]);
     for (const Visit& visit : visits_) {
@@ -193,7 +193,7 @@ class GltfImporter {
     vrml::MFNode content;
     if (n.camera >= 0) add_viewpoint(n, content);
     if (n.mesh >= 0) add_mesh(n, content);
-    // The later ones were put in first.
+    // Children were added in reverse order.
     for (std::size_t i = visit.children.size(); i-- > 0;) content.push_back(visit.children[i]);
     visit.children.clear();
     if (content.empty()) return;
@@ -219,7 +219,7 @@ class GltfImporter {
       builder_.note("an orthographic camera is left out: VRML97 has none");
       return;
     }
-    // VRML97 6.53: the field of view is that of the smaller side of the window.
+    // In VRML97, the field of view applies to the smaller side of the window (6.53).
     float field_of_view = finite_float(camera.perspective.yfov);
     const float aspect = finite_float(camera.perspective.aspectRatio);
     if (aspect > 0 && aspect < 1) field_of_view = 2 * std::atan(std::tan(field_of_view / 2) * aspect);
@@ -237,11 +237,12 @@ class GltfImporter {
       if (const vrml::NodeId mesh = meshes_.node(n.mesh)) content.push_back(mesh);
       return;
     }
-    // A skin says where the corners are in the world; the place of the node is not used (glTF 2.0 3.7.3.2).
+    // A skin positions vertices in world space; the node's transform is ignored (glTF 2.0 3.7.3.2).
     world_shapes_.append(meshes_.skinned_shapes(n.mesh, joints).span());
   }
 
-  /// For each joint, from the mesh's space in the bind pose to the world; empty when the skin is broken.
+  /// Returns the matrix of each joint, from mesh space in bind pose to world space. Returns an empty list if the skin
+  /// is invalid.
   std::vector<glm::mat4> joints_of(int index) {
     if (static_cast<std::size_t>(index) >= model_.skins.size()) {
       builder_.fail("skin " + std::to_string(index) + " does not exist");
@@ -276,7 +277,7 @@ class GltfImporter {
   GltfMaterials materials_;
   GltfMeshes meshes_;
   std::vector<Visit> visits_;
-  std::vector<std::size_t> visited_;  // place in visits_ by node
+  std::vector<std::size_t> visited_;  // index in visits_, by node
   vrml::MFNode world_shapes_;
 };
 

@@ -8,7 +8,7 @@
 namespace gs::app {
 namespace {
 
-// An honest asset reads each byte about once, and a byte becomes at most a float or an index.
+// A typical asset reads each byte about once, and a byte becomes at most one float or index.
 constexpr std::size_t kMostUses = 64;
 constexpr std::size_t kSmallBudget = std::size_t{64} << 20;
 
@@ -55,7 +55,7 @@ T raw(const unsigned char* from) {
   return value;
 }
 
-/// glTF 2.0 3.11: integers that stand for -1..1 or 0..1.
+/// Converts a component to float; normalised integers become -1..1 or 0..1 (glTF 2.0 3.11).
 template <class T>
 float as_float(const unsigned char* from, bool normalized) {
   const T value = raw<T>(from);
@@ -67,7 +67,7 @@ float as_float(const unsigned char* from, bool normalized) {
 template <class T>
 std::uint32_t as_unsigned(const unsigned char* from) {
   const T value = raw<T>(from);
-  // What is no index becomes one that no array reaches.
+  // Map invalid values to an index that is always out of range.
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
   if (!(static_cast<double>(value) >= 0 && static_cast<double>(value) < kMost))
     return std::numeric_limits<std::uint32_t>::max();
@@ -105,7 +105,7 @@ To component(const unsigned char* from, int component_type, bool normalized) {
 
 }  // namespace
 
-/// Elements in a buffer whose range has been checked.
+/// Checked range of elements in a buffer.
 struct GltfAccessors::Source {
   const unsigned char* first = nullptr;
   std::size_t stride = 0;
@@ -191,7 +191,7 @@ std::optional<std::vector<T>> GltfAccessors::read(int index, int components, boo
     if (!make_source(bytes, accessor.byteOffset, accessor.count, stride, accessor.componentType, components, source))
       return std::nullopt;
   }
-  // Without a buffer view all is zero (glTF 2.0 3.6.2.1).
+  // Without a buffer view, all values are zero (glTF 2.0 3.6.2.1).
   std::vector<T> values(accessor.count * width);
   if (has_data)
     for (std::size_t i = 0; i < accessor.count; ++i)

@@ -19,7 +19,7 @@
 namespace gs::app {
 namespace {
 
-// tinygltf walks values recursively, and makes up to 3 kB of a "{}" and 250 bytes of a ",0".
+// tinygltf walks values recursively. It needs up to 3 kB for a "{}" and 250 bytes for a ",0".
 constexpr std::size_t kMaxDepth = 200;
 constexpr std::size_t kObjectBytes = 3000, kValueBytes = 250;
 constexpr std::size_t kMaxBuffers = 1000;
@@ -37,14 +37,14 @@ void put_word(std::string& to, std::uint32_t word) {
   for (int i = 0; i < 4; ++i) to += static_cast<char>(word >> (8 * i) & 255);
 }
 
-/// The parts of a file of either form.
+/// Parts of a .gltf or .glb file.
 struct Parts {
   bool binary = false;
   std::string_view json;
-  std::string_view bin;  // of the GLB's own buffer
+  std::string_view bin;  // the GLB's own buffer
 };
 
-/// Cuts a GLB into its chunks (glTF 2.0 4.4), or tells why it cannot be.
+/// Splits a GLB into its chunks (glTF 2.0 4.4). Returns a message if it is invalid.
 std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {
   if (!text_of(bytes).starts_with("glTF")) return Parts{false, text_of(bytes), {}};
   if (bytes.size() < kGlbHeader + kChunkHeader) return std::string("the file ends within its header");
@@ -59,7 +59,7 @@ std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {
   if (word_at(bytes, 16) != kJsonChunk || json_length > length - kGlbHeader - kChunkHeader)
     return std::string("broken GLB: expected a JSON chunk within the file");
   Parts parts{true, text_of(bytes.subspan(kGlbHeader + kChunkHeader, json_length)), {}};
-  // Chunks begin at multiples of four bytes.
+  // Chunks are aligned to four bytes.
   const std::size_t next = (kGlbHeader + kChunkHeader + json_length + 3) / 4 * 4;
   if (next >= length) return parts;
   if (length - next < kChunkHeader || word_at(bytes, next) > length - next - kChunkHeader)
@@ -69,7 +69,7 @@ std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {
   return parts;
 }
 
-/// What is too much in a JSON text, or nothing; a walk over its bytes that cannot fail.
+/// Checks the size of a JSON text by a scan that cannot fail. Returns a message if a limit is exceeded.
 std::optional<std::string> too_much(std::string_view json, const vrml::Budget& budget) {
   std::size_t depth = 0, objects = 0, values = 0;
   bool in_string = false;
@@ -96,7 +96,8 @@ std::optional<std::string> too_much(std::string_view json, const vrml::Budget& b
   return std::nullopt;
 }
 
-/// tinygltf gives every buffer without a uri a copy of the GLB's chunk; only the first one may have it.
+/// Checks the buffers: only the first one may omit its uri, because tinygltf copies the GLB's chunk for each such
+/// buffer.
 std::optional<std::string> check_buffers(const nlohmann::json& document, bool binary) {
   const auto buffers = document.find("buffers");
   if (buffers == document.end() || !buffers->is_array()) return std::nullopt;
@@ -111,8 +112,8 @@ std::optional<std::string> check_buffers(const nlohmann::json& document, bool bi
   return std::nullopt;
 }
 
-/// Takes the accessors from Draco-compressed primitives: without data of their own they would make tinygltf
-/// refuse the whole asset. True when there were any.
+/// Removes the accessors of Draco-compressed primitives. Without data, they would make tinygltf reject the whole asset.
+/// Returns whether there were any.
 bool strip_draco(nlohmann::json& document) {
   bool changed = false;
   const auto meshes = document.find("meshes");
@@ -132,16 +133,16 @@ bool strip_draco(nlohmann::json& document) {
   return changed;
 }
 
-/// The files that tinygltf asks for. It asks first whether one exists, then for its bytes.
+/// File access for tinygltf, which first asks whether a file exists and then reads it.
 struct Files {
   const ReadFile* read = nullptr;
   std::unordered_map<std::string, SharedBytes> found;
   std::unordered_set<std::string> missing;
   std::size_t total = 0;
-  std::string problem;  // of the first one that is missing
+  std::string problem;  // error of the first missing file
 
   bool exists(const std::string& name) {
-    // Textures are loaded by whoever shows them.
+    // Textures are loaded later by the renderer of the node.
     constexpr std::array<std::string_view, 8> kImages = {".png",  ".jpg",  ".jpeg", ".gif",
                                                          ".webp", ".ktx2", ".dds",  ".bmp"};
     std::string lower = name;
@@ -149,7 +150,7 @@ struct Files {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (std::any_of(kImages.begin(), kImages.end(), [&](std::string_view end) { return lower.ends_with(end); }))
       return false;
-    // tinygltf's second try, in the current folder, is the same file to us.
+    // tinygltf's second attempt, in the current folder, is the same file here.
     if (name.starts_with("./") && missing.contains(name.substr(2))) return false;
     if (found.contains(name)) return true;
     BytesResult read_now = *read ? (*read)(name) : BytesResult(std::string());
@@ -189,7 +190,7 @@ bool refuse_to_write(std::string* error, const std::string&, const std::vector<u
   return false;
 }
 
-/// Keeps the bytes of a data: URL. Those of a buffer are not touched: tinygltf does not check their place.
+/// Keeps the encoded bytes of data: URLs. Ignores images in buffers, because tinygltf does not check their range.
 bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
                   int size, void*) {
   if (image->bufferView < 0 && image->uri.empty() && bytes && size > 0) image->image.assign(bytes, bytes + size);
@@ -197,7 +198,7 @@ bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, 
   return true;
 }
 
-/// Runs tinygltf; what it says when it fails, or nothing.
+/// Runs tinygltf. Returns its error message on failure.
 std::optional<std::string> parse(std::string_view asset, bool binary, const ReadFile& read_file,
                                  tinygltf::Model& model) {
   Files files;
@@ -264,7 +265,7 @@ std::optional<tinygltf::Model> load_gltf(std::span<const std::byte> bytes, const
 
   std::string changed;
   if (strip_draco(document)) changed = document.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-  // tinygltf reads past chunks that do not fill whole words.
+  // tinygltf reads beyond chunks that are not multiples of four bytes.
   if (parts.binary && (!changed.empty() || parts.json.size() % 4 != 0 || parts.bin.size() % 4 != 0))
     changed = glb_of(changed.empty() ? std::string(parts.json) : changed, parts.bin);
   document = nullptr;

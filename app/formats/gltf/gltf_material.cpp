@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kDielectric = 0.04f;  // reflectance of what is no metal (glTF 2.0 3.9.2)
+constexpr float kDielectric = 0.04f;  // reflectance of non-metals (glTF 2.0 3.9.2)
 
 float part(const std::vector<double>& factor, std::size_t i, double otherwise) {
   return std::clamp(finite_float(i < factor.size() ? factor[i] : otherwise), 0.0f, 1.0f);
@@ -46,7 +46,7 @@ glm::vec2 vector_of(const tinygltf::Value& object, const std::string& key, glm::
   return {finite_float(value.Get(0).GetNumberAsDouble()), finite_float(value.Get(1).GetNumberAsDouble())};
 }
 
-/// RFC 4648 4.
+/// Appends base64 (RFC 4648 4).
 void append_base64(std::string& to, std::span<const unsigned char> bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   to.reserve(to.size() + (bytes.size() + 2) / 3 * 4);
@@ -123,17 +123,17 @@ vrml::NodeId GltfMaterials::appearance(int index, bool glows) {
 Look GltfMaterials::look(const tinygltf::Material& material, bool glows) {
   const auto& pbr = material.pbrMetallicRoughness;
   const bool measured = pbr.metallicRoughnessTexture.index >= 0;
-  // Where a texture says how much metal there is, half is a guess.
+  // If a texture defines the metalness, assume half.
   const float metal = std::clamp(finite_float(pbr.metallicFactor), 0.0f, 1.0f) * (measured ? 0.5f : 1.0f);
   const float rough = std::clamp(finite_float(pbr.roughnessFactor), 0.0f, 1.0f) * (measured ? 0.7f : 1.0f);
   const glm::vec3 base = base_color(material);
   Look look;
   look.diffuse = display(base);
-  // Metal shows its colour in what it reflects; without surroundings to reflect some must stay diffuse.
+  // Metal shows its colour by reflection. Without an environment map, part of it must stay diffuse.
   const glm::vec3 reflected = (1 - metal) * glm::vec3(kDielectric) + metal * base;
   look.specular = display(reflected * (1 - rough));
   look.shininess = std::clamp((1 - rough) * (1 - rough), 0.02f, 1.0f);
-  // The emissive texture, not this factor, says where there is light.
+  // With an emissive texture, the factor alone would make the whole surface emit light.
   if (material.emissiveTexture.index < 0)
     look.emissive = display({part(material.emissiveFactor, 0, 0), part(material.emissiveFactor, 1, 0),
                              part(material.emissiveFactor, 2, 0)});

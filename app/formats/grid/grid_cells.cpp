@@ -14,7 +14,7 @@ namespace {
 constexpr std::int8_t kNoGridCorner = -1;
 using GridFaceCorners = std::array<std::int8_t, 4>;
 
-// Counter-clockwise from outside, in VTK's order of corners.
+// Faces counterclockwise from outside, in VTK's order of corners.
 constexpr GridFaceCorners kGridTetrahedron[] = {
     {0, 1, 3, kNoGridCorner}, {1, 2, 3, kNoGridCorner}, {2, 0, 3, kNoGridCorner}, {0, 2, 1, kNoGridCorner}};
 constexpr GridFaceCorners kGridHexahedron[] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4},
@@ -29,25 +29,25 @@ constexpr GridFaceCorners kGridPyramid[] = {{0, 3, 2, 1},
                                             {2, 3, 4, kNoGridCorner},
                                             {3, 0, 4, kNoGridCorner}};
 
-/// How a cell is shown.
+/// Display of a cell type.
 struct GridShape {
   enum class As : std::uint8_t { nothing, vertices, line, polygon, pixel, strip, solid, polyhedron } as = As::nothing;
-  std::size_t corners = 0;  // that it has at least
-  bool any_number = false;  // of corners; else no more are used
+  std::size_t corners = 0;  // min number of corners
+  bool any_number = false;  // uses all corners; otherwise only the first ones
   std::span<const GridFaceCorners> faces = {};
 };
 
-// Numbers of vtkCellType.h. Nodes on edges and inside stand behind the corners.
+// Returns the shape of a vtkCellType.h number. Nodes on edges and inside come after the corners.
 GridShape grid_shape(std::uint8_t type) {
   using As = GridShape::As;
   switch (type) {
-    case 1:  // vertex, vertices
+    case 1:  // vertex, polyvertex
     case 2:
       return {As::vertices, 1, true};
     case 3:  // line, polyline
     case 4:
       return {As::line, 2, true};
-    case 21:  // quadratic, cubic, Lagrange, Bezier: so below
+    case 21:  // quadratic, cubic, Lagrange, Bezier; other shapes below follow this order
     case 35:
     case 68:
     case 75:
@@ -105,9 +105,8 @@ GridShape grid_shape(std::uint8_t type) {
   }
 }
 
-/// The same for two faces if they have the same corners, in whatever order. Two others have the same if they have as
-/// many corners, the least four are the same and the others have the same sum; of cells that do not go through each
-/// other no two do.
+/// Key of a face, independent of the order of its corners: their number, the four smallest, and the sum of the others.
+/// Different faces can have equal keys only if cells overlap.
 struct GridFaceKey {
   std::array<std::int32_t, 4> least{};
   std::uint64_t count = 0, sum = 0;
@@ -116,12 +115,12 @@ struct GridFaceKey {
 };
 struct GridFace {
   GridFaceKey key;
-  std::size_t begin = 0, end = 0;  // of its corners in `face_corners_`
+  std::size_t begin = 0, end = 0;  // range in `face_corners_`
   std::size_t cell = 0;
-  bool inner = false;  // of two cells
+  bool inner = false;  // shared by two cells
 };
 
-constexpr std::size_t kGridBetweenLooks = std::size_t{1} << 17;  // steps, at whether the work should end
+constexpr std::size_t kGridBetweenLooks = std::size_t{1} << 17;  // steps between two checks for cancellation
 
 class GridSurface {
  public:
@@ -141,7 +140,7 @@ class GridSurface {
         corners += of_cell.size() + 2;
       }
     });
-    // A face, its place in the order of keys, and what becomes of it.
+    // Memory for each face, its position in key order, and its output.
     draw(builder_.scene(), faces * (sizeof(GridFace) + sizeof(std::size_t) * 3) +
                                face_corners * sizeof(std::int32_t) * 2 +
                                corners * (sizeof(std::int32_t) + 2 * sizeof(std::size_t)));
@@ -168,7 +167,7 @@ class GridSurface {
       begin = grid_.cells.ends[i];
       const GridShape shape = grid_shape(i < grid_.types.size() ? grid_.types[i] : std::uint8_t{0});
       if (shape.as == GridShape::As::nothing) {
-        if (i >= grid_.types.size() || grid_.types[i] != 0) ++unknown_;  // 0: an empty cell
+        if (i >= grid_.types.size() || grid_.types[i] != 0) ++unknown_;  // 0 is an empty cell
       } else if (corners.size() < shape.corners || (shape.as == GridShape::As::polyhedron && !has_faces(corners))) {
         ++short_;
       } else {
@@ -177,7 +176,7 @@ class GridSurface {
     }
   }
 
-  // Whether the faces of a polyhedron are all there, and of three corners at least.
+  // Reports whether a polyhedron is complete, with at least three corners per face.
   static bool has_faces(std::span<const std::int32_t> cell) {
     std::size_t next = 1;
     for (std::int32_t left = cell[0]; left > 0; --left) {
@@ -233,7 +232,7 @@ class GridSurface {
     GridFace face;
     face.cell = cell;
     face.begin = face_corners_.size();
-    // Of a cell of which corners are one, as writers make wedges of hexahedra, a face may be an edge.
+    // Some writers make wedges of hexahedra with coinciding corners; a face may then collapse to an edge.
     for (const std::int32_t corner : corners)
       if (face_corners_.size() == face.begin || face_corners_.back() != corner) face_corners_.push_back(corner);
     while (face_corners_.size() > face.begin + 1 && face_corners_.back() == face_corners_[face.begin])
@@ -267,7 +266,7 @@ class GridSurface {
     }
   }
 
-  // In the order in which cells are now: all vertices, then all lines, and so on.
+  // Reorders cell data to the output order: all vertices, then all lines, and so on.
   void sort_data() {
     if (data_.of_cells.empty()) return;
     const PolyData::Data of_grid = std::move(data_.of_cells);
@@ -289,7 +288,7 @@ class GridSurface {
   SceneBuilder& builder_;
   std::vector<GridFace> faces_;
   std::vector<std::int32_t> face_corners_, sorted_;
-  std::array<std::vector<std::size_t>, PolyData::kKinds> owners_;  // the cell of the grid that each came from
+  std::array<std::vector<std::size_t>, PolyData::kKinds> owners_;  // source cell of each output cell
   std::size_t unknown_ = 0, short_ = 0;
 };
 

@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kPolyCreaseAngle = 0.5f;  // what bends less is shaded as if round, where a file has no normals
+constexpr float kPolyCreaseAngle = 0.5f;  // smooths edges below this angle if a file has no normals
 
 class PolyBuilder {
  public:
@@ -42,7 +42,7 @@ class PolyBuilder {
   [[nodiscard]] vrml::Color color_of(std::size_t place) const {
     return place < colors_.size() ? colors_[place] : vrml::Color{0.5f, 0.5f, 0.5f};
   }
-  // Hands over the corners of each cell of a kind, and its number among all cells.
+  // Calls `take` with the corners of each cell of a kind, and its index among all cells.
   template <class Take>
   void each_cell(PolyData::Kind kind, Take take) const {
     const PolyCells& cells = data_.cells[kind];
@@ -77,7 +77,7 @@ class PolyBuilder {
       index.push(kFaceEnd);
       if (by_cell_) colors.push(color_of(cell));
     });
-    // Each corner of a strip but the first two makes a triangle with the two before it, every second turned round.
+    // Each strip corner from the third on forms a triangle with the two before it; every second one is flipped.
     each_cell(PolyData::strips, [&](std::span<const std::int32_t> corners, std::size_t cell) {
       for (std::size_t i = 2; i < corners.size(); ++i) {
         const bool turned = i % 2 == 1;
@@ -155,7 +155,7 @@ class PolyBuilder {
   PolyData data_;
   SceneBuilder& builder_;
   std::array<std::size_t, PolyData::kKinds> first_cell_{};
-  std::vector<vrml::Color> colors_;  // of points or cells; empty: none
+  std::vector<vrml::Color> colors_;  // of points or cells; empty if there are none
   bool by_cell_ = false;
   std::optional<ColorKey> key_;
   std::size_t left_out_ = 0;

@@ -43,7 +43,7 @@ Primitive primitive_named(std::string_view line) {
   return Primitive::none;
 }
 
-/// What stands at each vertex, by the word that says so.
+/// Data of each vertex, as named by a keyword.
 struct VertexKind {
   bool normals = false, colors = false, height_only = false;
 };
@@ -74,7 +74,7 @@ class AvsGeometryImporter {
         break;
       }
       const Primitive primitive = primitive_named(text);
-      // Before the first primitive: the number of steps. Behind one that was left out: its data.
+      // Skip the number of steps before the first primitive, and the data of skipped primitives.
       if (primitive == Primitive::none) continue;
       std::string_view name;
       if (primitive == Primitive::left_out) {
@@ -94,7 +94,7 @@ class AvsGeometryImporter {
   }
 
  private:
-  /// The next line that is neither empty nor a comment, without blanks around it.
+  /// Reads the next line, trimmed, that is neither empty nor a comment.
   bool next_line(std::string_view& text) {
     while (cursor_.skip_space()) {
       start_ = cursor_.next;
@@ -111,7 +111,7 @@ class AvsGeometryImporter {
   }
 
   bool number(float& value) { return cursor_.skip_space() && cursor_.number(value); }
-  /// A count of things of at least `bytes` bytes each, which must be able to stand in the rest of the file.
+  /// Reads a count of items of at least `bytes` bytes each, and checks it against the rest of the file.
   bool count(std::size_t& value, std::size_t bytes = 2) {
     double number = 0;
     if (!cursor_.skip_space() || !cursor_.number(number)) return fail("expected a whole number");
@@ -185,7 +185,7 @@ class AvsGeometryImporter {
     index_.push(i < static_cast<std::size_t>(kBadIndex) ? static_cast<std::int32_t>(i) : kBadIndex);
   }
 
-  /// Each polygon has its own vertices; for smooth shading equal ones are made one.
+  /// Reads polygons, each with its own vertices. `weld` merges equal vertices for smooth shading.
   bool read_polygons(bool weld) {
     std::size_t polygons = 0;
     if (!count(polygons)) return false;
@@ -211,7 +211,7 @@ class AvsGeometryImporter {
     return true;
   }
 
-  /// Vertices, then faces whose indices count from 1.
+  /// Reads vertices, then faces with indices from 1.
   bool read_polyhedron() {
     std::size_t number = 0, faces = 0;
     if (!count(number) || !vertices(number) || !count(faces)) return false;
@@ -244,7 +244,7 @@ class AvsGeometryImporter {
     return whole;
   }
 
-  /// Rows of `columns` vertices; with heights alone the vertices stand one unit apart.
+  /// Reads rows of `columns` vertices. If only heights are given, the vertices are one unit apart.
   bool read_mesh() {
     std::size_t columns = 0, rows = 0;
     if (!count(columns, 1) || !count(rows, 1)) return false;
@@ -274,7 +274,7 @@ class AvsGeometryImporter {
       corner(i);
       if (primitive == Primitive::lines && i % 2 == 1) index_.push(kFaceEnd);
     }
-    (void)normals_.take();  // lines are not lit
+    (void)normals_.take();  // lines are unlit
     return whole;
   }
 
@@ -299,7 +299,7 @@ class AvsGeometryImporter {
   Appender<glm::vec3> positions_{builder_.scene()}, normals_{builder_.scene()};
   Appender<vrml::Color> colors_{builder_.scene()};
   Appender<std::int32_t> index_{builder_.scene()};
-  std::map<std::array<std::uint32_t, 3>, std::size_t> welded_;  // by their bits: NaN has no place among numbers
+  std::map<std::array<std::uint32_t, 3>, std::size_t> welded_;  // keys are bit patterns, because NaN cannot be ordered
   bool any_ = false;
 };
 

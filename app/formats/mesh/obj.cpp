@@ -16,14 +16,14 @@
 namespace gs::app {
 namespace {
 
-// Each Shape costs nodes: a file of nothing but groups must not become a scene much larger than itself.
+// Each Shape costs nodes: limits scenes from files with only groups.
 constexpr std::size_t kMaxParts = 100'000;
-// A cube has corners and a scan has none: edges sharper than this stay when the file has no normals.
+// Crease angle for files without normals: keeps a cube's edges sharp and a scan smooth.
 constexpr float kObjCreaseAngle = std::numbers::pi_v<float> / 3;
 constexpr std::size_t kMaxLibraries = 1000;
 constexpr std::int32_t kNone = -2;
 
-/// What stands together in one Shape: all faces of one form with one group, material and smoothing.
+/// Key of a Shape: all faces of one form with the same group, material and smoothing.
 struct PartKey {
   Geometry::Kind kind = Geometry::Kind::faces;
   std::uint32_t group = 0, material = 0;
@@ -37,7 +37,7 @@ struct Part {
   bool convex = true;
 };
 
-/// Names by number, numbers by name.
+/// Bidirectional map between names and numbers.
 class Names {
  public:
   Names() { number({}); }
@@ -68,9 +68,9 @@ class ObjImporter {
   }
 
  private:
-  // --- The text -------------------------------------------------------------------------------------
+  // --- Text ----------------------------------------------------------------------------------------
 
-  /// Blanks and continued line ends; false at the end of the statement.
+  /// Skips blanks and continued line ends. Returns false at the end of the statement.
   bool skip_blanks() {
     while (cursor_.next < cursor_.end) {
       const char c = *cursor_.next;
@@ -94,7 +94,7 @@ class ObjImporter {
     while (cursor_.next < cursor_.end && !TextCursor::is_space(*cursor_.next)) ++cursor_.next;
     return {first, static_cast<std::size_t>(cursor_.next - first)};
   }
-  /// What follows on this line, for names with blanks in them.
+  /// Returns the rest of the line, for names with blanks.
   std::string_view rest() { return trimmed(cursor_.line()); }
 
   void end_statement() {
@@ -107,7 +107,7 @@ class ObjImporter {
 
   void statement() {
     const char* start = cursor_.next;
-    // The three that make up the file are told by their first letters, without a search.
+    // Detect the most frequent statements by their first letters, without a search.
     const bool second = cursor_.end - start >= 2;
     const bool blank_second = second && (start[1] == ' ' || start[1] == '\t');
     if (*start == 'v' && second) {
@@ -125,7 +125,7 @@ class ObjImporter {
     const std::string_view keyword = word();
     if (keyword == "l") return element(start, Geometry::Kind::lines);
     if (keyword == "p") return element(start, Geometry::Kind::points);
-    if (keyword == "fo") return element(start, Geometry::Kind::faces);  // as "f" was called before 1990
+    if (keyword == "fo") return element(start, Geometry::Kind::faces);  // name of "f" before 1990
     if (keyword == "g" || keyword == "o") {
       key_.group = names_.number(rest());
       current_ = nullptr;
@@ -150,7 +150,7 @@ class ObjImporter {
     }
   }
 
-  /// Statements of the format that have no meaning here.
+  /// Reports whether the format defines a statement that this importer ignores.
   static bool known(std::string_view keyword) {
     constexpr std::string_view kKnown[] = {
         "vp",         "deg",       "bmat",  "step",  "cstype", "curv", "curv2",  "surf",     "parm",     "trim",
@@ -159,7 +159,7 @@ class ObjImporter {
     return keyword.empty() || std::find(std::begin(kKnown), std::end(kKnown), keyword) != std::end(kKnown);
   }
 
-  /// Up to `most` numbers; how many there were.
+  /// Reads up to `most` numbers. Returns how many were read.
   int numbers(float* to, int most) {
     int count = 0;
     while (count < most && skip_blanks() && cursor_.number(to[count])) ++count;
@@ -171,11 +171,11 @@ class ObjImporter {
     std::array<float, 7> v{};
     const int count = numbers(v.data(), 7);
     if (count < 3) broken(start, "broken vertex; expected: v X Y Z");
-    // A broken vertex keeps its place, so that the others keep their numbers.
+    // Keep an invalid vertex, so that later indices stay valid.
     positions_.push({v[0], v[1], v[2]});
     if (count >= 6) {
       colors_.fill(positions_.size() - 1, {1, 1, 1});
-      const std::size_t first = count == 7 ? 4 : 3;  // behind a weight
+      const std::size_t first = count == 7 ? 4 : 3;  // after a weight
       colors_.push({v[first], v[first + 1], v[first + 2]});
     }
     end_statement();
@@ -197,7 +197,7 @@ class ObjImporter {
     end_statement();
   }
 
-  /// One number of v/t/n, from 1 or counted back from the newest; kBadIndex when it is none that can be.
+  /// Reads one index of v/t/n, counted from 1 or backwards from the newest; kBadIndex if it is invalid.
   bool index(std::size_t count, std::int32_t& value) {
     const char* digit = cursor_.next;
     const bool negative = digit < cursor_.end && *digit == '-';
@@ -296,7 +296,7 @@ class ObjImporter {
       read_obj_materials(std::get<SharedBytes>(found).bytes, libraries_.back(), materials_, builder_);
   }
 
-  // --- The scene ------------------------------------------------------------------------------------
+  // --- Scene ---------------------------------------------------------------------------------------
 
   void build() {
     all_positions_ = positions_.take();
@@ -310,7 +310,7 @@ class ObjImporter {
       builder_.warn("no vertices in the file");
       return;
     }
-    // A scan that is only points.
+    // A scan of points only.
     Geometry cloud;
     cloud.kind = Geometry::Kind::points;
     cloud.positions = std::move(all_positions_);
@@ -349,7 +349,7 @@ class ObjImporter {
     builder_.add_root(shape);
   }
 
-  /// The points in the order in which the file lists them.
+  /// Moves the points into the geometry, in the order of the file.
   void take_points(Geometry& geometry) {
     const vrml::MFInt32 index = std::move(geometry.coord_index);
     geometry.coord_index.clear();
@@ -371,7 +371,8 @@ class ObjImporter {
     geometry.colors = colors.take();
   }
 
-  /// The values of `all` that `index` uses; renumbers it. `extra` goes the same way, if there is any.
+  /// Returns the values of `all` that `index` uses, and renumbers `index`. Handles `extra` in parallel, if it is not
+  /// empty.
   template <class T>
   vrml::Array<T> used(const vrml::Array<T>& all, vrml::MFInt32& index, const vrml::MFColor& extra,
                       vrml::MFColor& taken) {
@@ -433,7 +434,7 @@ class ObjImporter {
   std::vector<std::pair<const PartKey, Part>*> order_;
   PartKey key_;
   Part* current_ = nullptr;
-  std::vector<ObjCorner> corners_;  // of the element being read
+  std::vector<ObjCorner> corners_;  // corners of the current element
   std::vector<std::string> libraries_;
   ObjMaterials materials_;
   std::map<std::pair<std::uint32_t, bool>, vrml::NodeId> appearances_;

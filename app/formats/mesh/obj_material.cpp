@@ -9,11 +9,11 @@
 namespace gs::app {
 namespace {
 
-constexpr float kMaxExponent = 128;  // VRML97 4.14.4: shininess 1
+constexpr float kMaxExponent = 128;  // exponent of shininess 1 (VRML97 4.14.4)
 
 float clamped(float value) { return value > 0 ? std::min(value, 1.0f) : 0.0f; }
 
-/// "Kd r g b", or "Kd r" for a grey; false for spectral curves and CIE colours, which are rare.
+/// Reads "Kd r g b", or "Kd r" for a grey. Returns false for spectral curves and CIE colours, which are rare.
 bool read_color(TextCursor words, vrml::Color& color) {
   std::array<float, 3> part{};
   int count = 0;
@@ -26,7 +26,7 @@ bool read_color(TextCursor words, vrml::Color& color) {
 
 bool read_number(TextCursor words, float& value) { return words.skip_space() && words.number(value); }
 
-/// The file name behind the options of a texture statement; it may hold blanks.
+/// Returns the file name after the options of a texture statement; it may contain blanks.
 std::string texture_name(TextCursor words) {
   constexpr std::array<std::pair<std::string_view, int>, 13> kTextureOptions = {{{"-blendu", 1},
                                                                                  {"-blendv", 1},
@@ -78,7 +78,7 @@ struct MaterialReader {
   Look* look;
   bool shiny = true;  // illum 0 and 1 have no highlights
 
-  /// False when the statement is known and its values are wrong.
+  /// Reads a statement. Returns false if a known statement has invalid values.
   bool read(std::string_view keyword, TextCursor words) {
     float number = 0;
     if (keyword == "Kd") return read_color(words, look->diffuse);

@@ -11,14 +11,14 @@
 #include <string>
 #include <string_view>
 
-// http://www.geomview.org/docs/html/OFF.html
+// Format: http://www.geomview.org/docs/html/OFF.html
 
 namespace gs::app {
 namespace {
 
 constexpr double kMostCount = 2e9;
 
-/// What stands at each corner, by the letters before OFF.
+/// Data of each corner, by the letters before OFF.
 struct OffKind {
   bool texture = false, colors = false, normals = false, four = false, any_dimension = false;
 };
@@ -65,7 +65,7 @@ class OffImporter {
   [[nodiscard]] std::string_view text_left() const {
     return {cursor_.next, static_cast<std::size_t>(cursor_.end - cursor_.next)};
   }
-  /// Past white space and comments; false at the end.
+  /// Skips white space and comments. Returns false at the end.
   bool to_number() {
     while (cursor_.skip_space()) {
       if (*cursor_.next != '#') return true;
@@ -77,14 +77,14 @@ class OffImporter {
   bool number(Number& value) {
     return to_number() && cursor_.number(value);
   }
-  /// A whole number from 0 on.
+  /// Reads a non-negative integer.
   bool count_of(std::int64_t& value) {
     double read = 0;
     if (!number(read) || !(read >= 0 && read <= kMostCount)) return false;
     value = static_cast<std::int64_t>(read);
     return static_cast<double>(value) == read;
   }
-  /// The numbers up to the end of the line, at most as many as there is room for.
+  /// Reads the numbers up to the end of the line, at most numbers.size().
   std::size_t rest_of_line(std::array<float, 6>& numbers, bool& whole) {
     const std::string_view line = cursor_.line();
     TextCursor rest(line.data(), line.data() + line.size());
@@ -121,7 +121,8 @@ class OffImporter {
     std::array<float, 6> numbers{};
     bool whole = true;
     const std::size_t found = rest_of_line(numbers, whole), texture = kind_.texture ? 2 : 0;
-    // A colour among coordinates with a point is taken as it is written: whole numbers only where all are.
+    // A colour is read as integers only if all numbers of the line are integers. With texture coordinates it is read as
+    // decimals.
     if (kind_.colors)
       colors_.push(found >= 3 + texture ? color_of(numbers.data(), whole && texture == 0) : vrml::Color{1, 1, 1});
     if (texture == 0) return;
@@ -145,7 +146,7 @@ class OffImporter {
       std::array<float, 6> numbers{};
       bool whole = true;
       const std::size_t found = rest_of_line(numbers, whole);
-      // One and two corners are a point and a line; a face has three at least.
+      // One or two corners are a point or a line, not a face.
       if (corners < 3) {
         indices_.drop(static_cast<std::size_t>(corners));
         ++left_out_;

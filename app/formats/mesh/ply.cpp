@@ -17,13 +17,13 @@
 namespace gs::app {
 namespace {
 
-// The constant spherical harmonic: a splat's colour is 0.5 + kHarmonic0 * f_dc (Kerbl et al. 2023).
+// Constant spherical harmonic: a splat's colour is 0.5 + kHarmonic0 * f_dc (Kerbl et al. 2023).
 constexpr float kHarmonic0 = 0.28209479177387814f;
 
-/// What properties mean, by the names that programs give them.
+/// Meaning of a group of properties, by the names that programs use.
 struct Meaning {
   std::array<std::string_view, 3> names;
-  float scale, offset;  // of floating-point values
+  float scale, offset;  // applied to floating-point values
 };
 constexpr Meaning kPosition[] = {{{"x", "y", "z"}, 1, 0}};
 constexpr Meaning kNormal[] = {{{"nx", "ny", "nz"}, 1, 0}, {{"normal_x", "normal_y", "normal_z"}, 1, 0}};
@@ -36,14 +36,14 @@ constexpr Meaning kTexture[] = {{{"s", "t", {}}, 1, 0},
                                 {{"texture_u", "texture_v", {}}, 1, 0},
                                 {{"texture_s", "texture_t", {}}, 1, 0}};
 
-/// Where the values of one property of a row go: to[row * stride].
+/// Target of one property's values: to[row * stride].
 struct Column {
   float* to = nullptr;
   std::size_t stride = 0;
   float scale = 1, offset = 0;
 };
 
-/// How integers stand for 0..1 in colours.
+/// Returns the factor that maps integer colours to 0..1.
 float color_scale(PlyType type) {
   switch (type) {
     case PlyType::int8:
@@ -60,7 +60,7 @@ float color_scale(PlyType type) {
   }
 }
 
-/// Finds the properties of the first meaning that is complete: their places, or nothing.
+/// Property indices of the first meaning that is complete; meaning is null if there is none.
 struct FoundProperties {
   const Meaning* meaning = nullptr;
   std::array<std::size_t, 3> at{};
@@ -81,7 +81,7 @@ FoundProperties find(const PlyElement& element, std::span<const Meaning> meaning
   return {};
 }
 
-/// Makes `array` `rows` long and lets the columns of the properties lead into it.
+/// Resizes `array` to `rows` and connects the columns of the properties to it.
 template <class T>
 bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::size_t rows, vrml::Array<T>& array,
              std::vector<Column>& columns, vrml::SceneGraph& scene) {
@@ -103,7 +103,7 @@ void connect_colors(const PlyElement& element, std::size_t rows, vrml::MFColor& 
   for (const std::size_t i : found.at) columns[i].scale *= color_scale(element.properties[i].type);
 }
 
-/// The property with numbers to look at, as MeshLab ("quality"), CloudCompare ("scalar_Distance") and others write it.
+/// Finds the scalar property, as written by MeshLab ("quality"), CloudCompare ("scalar_Distance") and others.
 std::optional<std::size_t> find_scalar(const PlyElement& element) {
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     const PlyProperty& property = element.properties[i];
@@ -114,7 +114,7 @@ std::optional<std::size_t> find_scalar(const PlyElement& element) {
   return std::nullopt;
 }
 
-/// What programs write before the name of what they have measured, and blanks as they write them.
+/// Returns the title of a scalar property, without the prefix and with blanks instead of underscores.
 std::string scalar_title(std::string_view property) {
   constexpr std::string_view kBefore = "scalar_";
   if (property.starts_with(kBefore) && property.size() > kBefore.size()) property.remove_prefix(kBefore.size());
@@ -123,11 +123,11 @@ std::string scalar_title(std::string_view property) {
   return title;
 }
 
-/// Some programs write 0..255 as floating-point numbers.
+/// Rescales colours from programs that write 0..255 as floating-point numbers.
 void scale_large_colors(vrml::MFColor& colors) {
   float most = 0;
   for (const vrml::Color& c : colors) most = std::max({most, c.r, c.g, c.b});
-  // A little over 1 is a bright colour.
+  // Values slightly over 1 are bright colours.
   if (!(most > 4)) return;
   vrml::Color* c = colors.mutable_data();
   for (std::size_t i = 0; i < colors.size(); ++i) c[i] = {c[i].r / 255, c[i].g / 255, c[i].b / 255};
@@ -151,7 +151,7 @@ class PlyImporter {
     std::vector<float> texture;
   };
 
-  /// False when the rest of the file cannot be read.
+  /// Reads an element. Returns false if the rest of the file is unreadable.
   bool read(const PlyElement& element) {
     if (element.properties.empty() || element.count == 0) return true;
     if (element.name == "vertex" && positions_.empty()) return read_vertices(element);
@@ -162,7 +162,7 @@ class PlyImporter {
     return complete(element, read_rows(element, element.count, none));
   }
 
-  /// Reports a row that is missing or broken.
+  /// Reports an error if a row is missing or invalid.
   bool complete(const PlyElement& element, std::uint64_t rows) {
     if (rows >= element.count) return true;
     builder_.fail("element " + element.name + ": row " + std::to_string(rows + 1) + " of " +
@@ -176,7 +176,7 @@ class PlyImporter {
       builder_.fail("element vertex has no coordinates; expected the properties x, y and z");
       return false;
     }
-    // Memory is taken for rows that can be there, not for what the header says.
+    // Allocate for the rows that the file can hold, not for the number in the header.
     constexpr std::uint64_t kMostVertices = std::numeric_limits<std::int32_t>::max() - 1;
     const auto rows = static_cast<std::size_t>(std::min({element.count, source_.most_rows(element), kMostVertices}));
     std::vector<Column> columns(element.properties.size());
@@ -184,7 +184,7 @@ class PlyImporter {
     connect(element, kNormal, rows, normals_, columns, builder_.scene());
     connect(element, kTexture, rows, texture_coordinates_, columns, builder_.scene());
     connect_colors(element, rows, colors_, columns, builder_.scene());
-    // Whoever has given it colours or a picture wants to see these.
+    // Scalars are shown only if there are no colours and no texture.
     const bool plain = colors_.empty() && header_.texture_file.empty() && rows > 0;
     const std::optional<std::size_t> scalar = plain ? find_scalar(element) : std::nullopt;
     std::vector<float> values;
@@ -216,7 +216,7 @@ class PlyImporter {
     key_ = std::move(key);
   }
 
-  /// The number of rows that were whole.
+  /// Reads rows. Returns the number of complete rows.
   std::uint64_t read_rows(const PlyElement& element, std::uint64_t count, std::vector<Column>& columns) {
     if constexpr (!Source::is_text)
       if (!element.has_lists()) return read_table(element, count, columns);
@@ -237,7 +237,7 @@ class PlyImporter {
     return count;
   }
 
-  /// Rows of one size, column by column.
+  /// Reads fixed-size rows, column by column.
   std::uint64_t read_table(const PlyElement& element, std::uint64_t count,
                            std::vector<Column>& columns) requires(!Source::is_text) {
     const std::size_t stride = element.least_row_bytes();
@@ -294,7 +294,7 @@ class PlyImporter {
     std::vector<Column> columns(element.properties.size());
     vrml::MFColor colors;
     connect_colors(element, static_cast<std::size_t>(rows), colors, columns, builder_.scene());
-    std::vector<char> kinds;  // i: corners, t: texture coordinates, c: one of a colour, -: other
+    std::vector<char> kinds;  // i: corners, t: texture coordinates, c: colour component, -: other
     bool has_texture = false;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const PlyProperty& p = element.properties[i];
@@ -355,7 +355,7 @@ class PlyImporter {
     texture_index_.push(kFaceEnd);
   }
 
-  /// Strips of triangles, one after the other in a list, parted by -1; every second triangle is turned.
+  /// Reads triangle strips, concatenated and separated by -1; every second triangle is flipped.
   bool read_strips(const PlyElement& element) {
     std::vector<std::int32_t> strip;
     std::uint64_t row = 0;
@@ -373,7 +373,7 @@ class PlyImporter {
   void add_strip(const std::vector<std::int32_t>& strip) {
     std::size_t start = 0;
     for (std::size_t i = 0; i < strip.size(); ++i) {
-      // The reader has made the -1 between two strips a kBadIndex.
+      // read_list has converted the -1 between two strips to kBadIndex.
       if (strip[i] == kBadIndex) start = i + 1;
       if (i < start + 2) continue;
       const bool turned = ((i - start) & 1) != 0;
@@ -427,7 +427,7 @@ class PlyImporter {
     geometry.texture_index = texture_index_.take();
     geometry.coord_index = faces ? coord_index_.take() : edge_index_.take();
     geometry.convex = convex_;
-    // Without normals a scan looks best smooth.
+    // Without normals, a scan looks best with smooth shading.
     geometry.crease_angle = std::numbers::pi_v<float>;
     Look look;
     look.texture_url = vrml::String(header_.texture_file);
@@ -441,7 +441,7 @@ class PlyImporter {
   SceneBuilder& builder_;
   vrml::MFVec3f positions_, normals_;
   vrml::MFColor colors_, face_colors_;
-  std::optional<ColorKey> key_;  // of `colors_`; nothing: they stand for nothing
+  std::optional<ColorKey> key_;  // key of `colors_`; empty if colours do not represent values
   vrml::MFVec2f texture_coordinates_;
   Appender<glm::vec2> corner_texture_{builder_.scene()};
   Appender<std::int32_t> coord_index_{builder_.scene()}, texture_index_{builder_.scene()},

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kNeighbors = 12, kLeaf = 12, kBlock = 4096;
 
-/// The squares of the distances of the nearest points so far, in rising order.
+/// Squared distances of the nearest points so far, ascending.
 struct Nearest {
   std::array<float, kNeighbors> squares{};
   std::size_t count = 0, wanted = kNeighbors;
@@ -29,7 +29,7 @@ struct Nearest {
   }
 };
 
-/// A balanced kd-tree: the middle of each range splits it across the range's longest side.
+/// Balanced kd-tree: the median of each range splits it along its longest axis.
 class Tree {
  public:
   explicit Tree(std::span<const glm::vec3> points) : points_(points.begin(), points.end()), axes_(points.size()) {
@@ -40,11 +40,11 @@ class Tree {
   }
 
   [[nodiscard]] const glm::vec3& point(std::size_t place) const { return points_[place]; }
-  /// Which of the points given stands at a place of the tree.
+  /// Returns the original index of the point at a tree position.
   [[nodiscard]] std::size_t index(std::size_t place) const { return order_[place]; }
   [[nodiscard]] std::size_t size() const { return points_.size(); }
 
-  /// The neighbours of the point at `place`, without itself.
+  /// Finds the neighbours of the point at `place`, without the point itself.
   void search(std::size_t place, Nearest& nearest) const { search(place, 0, points_.size(), nearest); }
 
  private:
@@ -93,8 +93,8 @@ class Tree {
   std::vector<std::uint8_t> axes_;
 };
 
-/// The disc through the j-th neighbour (from 1) holds j + 1/2 points: the one in the middle, j - 1 neighbours, and half
-/// of the one on its border. Areas and points are summed over all neighbours.
+/// Computes the area of a point. A circle through the j-th neighbour (from 1) contains j + 1/2 points: the centre, j -
+/// 1 neighbours, and half of the one on its border. Sums areas and points over all neighbours.
 float area_of(const Nearest& nearest) {
   if (nearest.count == 0) return 1;
   double squares = 0, points = 0;
@@ -110,7 +110,7 @@ float area_of(const Nearest& nearest) {
 std::vector<float> point_areas(std::span<const glm::vec3> points) {
   std::vector<float> areas(points.size());
   const Tree tree(points);
-  // What two threads write lies far apart except at the borders of blocks: every element is its own.
+  // Each thread writes its own elements; only block borders share cache lines.
   qnv::parallel_for((points.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
     const std::size_t last = std::min(points.size(), (block + 1) * kBlock);
     for (std::size_t place = block * kBlock; place < last; ++place) {

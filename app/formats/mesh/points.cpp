@@ -15,7 +15,7 @@
 namespace gs::app {
 namespace {
 
-/// Points as a file has them; `areas` and `colors` may be empty.
+/// Points of a file; `areas` and `colors` may be empty.
 struct Points {
   const char* format = "";
   std::vector<glm::dvec3> positions;
@@ -24,7 +24,7 @@ struct Points {
   std::size_t announced = 0;
   vrml::Share share;
 
-  /// Draws memory for `count` more points; why there is not so much.
+  /// Charges memory for `count` more points. Returns a message if the budget is exceeded.
   [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count) {
     constexpr std::uint64_t kBytes = 230;
     if (share.amount() == 0) share = vrml::Share(budget, vrml::Resource::vectors);
@@ -33,12 +33,12 @@ struct Points {
   }
 };
 
-/// True for all but the first of the points that stand in one place.
+/// Marks all but the first of the points at the same position.
 std::vector<bool> doubles(std::span<const glm::dvec3> points) {
   const auto bits = [&](std::size_t i) {
     std::array<std::uint64_t, 3> key{};
     for (std::size_t k = 0; k < 3; ++k) key[k] = std::bit_cast<std::uint64_t>(points[i][static_cast<int>(k)] + 0.0);
-    return key;  // adding 0 made one of 0 and -0
+    return key;  // adding 0 turns -0 into 0
   };
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -51,7 +51,7 @@ std::vector<bool> doubles(std::span<const glm::dvec3> points) {
   return result;
 }
 
-/// Leaves out what cannot be a disc; points without an area of their own may stand in one place only once.
+/// Converter of points to vectors. Drops invalid points and, if the file has no areas, duplicate positions.
 class Gatherer {
  public:
   explicit Gatherer(const Points& points) : points_(points) {
@@ -67,7 +67,7 @@ class Gatherer {
     qnv::Description& description = cloud_.description;
     description.two_sided = true;
     for (std::size_t i = 0; i < cloud_.size(); ++i) {
-      // Points closer than numbers can tell still need an area.
+      // Points too close for float precision still need an area.
       if (!std::isnormal(cloud_.weights[i])) cloud_.weights[i] = std::numeric_limits<float>::min();
       description.total += cloud_.weights[i];
     }
@@ -118,7 +118,7 @@ class Gatherer {
   std::size_t broken_ = 0, doubled_ = 0;
 };
 
-/// Three columns as vectors; empty unless all are there.
+/// Returns three columns as vectors; empty unless all are present.
 std::vector<glm::vec3> vectors(const PlyTable& table, const std::array<const char*, 3>& names, float scale = 1) {
   for (const char* name : names)
     if (!table.has(name)) return {};
@@ -141,14 +141,14 @@ std::vector<glm::dvec3> places(const PlyTable& table) {
   return result;
 }
 
-/// What makes 0..255 of the numbers of a colour.
+/// Returns the factor that maps colours to 0..255.
 float color_scale(const PlyTable& table) {
   for (const PlyProperty& p : table.element.properties)
     if (p.name == "red") return is_float(p.type) ? 255.0f : p.type == PlyType::uint16 ? 1.0f / 257 : 1.0f;
   return 1;
 }
 
-/// The numbers of a line, at most nine; -1 where something else stands there.
+/// Reads up to nine numbers of a line. Returns -1 if it contains other text.
 int point_numbers(std::string_view line, std::array<double, 9>& numbers) {
   TextCursor cursor(line.data(), line.data() + line.size());
   int count = 0;

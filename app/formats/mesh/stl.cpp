@@ -14,13 +14,13 @@
 namespace gs::app {
 namespace {
 
-/// Points by their exact bits; open addressing, so that a look-up mostly touches one cache line.
+/// Index of points by exact bits. Uses open addressing, so that a look-up mostly touches one cache line.
 class Welder {
  public:
   explicit Welder(vrml::SceneGraph& scene) : scene_(scene) {}
-  /// The index of the point; kBadIndex when there are too many.
+  /// Returns the index of a point; kBadIndex if there are too many.
   std::int32_t index(glm::vec3 p) {
-    // -0 and 0 are one place.
+    // Treat -0 and 0 as equal.
     p += glm::vec3(0.0f);
     if (points_.size() * 2 >= table_.size()) grow();
     const std::size_t mask = table_.size() - 1;
@@ -113,7 +113,7 @@ void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
   add_shape(builder, std::move(geometry), look, {});
 }
 
-/// The words of the text form, which programs write in any case.
+/// Keywords of the text form, in any case.
 enum class Word : std::uint8_t { vertex, endloop, facet, solid, endsolid, filler, other };
 
 Word word_of(std::string_view text) {
@@ -180,7 +180,7 @@ class TextImporter {
     ended_ = false;
   }
 
-  /// Its normal is not used: that of the corners is the same, or better.
+  /// Begins a facet. Ignores its normal, because that of the corners is equal or better.
   void facet() {
     drop_loop();
     cursor_.skip_space();
@@ -189,7 +189,7 @@ class TextImporter {
     float ignored = 0;
     for (int i = 0; i < 3 && cursor_.skip_space(); ++i)
       if (!cursor_.number(ignored)) {
-        // Some programs write "nan" with a sign or "-1.#IND" for the normal of an empty facet.
+        // Some programs write a signed "nan" or "-1.#IND" as the normal of a degenerate facet.
         const char* word = cursor_.next;
         if (word_of(cursor_.word()) != Word::other) cursor_.next = word;
       }
@@ -222,7 +222,7 @@ class TextImporter {
     loop_ = 0;
   }
 
-  /// Forgets the corners of a facet that did not come to its end.
+  /// Drops the corners of an incomplete facet.
   void drop_loop() {
     if (loop_ > 0) corners_.drop(loop_);
     loop_ = 0;
@@ -235,7 +235,7 @@ class TextImporter {
   Welder welder_{builder_.scene()};
   Appender<std::int32_t> corners_{builder_.scene()};
   std::string name_;
-  std::size_t loop_ = 0;  // corners of the facet so far
+  std::size_t loop_ = 0;  // corners of the current facet
   bool broken_ = false, convex_ = true, ended_ = false, complained_ = false;
 };
 
@@ -250,7 +250,7 @@ bool is_text_stl(std::span<const std::byte> bytes) {
   }
   TextCursor cursor(bytes);
   if (word_of(cursor.word()) != Word::solid) return false;
-  // A binary file that was cut, or has more behind it: its numbers are no text.
+  // A binary file that was truncated or has trailing bytes: it contains zero bytes.
   constexpr std::size_t kLooked = 1024;
   const auto looked = bytes.first(std::min(bytes.size(), kLooked));
   return std::none_of(looked.begin(), looked.end(), [](std::byte b) { return b == std::byte{0}; });

@@ -10,14 +10,14 @@
 namespace gs::app {
 namespace {
 
-// Between flat faces and a smooth surface: what bends less than this is shaded as if round.
+// Crease angle: smooths edges below it.
 constexpr float kUcdCreaseAngle = 0.5f;
 constexpr std::int8_t kNoCorner = -1;
 
 using LocalFace = std::array<std::int8_t, 4>;
 
-// The faces of the cells, counter-clockwise from outside with the nodes numbered as AVS does: the top first, then the
-// bottom, both counter-clockwise from above; of a tetrahedron and a pyramid the top is one node.
+// Faces of the cells, counterclockwise from outside, in AVS node order: the top first, then the bottom, both
+// counterclockwise from above. The top of a tetrahedron or pyramid is one node.
 constexpr LocalFace kTriangle[] = {{0, 1, 2, kNoCorner}};
 constexpr LocalFace kQuadrilateral[] = {{0, 1, 2, 3}};
 constexpr LocalFace kTetrahedron[] = {
@@ -50,13 +50,13 @@ std::span<const LocalFace> faces_of(UcdType type) {
 }
 
 struct Face {
-  std::array<std::int32_t, 4> corners{}, key{};  // key: the corners in rising order
+  std::array<std::int32_t, 4> corners{}, key{};  // `key` has the corners in ascending order
   std::uint32_t cell = 0;
-  bool solid = false;  // of a cell with a volume
-  bool inner = false;  // two such cells share it
+  bool solid = false;  // belongs to a cell with a volume
+  bool inner = false;  // shared by two such cells
 };
 
-constexpr std::size_t kBetweenLooks = std::size_t{1} << 17;  // steps, at whether the work should end
+constexpr std::size_t kBetweenLooks = std::size_t{1} << 17;  // steps between two checks for cancellation
 
 std::vector<Face> collect(const UcdMesh& mesh, vrml::SceneGraph& scene) {
   std::vector<Face> faces;
@@ -92,7 +92,7 @@ void mark_inner(std::vector<Face>& faces, vrml::SceneGraph& scene) {
     if (faces[order[i]].key == faces[order[i - 1]].key) faces[order[i]].inner = faces[order[i - 1]].inner = true;
 }
 
-/// Of cells and nodes whose rows the file lacks as of those without a number.
+/// Returns the colour of a value. Missing rows count as NaN.
 vrml::Color color_at(const ColorKey& key, std::span<const float> values, std::size_t i) {
   return key.color_of(i < values.size() ? static_cast<double>(values[i]) : NAN);
 }
@@ -124,7 +124,7 @@ void build(const UcdMesh& mesh, SceneBuilder& builder) {
   geometry.coord_index = index.take();
   geometry.colors = colors.take();
   geometry.color_per_vertex = !by_cell;
-  geometry.convex = false;  // a quadrilateral may be anything
+  geometry.convex = false;  // a quadrilateral may be concave
   geometry.crease_angle = kUcdCreaseAngle;
   if (const vrml::NodeId node = builder.geometry(std::move(geometry)))
     builder.add_root(builder.shape(node, builder.appearance(Look{})));
@@ -149,7 +149,7 @@ void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml:
   SceneBuilder builder(scene, diagnostics);
   UcdMesh mesh;
   const bool binary = !bytes.empty() && bytes.front() == kUcdBinary;
-  // The shortest lines of a text become nodes, cells, their numbers and their values.
+  // Estimate for the shortest lines of a text: nodes, cells, their numbers and values.
   draw(scene, bytes.size() * (binary ? 3 : 5));
   if (const auto problem = binary ? read_ucd_binary(bytes, mesh) : read_ucd_text(bytes, mesh))
     builder.fail(problem->message, {problem->line, problem->line > 0 ? 1u : 0u});

@@ -14,7 +14,7 @@ bool integer(std::string_view word, std::int64_t& value) {
   return !word.empty() && result.ec == std::errc() && result.ptr == word.data() + word.size();
 }
 
-/// The places of things that the file knows by number. Sorted: numbers that are made to collide cost nothing.
+/// Map from a file's numbers to indices. Sorted instead of hashed, so that crafted numbers cannot cause collisions.
 class Numbers {
  public:
   void add(std::int64_t number) {
@@ -22,14 +22,14 @@ class Numbers {
     sorted_ = sorted_ && (entries_.empty() || entries_.back().first < number);
     entries_.emplace_back(number, place);
   }
-  /// To be called when all are there.
+  /// Completes the map; call after the last `add`.
   void finish() {
     if (!sorted_) std::sort(entries_.begin(), entries_.end());
     sorted_ = true;
   }
-  /// The first that was added with this number; -1 where there is none.
+  /// Returns the index of the first entry with this number; -1 if there is none.
   [[nodiscard]] std::int32_t find(std::int64_t number) const {
-    // Mostly they are counted through.
+    // Most files number consecutively.
     if (!entries_.empty() && number >= entries_.front().first) {
       const auto guess = static_cast<std::uint64_t>(number) - static_cast<std::uint64_t>(entries_.front().first);
       if (guess < entries_.size() && entries_[guess] == std::pair(number, static_cast<std::int32_t>(guess)))
@@ -60,7 +60,7 @@ class UcdTextReader {
     problem_ = UcdProblem{std::move(message), lines_.location(start_).line};
     return false;
   }
-  /// The words of the next line that is neither empty nor a comment.
+  /// Reads the next line that is neither empty nor a comment.
   bool next_line(TextCursor& words) {
     while (cursor_.skip_space()) {
       start_ = cursor_.next;
@@ -79,7 +79,7 @@ class UcdTextReader {
     return true;
   }
 
-  /// Nodes, cells and values of each in one line; or, with steps, nodes and cells behind `step1`.
+  /// Reads the counts: nodes, cells and values of each on one line; or, with steps, nodes and cells after `step1`.
   bool read_counts() {
     TextCursor words(nullptr, nullptr);
     if (!next_line(words)) return fail("expected the numbers of nodes, cells and data");
@@ -99,7 +99,7 @@ class UcdTextReader {
   bool read_late_counts() {
     if (!stepped_) return true;
     TextCursor words(nullptr, nullptr);
-    if (!next_line(words)) return true;  // geometry alone
+    if (!next_line(words)) return true;  // geometry only
     return count(words, node_width_) && count(words, cell_width_);
   }
 
@@ -132,7 +132,7 @@ class UcdTextReader {
       if (!integer(words.word(), id) || !integer(words.word(), material))
         return fail("broken cell: expected its number, material, type and nodes");
       std::string_view name = words.word();
-      if (name.ends_with('2')) name.remove_suffix(1);  // with nodes on its edges, behind the corners
+      if (name.ends_with('2')) name.remove_suffix(1);  // type with nodes on edges, listed after the corners
       const auto type = std::find(kUcdNames.begin(), kUcdNames.end(), name);
       if (type == kUcdNames.end())
         return fail("unknown type of cell '" + std::string(name.substr(0, 20)) +
@@ -153,7 +153,7 @@ class UcdTextReader {
     return true;
   }
 
-  /// A block of data: number of components and their lengths, a label for each, a row for each node or cell.
+  /// Reads a data block: number of components and their lengths, a label for each, then a row for each node or cell.
   bool read_values(std::uint64_t width, std::uint64_t rows, std::vector<float>& values, std::string& label,
                    bool of_nodes) {
     if (width == 0) return true;
@@ -189,7 +189,7 @@ class UcdTextReader {
     }
     return true;
   }
-  /// A row names its node or cell.
+  /// Stores a row's value for the node or cell that it names.
   void place(std::vector<float>& values, std::int64_t id, float value, bool of_nodes) {
     if (values.empty())
       values.resize(of_nodes ? mesh_.nodes.size() : mesh_.cells.size(), std::numeric_limits<float>::quiet_NaN());

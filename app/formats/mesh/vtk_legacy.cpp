@@ -17,7 +17,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::string_view kLegacyMark = "# vtk DataFile Version";
-constexpr double kMostLegacy = 2e9;  // points, cells, numbers of an array
+constexpr double kMostLegacy = 2e9;  // max points, cells or numbers of an array
 
 std::optional<StoredType> legacy_type_of(std::string_view name) {
   static constexpr std::pair<std::string_view, StoredType> kNames[] = {
@@ -40,7 +40,7 @@ class LegacyImporter {
 
   void run() {
     (void)cursor_.line();
-    (void)cursor_.line();  // the title
+    (void)cursor_.line();  // title
     const std::string format = lower_case(std::string(trimmed(cursor_.line())));
     binary_ = format == "binary";
     if (!binary_ && format != "ascii") return builder_.fail("expected ASCII or BINARY", {3, 1});
@@ -62,7 +62,7 @@ class LegacyImporter {
  private:
   [[nodiscard]] vrml::SourceLocation place() { return lines_.location(cursor_.next); }
 
-  // To the next line that is not empty; false at the end.
+  // Moves to the next line that is not empty. Returns false at the end.
   bool next_line() {
     while (!cursor_.at_end()) {
       line_ = trimmed(cursor_.line());
@@ -70,7 +70,7 @@ class LegacyImporter {
     }
     return false;
   }
-  // The next one of the line, in lower case; a name as it stands. Empty: there is none.
+  // Returns the next word of the line, unchanged; empty if there is none. `word` returns it in lower case.
   std::string name() {
     const std::size_t end = std::min(line_.find_first_of(" \t"), line_.size());
     const std::string found(line_.substr(0, std::min<std::size_t>(end, 200)));
@@ -78,7 +78,7 @@ class LegacyImporter {
     return found;
   }
   std::string word() { return lower_case(name()); }
-  // A whole number of the line; nothing: there is none, and `problem_` says so.
+  // Reads an integer of the line. Sets `problem_` and returns nullopt if there is none.
   std::optional<std::uint64_t> count() {
     const std::string text = name();
     TextCursor number(text.data(), text.data() + text.size());
@@ -88,7 +88,7 @@ class LegacyImporter {
     return std::nullopt;
   }
 
-  // The next `count` numbers of the file; false: they are not all there, and `problem_` says so.
+  // Reads the next `count` numbers of the file. Sets `problem_` and returns false if some are missing.
   template <class Take>
   bool numbers(const std::string& type_name, std::uint64_t count, Take take) {
     const auto type = legacy_type_of(type_name);
@@ -120,7 +120,7 @@ class LegacyImporter {
                std::to_string(count);
     return false;
   }
-  // Memory for as many as the file can have.
+  // Charges memory for `count` items, but at most for one per remaining byte.
   void draw_for(std::uint64_t count, std::uint64_t each) {
     const auto left = static_cast<std::uint64_t>(cursor_.end - cursor_.next);
     draw(builder_.scene(), std::min(count, left) * each);
@@ -168,8 +168,8 @@ class LegacyImporter {
     });
   }
 
-  // "POLYGONS cells numbers", then each cell's corners behind their count; from version 5.1 on "POLYGONS offsets
-  // corners", OFFSETS, from 0, and CONNECTIVITY.
+  // Reads "POLYGONS cells numbers", then the corners of each cell after their count. From version 5.1 on reads
+  // "POLYGONS offsets corners", OFFSETS (from 0) and CONNECTIVITY.
   void cells(PolyCells& cells) {
     const auto rows = count(), all = rows ? count() : std::nullopt;
     if (!all) return;
@@ -194,14 +194,14 @@ class LegacyImporter {
         return;
       }
       (void)numbers(word(), *all, [&](double corner) { cells.corners.push_back(corner_of(corner)); });
-      // Such a part may stand there twice.
+      // The part may occur twice, so append to existing cells.
       for (std::size_t i = 1; i < ends.size() && ends[i] <= cells.corners.size() - first; ++i)
         cells.ends.push_back(first + ends[i]);
       cells.corners.resize(cells.ends.empty() ? 0 : cells.ends.back());
       return;
     }
     cursor_ = before;
-    std::uint64_t left = 0;  // of the cell that is read
+    std::uint64_t left = 0;  // remaining corners of the current cell
     bool in_cell = false;
     (void)numbers("int", *all, [&](double value) {
       if (!in_cell) {
@@ -215,7 +215,7 @@ class LegacyImporter {
       cells.ends.push_back(cells.corners.size());
       in_cell = false;
     });
-    // The last one may have been cut off.
+    // Drop an incomplete last cell.
     cells.corners.resize(cells.ends.empty() ? 0 : cells.ends.back());
   }
 
@@ -233,7 +233,7 @@ class LegacyImporter {
     }
   }
 
-  // What is there of points or cells, and how good it is to be shown: the least rank goes before.
+  // Priority of point or cell data for display; the lowest rank wins.
   enum Rank : int { scalars, one_number, several, nothing };
 
   void attribute(const std::string& keyword) {
@@ -335,9 +335,9 @@ class LegacyImporter {
   TextCursor cursor_;
   LineCounter lines_;
   SceneBuilder& builder_;
-  std::string_view line_;  // what is left of it
+  std::string_view line_;  // rest of the line
   bool binary_ = false, of_points_ = true;
-  std::optional<std::uint64_t> rows_;  // of point or cell data
+  std::optional<std::uint64_t> rows_;  // number of rows of point or cell data
   Rank points_rank_ = nothing, cells_rank_ = nothing;
   PolyData data_;
   GridCells grid_;

@@ -38,7 +38,7 @@ class VtpImporter {
   }
 
  private:
-  // Of the arrays of a section the one of this name, else the first of one component, else the first.
+  // Chooses an array of a section: the one with this name, else the first with one component, else the first.
   [[nodiscard]] const VtkArray* chosen(VtkSection section, const std::string& active) const {
     const VtkArray *single = nullptr, *first = nullptr;
     for (const VtkArray& array : header_.arrays) {
@@ -60,7 +60,7 @@ class VtpImporter {
       if (array.piece == piece && array.section == section && (name.empty() || array.name == name)) return &array;
     return nullptr;
   }
-  // Nothing: it was told why.
+  // Reads numbers of an array. Reports an error and returns nullopt on failure.
   std::optional<StoredVoxels> numbers(const VtkArray& array, std::uint64_t count) {
     auto values = vtk_values(file_, header_, array, count, builder_.scene().budget());
     if (auto* found = std::get_if<StoredVoxels>(&values)) return std::move(*found);
@@ -95,7 +95,7 @@ class VtpImporter {
       cells += kinds[kind].second;
       whole = read_cells(number, kinds[kind].first, kinds[kind].second, first, data_.cells[kind]) && whole;
     }
-    // Data of cells are told apart by their order, which pieces interleave.
+    // Pieces interleave the order of cells, which would mix up cell data.
     if (!shown_of_cells_ || !whole || cells == 0) return;
     if (header_.pieces.size() == 1)
       read_data(number, *shown_of_cells_, 0, cells, data_.of_cells);
@@ -118,8 +118,7 @@ class VtpImporter {
     return true;
   }
 
-  // The array of this piece that is called like the one that is shown; `first`: how many points or cells stand before
-  // it.
+  // Reads the piece's array with the same name as `shown`. `first` is the number of points or cells before it.
   void read_data(std::size_t piece, const VtkArray& shown, std::size_t first, std::uint64_t count,
                  PolyData::Data& data) {
     const VtkArray* const array = array_of(piece, shown.section, shown.name);
@@ -156,13 +155,13 @@ class VtpImporter {
       data.values.push_back(static_cast<float>(length));
     });
   }
-  // What later pieces do not have.
+  // Fills missing data of later pieces.
   static void finish(PolyData::Data& data, std::size_t count) {
     if (!data.colors.empty()) data.colors.resize(count, {0.5f, 0.5f, 0.5f});
     if (!data.values.empty()) data.values.resize(count, NAN);
   }
 
-  // The cells of a grid, with their types. False: they are not all there.
+  // Reads the cells of a grid with their types. Returns false if some are missing.
   bool read_grid(std::size_t piece, std::uint64_t count, std::size_t first) {
     if (count == 0) return true;
     const VtkArray* const types = array_of(piece, VtkSection::cells, "types");
@@ -182,7 +181,7 @@ class VtpImporter {
     return true;
   }
 
-  // The faces of the polyhedra of a piece, whose cells begin at `first_cell`, in the place of their corners.
+  // Reads the faces of a piece's polyhedra, in place of their corners. The piece's cells begin at `first_cell`.
   void read_polyhedra(std::size_t piece, std::size_t first_cell, std::size_t first_point) {
     PolyhedronArrays arrays;
     const std::size_t count = grid_.types.size() - first_cell;
@@ -203,7 +202,7 @@ class VtpImporter {
       });
       return indices;
     };
-    // Until VTK 9.4 one array has the faces of all cells, from then on cells have numbers of faces.
+    // Before VTK 9.4, one array holds the faces of all cells; since then, cells refer to face numbers.
     arrays.numbered = array_of(piece, VtkSection::cells, "polyhedron_offsets") != nullptr;
     const auto take = [&](std::string_view name, std::size_t most, std::vector<std::int32_t>& to) {
       auto found = read(name, most);
@@ -220,7 +219,7 @@ class VtpImporter {
     place_polyhedra(arrays, first_cell, first_point, data_.points.size() - first_point, grid_, builder_.scene());
   }
 
-  // False: they are not all there.
+  // Reads the cells of a section. Returns false if some are missing.
   bool read_cells(std::size_t piece, VtkSection section, std::uint64_t count, std::size_t first, PolyCells& cells) {
     if (count == 0) return true;
     const VtkArray* const ends = array_of(piece, section, "offsets");

@@ -25,9 +25,9 @@ using Clock = std::chrono::steady_clock;
 using vrml::Severity;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
-// Vectors of a volume that is only looked at.
+// Max vectors of a volume opened for viewing only.
 constexpr std::uint64_t kMostGradients = std::uint64_t{1} << 24;
-// What a vector takes: as it is kept and drawn; in cuts and caches of a packed stream; while gradients are sorted.
+// Bytes per vector: stored and drawn; in cuts and caches of a packed stream; while sorting gradients.
 constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
 constexpr const char* kLate = "the time for loading is over; the rest of the file is left out";
@@ -49,13 +49,13 @@ class CloudFileReader {
   }
 
   const CloudFile& file_;
-  std::vector<std::byte> arrived_;  // with losses
+  std::vector<std::byte> arrived_;  // received bytes, if packets are dropped
   vrml::Diagnostics& diagnostics_;
   LoadLimit limit_;
   WorldBudget budget_;
 };
 
-// Read with pread and not through a mapping: someone may truncate the file while it is looked at.
+// File source that uses pread instead of a mapping, because the file may be truncated while it is open.
 class FileSource : public qnv::ChunkSource {
  public:
   explicit FileSource(net::RandomAccessFile file) : file_(std::move(file)) {}
@@ -68,7 +68,7 @@ class FileSource : public qnv::ChunkSource {
   net::RandomAccessFile file_;
 };
 
-// A packed stream is kept as it came, or where it lies; views decode what they show.
+// Keeps a packed stream in encoded form, in memory or in its file; views decode the parts that they show.
 std::optional<qnv::Cloud> CloudFileReader::levels(qnv::LodStream::Opened opened) {
   auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
   if (!made) return std::nullopt;
@@ -87,7 +87,7 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
   const bool as_it_lies = !file_.cut && !(file_.loss > 0) && file_.bytes.size() >= net::MappedFile::kMappedSize;
   if (as_it_lies && qnv::is_stream(file_.bytes)) {
     const auto source = stream_source(file_.path);
-    // Not another file that has come to lie there.
+    // Check that the path still holds the same file.
     if (source && source->size() == file_.bytes.size())
       if (auto cloud = levels(qnv::LodStream::open(source))) return cloud;
   }
@@ -160,7 +160,7 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
   }
   auto opened = open_volume(file_.path, {}, file_.origin, budget_);
   if (const auto* problem = std::get_if<std::string>(&opened)) {
-    // It names the file itself.
+    // The message already contains the file name.
     const bool named = problem->starts_with(file_.path + ": ");
     report(Severity::error, named ? problem->substr(file_.path.size() + 2) : *problem);
     return std::nullopt;
@@ -168,7 +168,7 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
   qnv::GradientOptions options;
   options.vectors = std::min(kMostGradients, most_gradients(*budget_));
   vrml::Share share(budget_, vrml::Resource::vectors);
-  if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread was faster
+  if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread has taken the memory
   Deadline deadline(limit_);
   auto found = qnv::gradient_vectors(std::get<qnv::VolumeSource>(opened), options, &deadline.progress);
   if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
@@ -179,7 +179,7 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
   return std::move(std::get<qnv::Cloud>(found));
 }
 
-/// That a cloud takes as it is held and drawn.
+/// Returns the bytes of a cloud as stored and drawn.
 std::uint64_t bytes_of(const qnv::Cloud& cloud) {
   return cloud.size() * kHeldBytes + (cloud.patches ? cloud.patches->bytes() : 0);
 }
@@ -215,7 +215,7 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
     std::unique_ptr<qnv::LodStream> stream;
     vrml::Share share, arrived;
   };
-  // Of a stream that says that it is small, so much; of any other, half of what is left.
+  // A small stream gets what its header requires; any other gets half of the remaining budget.
   constexpr std::uint64_t kAtLeast = std::uint64_t{1} << 20, kMostCounted = std::uint64_t{1} << 40;
   const std::uint64_t wanted = kAtLeast + kLevelBytes * std::min(stream->header().vectors, kMostCounted);
   const std::uint64_t bytes = std::min(wanted, budget->left(vrml::Resource::vectors) / 2);
@@ -225,7 +225,7 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
   limits.cache_bytes = std::min<std::size_t>(limits.cache_bytes, held->share.amount() / 2);
   limits.discs = held->share.amount() / kLevelBytes;
   if (grows) {
-    // The directory stands at the end.
+    // The directory is at the end of the file.
     const std::uint64_t directory = held->stream->header().directory, left = budget->left(vrml::Resource::files) / 2;
     held->arrived = vrml::Share(budget, vrml::Resource::files);
     (void)held->arrived.grow(directory > 0 ? std::min(left, directory) : left / 2);
@@ -258,7 +258,8 @@ std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path) {
 Deadline::Deadline(const LoadLimit& limit)
     : thread_([this, limit](const std::stop_token& stop) {
         std::unique_lock lock(mutex_);
-        // Nothing ever comes true: it waits for the time, or for the end of the work. Who cancels wakes nobody.
+        // The predicate is never true: wait for the deadline or the end of the work. Cancelling does not notify, so
+        // poll for it.
         while (!stop.stop_requested() && !limit.over()) {
           const auto next = limit.cancelled ? std::min(limit.at, Clock::now() + kCancelWait) : limit.at;
           (void)done_.wait_until(lock, stop, next, [] { return false; });
@@ -308,7 +309,7 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
     scene.set<vrml::SFVec3f>(qnv, "bboxCenter", glm::vec3(cloud.description.origin + middle));
     scene.set<vrml::SFVec3f>(qnv, "bboxSize", box.size());
   }
-  // What vectors without colours of their own are drawn in.
+  // Default colour of vectors without their own.
   if (cloud.description.kind == qnv::Kind::surface) {
     const qnv::Rgb8& color = cloud.color;
     const auto part = [](std::uint8_t byte) { return static_cast<float>(byte) / 255; };
@@ -364,7 +365,7 @@ std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene
                       classes.data());
   for (const float weight : cloud.weights) d.total += weight;
   d.box = frame.box();
-  d.two_sided = true;  // nothing says that what they cover is closed
+  d.two_sided = true;  // the vectors may not form a closed surface
   d.transfer = transfer_of(scene.get<vrml::MFFloat>(node, "transfer"));
   if (volume) {
     d.kind = qnv::Kind::volume;

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-// FITS 4.0 (https://fits.gsfc.nasa.gov/fits_standard.html); numbers of clauses are of it.
+// Reader of FITS 4.0 headers (https://fits.gsfc.nasa.gov/fits_standard.html). Clause numbers refer to that standard.
 
 namespace gs::app {
 namespace {
@@ -22,7 +22,7 @@ std::string_view without_blanks(std::string_view text) {
   return text;
 }
 
-/// Whether a card is of this keyword and has a value (4.1.2.2); what stands behind "=" then.
+/// Returns the text after "=" of a card with this keyword and a value (4.1.2.2), else nullopt.
 std::optional<std::string_view> behind_equals(std::string_view card, std::string_view keyword) {
   if (card[kFitsKeyword] != '=' || !card.starts_with(keyword)) return std::nullopt;
   if (card.substr(keyword.size(), kFitsKeyword - keyword.size()).find_first_not_of(' ') != std::string_view::npos)
@@ -30,7 +30,7 @@ std::optional<std::string_view> behind_equals(std::string_view card, std::string
   return card.substr(kFitsKeyword + 1);
 }
 
-/// The value without its comment. In a string a quote is written twice.
+/// Removes the comment after a value. Quotes in strings are doubled.
 std::string_view without_comment(std::string_view text) {
   text = without_blanks(text);
   if (!text.starts_with('\'')) return without_blanks(text.substr(0, text.find('/')));
@@ -46,7 +46,7 @@ std::string unquoted(std::string_view value) {
   if (!value.starts_with('\'')) return std::string(value);
   std::string text;
   for (std::size_t i = 1; i < value.size(); ++i) {
-    if (value[i] == '\'' && ++i == value.size()) break;  // the end, or the first of two
+    if (value[i] == '\'' && ++i == value.size()) break;  // the end, or the first of a doubled quote
     text += value[i];
   }
   text.resize(text.find_last_not_of(' ') + 1);  // npos + 1 is 0
@@ -61,7 +61,7 @@ std::optional<std::int64_t> fits_integer(std::string_view text) {
   return value;
 }
 
-/// a * b, or nothing when no file is as long.
+/// Returns a * b, or nullopt if that exceeds any file size.
 std::optional<std::uint64_t> fits_product(std::uint64_t a, std::uint64_t b) {
   if (a != 0 && b > kMostFitsBytes / a) return std::nullopt;
   return a * b;
@@ -74,7 +74,7 @@ std::string card_found(const FitsHeader& header, const std::string& keyword) {
   return value ? keyword + " is " + std::string(*value) : keyword + " is missing";
 }
 
-/// What is wrong with the mandatory keywords (4.4.1), or nothing.
+/// Reads the mandatory keywords (4.4.1). Returns a message if they are invalid.
 std::optional<std::string> read_fits_shape(FitsUnit& unit) {
   constexpr std::int64_t kMostAxes = 999;
   const FitsHeader& header = unit.header;
@@ -94,7 +94,7 @@ std::optional<std::string> read_fits_shape(FitsUnit& unit) {
   return std::nullopt;
 }
 
-/// Equations (1), (2) and (4): the bytes of the data, or what is wrong.
+/// Returns the bytes of the data by equations (1), (2) and (4), or a message.
 std::variant<std::uint64_t, std::string> fits_data_size(FitsUnit& unit, bool counts_groups, bool random_groups) {
   const FitsHeader& header = unit.header;
   std::uint64_t parameters = 0;
@@ -109,7 +109,7 @@ std::variant<std::uint64_t, std::string> fits_data_size(FitsUnit& unit, bool cou
   std::optional<std::uint64_t> elements = unit.axes.empty() ? 0 : 1;
   for (std::size_t i = random_groups ? 1 : 0; i < unit.axes.size() && elements; ++i)
     elements = fits_product(*elements, unit.axes[i]);
-  if (elements) *elements += parameters;  // both below 2^63
+  if (elements) *elements += parameters;  // both are below 2^63
   if (elements) elements = fits_product(*elements, unit.groups);
   if (elements) elements = fits_product(*elements, static_cast<std::uint64_t>(std::abs(unit.bits) / 8));
   if (!elements) return std::string("the axes are so long that no file can hold the data");
@@ -144,7 +144,7 @@ std::string FitsHeader::text(std::string_view keyword) const {
   const auto value_there = value(keyword);
   if (!value_there) return "";
   std::string text = unquoted(*value_there);
-  // 4.2.1.2: the string goes on in the next card.
+  // The string continues in the next card (4.2.1.2).
   const auto next = static_cast<std::size_t>(value_there->data() - cards_.data()) / kFitsCard + 1;
   if (text.ends_with('&') && cards_.substr(next * kFitsCard).starts_with("CONTINUE")) text.pop_back();
   return text;

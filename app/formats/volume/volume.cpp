@@ -117,7 +117,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
   if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)
     return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;
-  // Whoever works on the volume holds some slices as floats.
+  // Users of a volume hold some slices as floats.
   constexpr std::uint64_t kSlices = 8;
   const qnv::VolumeLayout& layout = std::get<qnv::VolumeSource>(result).layout;
   const std::uint64_t bytes = kSlices * sizeof(float) * qnv::slice_voxels(layout);

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <utility>
 
-// AVS Developer's Guide, release 4, "AVS Field": an ASCII header, two form feeds, the values of each
-// voxel side by side, then the coordinates. A header without form feeds names its files instead.
+// Reader of AVS fields (AVS Developer's Guide, release 4, "AVS Field"). A file has an ASCII header, two form feeds,
+// interleaved voxel values, then coordinates. A header without form feeds names separate files.
 
 namespace gs::app {
 namespace {
@@ -18,10 +18,10 @@ struct FieldHeader {
   std::array<double, 3> sizes{1, 1, 1};
   std::string data, field = "uniform";
   std::vector<double> lower, upper;  // min_ext, max_ext
-  std::string file;                  // of variable 1, where the data is not here
+  std::string file;                  // file of variable 1, if data are external
   double skip = 0, stride = 1;
   std::string file_type = "binary";
-  std::optional<std::size_t> end;  // where the data begins
+  std::optional<std::size_t> end;  // offset of the data
 };
 
 struct AvsFieldType {
@@ -40,7 +40,7 @@ std::optional<AvsFieldType> avs_field_type_of(std::string_view name) {
   return std::nullopt;
 }
 
-// variable 1 file=name filetype=binary skip=512
+// Parses "variable 1 file=name filetype=binary skip=512".
 void read_variable(std::string_view text, FieldHeader& header) {
   TextCursor words(text.data(), text.data() + text.size());
   while (words.skip_space()) {
@@ -95,13 +95,13 @@ FieldHeader read_avs_field_header(std::span<const std::byte> bytes, qnv::VolumeL
   return header;
 }
 
-/// The extent of each axis; nothing known where empty.
+/// Extent of each axis; empty if unknown.
 struct Extent {
   std::vector<double> lower, upper;
 };
 
-// Coordinates are floats behind the voxels: of a uniform field the least and largest of each axis in turn,
-// of a rectilinear one all of x, then y, then z, of which the first and last count here.
+// Reads the coordinates, floats after the voxels. A uniform field has minimum and maximum of each axis. A rectilinear
+// field has all x, then y, then z; only the first and last of each are used.
 Extent read_coordinates(const FieldHeader& header, const StoredVoxels& voxels, std::uint64_t size, bool big_endian) {
   const std::span<const std::byte> bytes = voxels.content.bytes;
   std::uint64_t offset = voxels.offset + size;
@@ -122,7 +122,7 @@ Extent read_coordinates(const FieldHeader& header, const StoredVoxels& voxels, s
   return extent;
 }
 
-// Where the extent of every axis is known and plausible, voxels lie from its one end to the other.
+// Positions the voxels between the ends of each axis, if the extent is known and plausible.
 bool place(const FieldHeader& header, const Extent& extent, qnv::VolumeLayout& layout) {
   const auto axes = static_cast<std::size_t>(header.dimensions);
   if (extent.lower.size() < axes || extent.upper.size() < axes) return false;
@@ -160,7 +160,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
   if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
   voxels.content = std::get<SharedBytes>(std::move(loaded));
   if (!(header.skip >= 0 && header.skip < 1e15)) return std::string("the skip of variable 1 is no count of bytes");
-  constexpr std::uint64_t kRecordMark = 4;  // of Fortran
+  constexpr std::uint64_t kRecordMark = 4;  // size of a Fortran record mark
   voxels.offset = static_cast<std::uint64_t>(header.skip) + (unformatted ? kRecordMark : 0);
   return voxels;
 }
@@ -194,7 +194,7 @@ VolumeResult open_avs_field(const VolumeFile& file) {
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
   bool placed = false;
   if (header.end) {
-    // Native types do not tell the byte order of the coordinates; the wrong one gives absurd floats.
+    // Native types do not state the byte order of coordinates; the wrong order gives implausible floats.
     const auto try_order = [&](bool big_endian) {
       return place(header, read_coordinates(header, voxels, std::get<std::uint64_t>(size), big_endian), layout);
     };

@@ -28,7 +28,7 @@ qnv::VoxelType voxel_type_of(StoredType type) {
   return type < StoredType::u64 ? static_cast<qnv::VoxelType>(type) : qnv::VoxelType::f64;
 }
 
-// One slice of 64-bit integers as doubles, in the byte order of this machine.
+// Converts a slice of 64-bit integers to doubles in native byte order.
 template <class T>
 void widen(const std::byte* from, std::size_t step, bool big_endian, std::span<std::byte> to) {
   const bool swap = big_endian != (std::endian::native == std::endian::big);
@@ -58,7 +58,7 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
   return !voxels.content.file || !voxels.content.file->changed();
 }
 
-/// Has a volume far from its space's origin count from near itself.
+/// Makes coordinates local if a volume is far from the origin of its space.
 void set_base(qnv::VolumeLayout& layout) {
   qnv::WideBox box;
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -71,8 +71,7 @@ void set_base(qnv::VolumeLayout& layout) {
   layout.origin -= layout.base;
 }
 
-// Numbers as they are kept of a type, in the front of the same memory; false, and nothing is changed: not all of them
-// are of the type.
+// Converts doubles to a smaller type in the same memory. Returns false and changes nothing if a value does not fit.
 template <class T>
 bool narrow(std::span<std::byte> bytes) {
   const std::size_t count = bytes.size() / sizeof(double);
@@ -141,7 +140,7 @@ std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uin
 
 std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out,
                                        const WorldBudget& budget) {
-  constexpr std::size_t kPiece = std::size_t{1} << 24;  // between two looks at the time
+  constexpr std::size_t kPiece = std::size_t{1} << 24;  // bytes between two checks of the time limit
   constexpr int kZlibOrGzip = 15 + 32;
   z_stream stream{};
   if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) return "zlib could not be set up";
@@ -195,7 +194,7 @@ BytesResult load_beside(const VolumeFile& file, std::string_view name) {
   if (!file.read_beside) return std::string("the data file: files beside this one are not read");
   const std::string reference = net::reference_of_path(name);
   BytesResult loaded = file.read_beside(reference);
-  // Names with the folder of long ago.
+  // Retry without the folder, which may be outdated.
   const std::string alone = reference.substr(reference.rfind('/') + 1);  // npos + 1 is 0
   if (std::holds_alternative<std::string>(loaded) && !alone.empty() && alone != reference)
     if (BytesResult beside = file.read_beside(alone); std::holds_alternative<SharedBytes>(beside))
@@ -305,7 +304,7 @@ void add_metadata(qnv::VolumeLayout& layout, std::string_view key, std::string_v
   key = trimmed(key.substr(0, std::min(key.find('\0'), kMostBytes)));
   value = trimmed(value.substr(0, std::min(value.find('\0'), kMostBytes)));
   if (key.empty() || value.empty() || layout.metadata.size() >= kMostPairs) return;
-  // Headers are ASCII by their standards; other bytes may be of any encoding.
+  // Headers are ASCII by their standards; the encoding of other bytes is unknown.
   const auto plain = [](std::string_view text) {
     std::string result(text);
     for (char& c : result)

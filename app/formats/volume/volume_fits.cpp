@@ -7,16 +7,16 @@
 #include <cstdlib>
 #include <utility>
 
-// FITS 4.0 (https://fits.gsfc.nasa.gov/fits_standard.html): images, whose voxels are taken from the mapped file as they
-// lie there. What is compressed in tiles (clause 10) is not unpacked.
+// Reader of FITS 4.0 images (https://fits.gsfc.nasa.gov/fits_standard.html). Voxels are used in place in the mapped
+// file. Tile compression (clause 10) is not supported.
 
 namespace gs::app {
 namespace {
 
-/// The first image of the file; tables and whatever else stands in front of it are passed over.
+/// Finds the first image of the file; skips tables and other units.
 std::variant<FitsUnit, std::string> find_image(std::span<const std::byte> file) {
   constexpr int kMostUnits = 1000;
-  constexpr std::size_t kMostCards = std::size_t{1} << 17;  // of all headers together: 10 MB
+  constexpr std::size_t kMostCards = std::size_t{1} << 17;  // limit for all headers together: 10 MB
   std::size_t cards = kMostCards;
   std::uint64_t begin = 0;
   for (int unit = 1; unit <= kMostUnits; ++unit) {
@@ -27,7 +27,7 @@ std::variant<FitsUnit, std::string> find_image(std::span<const std::byte> file) 
     if (found.header.is_true("ZIMAGE"))
       return "the image of header " + std::to_string(unit) +
              " is compressed in tiles (ZIMAGE); expected one that is not (unpack it with funpack)";
-    // Behind the last unit anything may follow (3.5).
+    // Arbitrary bytes may follow the last unit (3.5).
     if (found.end >= file.size() || !text_of(file.subspan(found.end)).starts_with("XTENSION="))
       return std::string("the file has no image; expected one of 2 or 3 axes");
     begin = found.end;
@@ -53,8 +53,8 @@ StoredType type_of(int bits) {
   }
 }
 
-// Steps along the axes are taken where they are of one unit and of like size; a cube of the sky and of
-// velocity is seen best as it is stored. Signs are left out: as on the sky, east is left.
+// Uses axis steps only if they have one unit and similar size. A cube of sky and velocity looks best with equal steps.
+// Ignores signs: east is left, as on the sky.
 void place(const FitsHeader& header, std::span<const int> axes, qnv::VolumeLayout& layout) {
   std::array<double, 3> steps{1, 1, 1};
   std::string unit;
@@ -100,7 +100,7 @@ VolumeResult open_fits(const VolumeFile& file) {
   if (unit.groups != 1) return "GCOUNT is " + std::to_string(unit.groups) + "; expected one image";
 
   std::vector<double> sizes;
-  std::vector<int> axes;  // their numbers, from 1
+  std::vector<int> axes;  // axis numbers from 1
   for (std::size_t i = 0; i < unit.axes.size(); ++i) {
     if (unit.axes.size() > 3 && unit.axes[i] == 1) continue;
     sizes.push_back(static_cast<double>(unit.axes[i]));
@@ -115,7 +115,7 @@ VolumeResult open_fits(const VolumeFile& file) {
   layout.dimensions = *dimensions;
   layout.slope = header.number("BSCALE").value_or(1);
   layout.intercept = header.number("BZERO").value_or(0);
-  if (unit.bits > 0) layout.missing = header.number("BLANK");  // only of integers (4.4.2.5)
+  if (unit.bits > 0) layout.missing = header.number("BLANK");  // for integers only (4.4.2.5)
   place(header, axes, layout);
   describe(header, axes, layout);
   StoredVoxels voxels;

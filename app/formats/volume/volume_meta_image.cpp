@@ -5,18 +5,18 @@
 #include <cmath>
 #include <utility>
 
-// MetaImage: https://itk.org/Wiki/ITK/MetaIO/Documentation
+// Reader of MetaImage: https://itk.org/Wiki/ITK/MetaIO/Documentation
 
 namespace gs::app {
 namespace {
 
-/// The tags of a header that matter here.
+/// Supported header tags.
 struct MetaHeader {
   std::string type, data_file;
   std::vector<double> sizes, spacing, size, origin, matrix;
   double dimensions = 0, channels = 1, header_size = 0;
   bool big_endian = false, binary = true, compressed = false;
-  std::size_t end = 0;  // where LOCAL data begins
+  std::size_t end = 0;  // offset of LOCAL data
 };
 
 std::optional<StoredType> meta_image_type_of(std::string_view name) {
@@ -72,7 +72,7 @@ MetaHeader read_meta_image_header(std::span<const std::byte> bytes, qnv::VolumeL
   return header;
 }
 
-// Row i of the matrix is the direction of axis i (as ITK reads it).
+// Positions the volume: row i of the matrix is the direction of axis i, as in ITK.
 void place(const MetaHeader& header, qnv::VolumeLayout& layout) {
   const auto n = static_cast<std::size_t>(header.dimensions);
   const std::vector<double>& steps = header.spacing.empty() ? header.size : header.spacing;

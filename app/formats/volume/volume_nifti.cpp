@@ -7,8 +7,8 @@
 #include <cstring>
 #include <utility>
 
-// NIfTI-1 and NIfTI-2 (https://nifti.nimh.nih.gov), and ANALYZE 7.5, which they grew from. Clauses named below are
-// comments of nifti1.h.
+// Reader of NIfTI-1 and NIfTI-2 (https://nifti.nimh.nih.gov), and of their predecessor ANALYZE 7.5. Section names below
+// refer to comments in nifti1.h.
 
 namespace gs::app {
 namespace {
@@ -23,7 +23,7 @@ T value_at(std::span<const std::byte> bytes, std::size_t at, bool swap) {
   return std::bit_cast<T>(raw);
 }
 
-/// Where a field lies in both versions of the header, which differ in the order of fields and in the size of numbers.
+/// Offsets of a field in both header versions, which differ in field order and number sizes.
 struct NiftiField {
   std::size_t first, second;
 };
@@ -31,10 +31,10 @@ constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kSt
     kSlope{112, 176}, kIntercept{116, 184}, kUnits{123, 500}, kDescription{148, 240}, kQuaternionCode{252, 344},
     kMatrixCode{254, 348}, kQuaternion{256, 352}, kOffset{268, 376}, kMatrix{280, 400}, kIntent{328, 508};
 
-/// A header that is there as a whole.
+/// Complete header.
 class NiftiHeader {
  public:
-  /// Nothing when the bytes do not begin with one.
+  /// Returns nullopt if the bytes do not start with a header.
   static std::optional<NiftiHeader> read(std::span<const std::byte> bytes) {
     if (bytes.size() < kNifti1Bytes) return std::nullopt;
     const auto size = value_at<std::int32_t>(bytes, 0, false);
@@ -53,7 +53,7 @@ class NiftiHeader {
   }
 
   [[nodiscard]] bool big_endian() const { return swap_ != (std::endian::native == std::endian::big); }
-  [[nodiscard]] bool is_nifti() const { return nifti_; }  // else ANALYZE, which has no more than sizes and steps
+  [[nodiscard]] bool is_nifti() const { return nifti_; }  // otherwise ANALYZE, which has only sizes and steps
   [[nodiscard]] bool one_file() const { return one_file_; }
   [[nodiscard]] std::size_t size() const { return second_ ? kNifti2Bytes : kNifti1Bytes; }
 
@@ -66,17 +66,17 @@ class NiftiHeader {
     if (second_) return value_at<std::int32_t>(bytes_, field.second, swap_);
     return value_at<std::int16_t>(bytes_, field.first, swap_);
   }
-  /// Number i of a field.
+  /// Returns number i of a field.
   [[nodiscard]] double real(NiftiField field, std::size_t i = 0) const {
     if (second_) return value_at<double>(bytes_, field.second + 8 * i, swap_);
     return double{value_at<float>(bytes_, field.first + 4 * i, swap_)};
   }
-  /// Likewise; 0 for one that is not finite.
+  /// Returns number i of a field, or 0 if it is not finite.
   [[nodiscard]] double number(NiftiField field, std::size_t i = 0) const {
     const double value = real(field, i);
     return std::isfinite(value) ? value : 0;
   }
-  /// The step along axis 0 to 2.
+  /// Returns the step along axis 0 to 2.
   [[nodiscard]] double step(std::size_t axis) const {
     const double step = number(kSteps, axis + 1);
     return step == 0 ? 1 : step;
@@ -90,7 +90,7 @@ class NiftiHeader {
         second_ ? value_at<std::int32_t>(bytes_, kUnits.second, swap_) : std::to_integer<int>(bytes_[kUnits.first]);
     return units & 7;
   }
-  /// Where the voxels begin, in a file of their own or behind the header; negative for nonsense.
+  /// Returns the offset of the voxels, in a separate file or after the header; negative if invalid.
   [[nodiscard]] std::int64_t voxel_offset() const {
     constexpr double kMost = 1e15;
     const double real = second_ ? 0 : number(kVoxelOffset);
@@ -100,7 +100,7 @@ class NiftiHeader {
     return one_file_ ? std::max(offset, static_cast<std::int64_t>(size())) : offset;
   }
 
-  /// From 1 to 7 lengths, all of them above 0, and no more voxels together than anyone has.
+  /// Reports whether there are 1 to 7 positive lengths and a plausible number of voxels.
   [[nodiscard]] bool known_dimensions() const {
     constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 48;
     const std::int64_t count = dimension(0);
@@ -160,14 +160,14 @@ std::optional<NiftiType> nifti_type_of(int code) {
   }
 }
 
-/// Row by row: the steps along the three axes, and the origin.
+/// Rows with the steps along the three axes, and the origin.
 using NiftiMatrix = std::array<std::array<double, 4>, 3>;
 
-/// Method 2 ("quaternion representation of rotation matrix"): b, c, d of a unit quaternion, and whether z is mirrored.
+/// Method 2 ("quaternion representation of rotation matrix"): b, c, d of a unit quaternion, and a flag that mirrors z.
 NiftiMatrix quaternion_matrix(const NiftiHeader& header) {
   double b = header.number(kQuaternion, 0), c = header.number(kQuaternion, 1), d = header.number(kQuaternion, 2);
   const double rest = 1 - (b * b + c * c + d * d);
-  constexpr double kLeast = 1e-7;  // below it is half a turn, whatever the length
+  constexpr double kLeast = 1e-7;  // smaller values mean half a turn, regardless of the length
   double a = 0;
   if (rest >= kLeast) {
     a = std::sqrt(rest);
@@ -185,7 +185,7 @@ NiftiMatrix quaternion_matrix(const NiftiHeader& header) {
             header.number(kOffset, 2)}}};
 }
 
-/// Method 3 where the file has it, else method 2, else 1 ("3D image orientation").
+/// Returns the matrix by method 3 if present, else 2, else 1 ("3D image orientation").
 NiftiMatrix matrix_of(const NiftiHeader& header) {
   if (header.is_nifti() && header.code(kMatrixCode) > 0) {
     NiftiMatrix matrix{};
@@ -222,7 +222,7 @@ void describe(const NiftiHeader& header, qnv::VolumeLayout& layout) {
     add_metadata(layout, "space units", kSpaceUnits[header.space_units()]);
 }
 
-/// The file that belongs to this one: "a.img.gz" and ".hdr" give "a.hdr" or "a.hdr.gz".
+/// Loads the companion file: for "a.img.gz" and ".hdr", "a.hdr" or "a.hdr.gz".
 BytesResult load_partner(const VolumeFile& file, std::string_view extension) {
   std::string name = file.name;
   if (lower_case(name).ends_with(".gz")) name.resize(name.size() - 3);

@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-// SLC, of VolVis: a text header, an icon, then slices of bytes, run-length encoded one by one where the header says so.
+// Reader of SLC (VolVis): a text header, an icon, then slices of bytes, run-length encoded one by one if the header
+// says so.
 
 namespace gs::app {
 namespace {
@@ -22,17 +23,17 @@ struct SlcHeader {
   std::array<std::uint32_t, 3> sizes{};
   std::array<double, 3> spacing{1, 1, 1};
   double bits = 8, compression = 0;
-  std::size_t end = 0;  // where the first slice begins
+  std::size_t end = 0;  // offset of the first slice
 };
 
-// The X behind a number, right after which bytes begin. False: there is none.
+// Skips the X after a number; bytes follow directly. Returns false if there is none.
 bool pass_mark(TextCursor& cursor) {
   if (!cursor.skip_space() || *cursor.next != 'X') return false;
   ++cursor.next;
   return true;
 }
 
-// What is wrong, or nothing.
+// Reads the header. Returns a message on failure.
 std::optional<std::string> read_slc_header(std::span<const std::byte> bytes, SlcHeader& header) {
   TextCursor cursor(bytes.first(std::min(bytes.size(), kMostSlcHeader)));
   const char* const begin = cursor.next;
@@ -56,7 +57,7 @@ std::optional<std::string> read_slc_header(std::span<const std::byte> bytes, Slc
       !(height >= 0 && height <= kLargestIcon))
     return "expected the size of the icon";
   if (!pass_mark(cursor)) return "expected X before the icon";
-  // Red, green and blue of it, a plane each, begin right behind the X.
+  // The icon's red, green and blue planes start directly after the X.
   const std::size_t icon = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3;
   header.end = static_cast<std::size_t>(cursor.next - begin);
   if (icon > bytes.size() - std::min(bytes.size(), header.end)) return "the file ends within its icon";
@@ -64,8 +65,8 @@ std::optional<std::string> read_slc_header(std::span<const std::byte> bytes, Slc
   return std::nullopt;
 }
 
-// Runs: a byte with the length in its lower seven bits; the eighth says that so many bytes follow, else one that is
-// repeated. A length of 0 ends the slice.
+// Decodes runs. The lower seven bits of a byte are the length. If the eighth bit is set, that many bytes follow, else
+// one byte to repeat. A length of 0 ends the slice.
 bool unpack_slice(std::span<const std::byte> from, std::span<std::byte> to) {
   std::size_t next = 0, done = 0;
   while (next < from.size()) {
@@ -89,7 +90,7 @@ bool unpack_slice(std::span<const std::byte> from, std::span<std::byte> to) {
 std::variant<SharedBytes, std::string> unpack_slices(const VolumeFile& file, const SlcHeader& header) {
   const std::span<const std::byte> bytes = file.content.bytes;
   const std::uint64_t slice = std::uint64_t{header.sizes[0]} * header.sizes[1];
-  // Two bytes make 127 at most.
+  // Two bytes encode at most 127.
   if (slice > std::uint64_t{bytes.size()} * 64 / header.sizes[2])
     return std::string("the file is too short for its sizes");
   const std::uint64_t size = slice * header.sizes[2];
@@ -123,7 +124,7 @@ bool is_slc(std::span<const std::byte> bytes) {
   SlcHeader header;
   const auto head = bytes.first(std::min(bytes.size(), kMostSlcHeader));
   const auto problem = read_slc_header(head, header);
-  return !problem || problem->starts_with("the file ends");  // the icon may lie beyond what is looked at
+  return !problem || problem->starts_with("the file ends");  // the icon may be beyond the checked bytes
 }
 
 VolumeResult open_slc(const VolumeFile& file) {

@@ -4,13 +4,13 @@
 #include <array>
 #include <utility>
 
-// VTK XML ImageData.
+// Reader of VTK XML ImageData.
 
 namespace gs::app {
 namespace {
 
-/// The active scalars of the points, or their first array of one component, or their first; else those of
-/// the cells.
+/// Chooses the active scalars of points, else the first one-component array, else the first array; else the same of
+/// cells.
 const VtkArray* choose(const VtkXmlHeader& header) {
   for (const bool of_points : {true, false}) {
     const std::string& scalars = of_points ? header.point_scalars : header.cell_scalars;
@@ -27,7 +27,7 @@ const VtkArray* choose(const VtkXmlHeader& header) {
   return nullptr;
 }
 
-/// Dimensions and place of the points, or of the cells' centres.
+/// Sets dimensions and position of the points, or of the cell centres.
 std::optional<std::string> place(const VtkXmlHeader& header, bool of_points, qnv::VolumeLayout& layout) {
   const std::vector<double> extent = numbers_of(
       header.pieces.empty() || header.pieces.back().extent.empty() ? header.whole_extent : header.pieces.back().extent,

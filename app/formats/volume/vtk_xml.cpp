@@ -12,20 +12,20 @@
 #include <memory>
 #include <utility>
 
-// VTK's XML files: https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
+// Common parser of VTK XML files: https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 
 namespace gs::app {
 namespace {
 
-/// What the parser's handlers know.
+/// State of the parser's handlers.
 struct VtkParse {
   XML_Parser parser = nullptr;
   VtkXmlHeader header;
   std::optional<VtkSection> section;
   bool in_array = false;
   bool in_information = false, in_units = false;
-  bool has_data = false;   // of the array: what is no blank stood before the next element
-  bool data_ends = false;  // of the array: something else stood behind it
+  bool has_data = false;   // the array has text before its first child element
+  bool data_ends = false;  // the array's text has ended at a child element
 
   [[nodiscard]] std::size_t place() const { return static_cast<std::size_t>(XML_GetCurrentByteIndex(parser)); }
   [[nodiscard]] std::size_t place_behind() const {
@@ -64,7 +64,7 @@ void begin_array(VtkParse& parse, const XML_Char** attributes) {
   parse.has_data = parse.data_ends = false;
 }
 
-/// VTK writes what it knows of an array (vtkInformation) into its element, before the values.
+/// Begins a vtkInformation element, which VTK writes inside an array before the values.
 void begin_information(VtkParse& parse, const XML_Char** attributes) {
   if (parse.has_data && !parse.data_ends) {
     parse.header.arrays.back().end = parse.place();
@@ -145,7 +145,7 @@ void begin_element(void* user, const XML_Char* element, const XML_Char** attribu
   } else if (name == "InformationKey" && parse.in_array) {
     begin_information(parse, attributes);
   } else if (name == "AppendedData") {
-    // What follows may be raw bytes, which are no XML.
+    // The appended data may be raw bytes, which are not XML.
     header.appended = parse.place_behind();
     header.appended_base64 = lower_case(attribute(attributes, "encoding", "base64")) != "raw";
     XML_StopParser(parse.parser, XML_FALSE);
@@ -176,7 +176,7 @@ int base64_value(std::byte byte) {
   return c == '/' ? 63 : -1;
 }
 
-/// The first `most` bytes of base64; padding may come in between, where one run ends and the next begins.
+/// Decodes up to `most` bytes of base64. Padding may occur inside, between two concatenated runs.
 std::vector<std::byte> base64_bytes(std::span<const std::byte> text, std::uint64_t most) {
   std::vector<std::byte> out;
   out.reserve(std::min<std::uint64_t>(most, text.size() / 4 * 3 + 3));
@@ -193,14 +193,14 @@ std::vector<std::byte> base64_bytes(std::span<const std::byte> text, std::uint64
     if (digit < 0) continue;
     bits = bits << 6 | static_cast<std::uint32_t>(digit);
     ++digits;
-    // A byte is complete after the 2nd, 3rd and 4th digit of each four.
+    // The 2nd, 3rd and 4th digit of each four complete a byte.
     if (digits >= 2) out.push_back(static_cast<std::byte>(bits >> (8 - 2 * digits) & 0xff));
     if (digits == 4) digits = 0;
   }
   return out;
 }
 
-/// Binary data of an array: lengths in front, then the values, packed or not.
+/// Binary data of an array: lengths first, then the values, compressed or not.
 class VtkData {
  public:
   VtkData(const VtkXmlHeader& header, SharedBytes bytes, bool base64, WorldBudget budget)
@@ -211,7 +211,7 @@ class VtkData {
         bytes_(std::move(bytes)),
         budget_(std::move(budget)) {}
 
-  /// At least `size` bytes of values.
+  /// Returns at least `size` bytes of values.
   [[nodiscard]] BytesResult values(std::uint64_t size) {
     BytesResult result = packed_ ? unpacked(size) : plain(size);
     if (refused_) return *refused_;
@@ -249,12 +249,12 @@ class VtkData {
     std::array<std::byte, 8> raw{};
     std::memcpy(raw.data(), bytes.data() + index * word, word);
     if (big_endian_) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(word));
-    return std::bit_cast<std::uint64_t>(raw);  // the bytes are now the least first; this machine's too
+    return std::bit_cast<std::uint64_t>(raw);  // the bytes are now little-endian, the native order
   }
   static_assert(std::endian::native == std::endian::little);
 
-  // Blocks of zlib data: their count, their size unpacked, that of the last one (0: as the others), and
-  // each one's packed size.
+  // Decompresses zlib blocks. Header: number of blocks, uncompressed block size, size of the last one (0: full), and
+  // each compressed size.
   [[nodiscard]] BytesResult unpacked(std::uint64_t size) {
     const std::uint64_t word = wide_ ? 8 : 4, most_blocks = bytes_.bytes.size() / word;
     const SharedBytes start = first(3 * word);
@@ -295,7 +295,7 @@ class VtkData {
   bool wide_, big_endian_, packed_, base64_;
   SharedBytes bytes_;
   WorldBudget budget_;
-  std::optional<std::string> refused_;  // memory, and why
+  std::optional<std::string> refused_;  // memory error message
 };
 
 }  // namespace

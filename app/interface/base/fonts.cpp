@@ -216,8 +216,7 @@ std::string InterfaceFonts::shown(std::string_view utf8) {
 }
 
 char32_t InterfaceFonts::drawn(char32_t character) {
-  if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // the meaning of private-use
-                                                                                    // characters is unknown
+  if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // meaning is unknown
   if (character > kLastOfPlane) {
     const char32_t next = kFirstPrivate + static_cast<char32_t>(glyphs_->stand_ins.size());
     const auto [place, is_new] = glyphs_->stand_ins.try_emplace(character, std::min(next, kLastPrivate));
