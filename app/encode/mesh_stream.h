@@ -22,7 +22,7 @@ struct MeshStream {
   qnv::TriangleSource source;
 };
 
-/// Callback with a number of bytes: the caller may release the file's memory up to there.
+/// Callback that may release the file's first bytes from memory; the argument is their number.
 using PutAside = std::function<void(std::size_t)>;
 
 /// Opens a mesh file. Returns nullopt for other formats and for compressed files. `bytes` must outlive the result. Safe

@@ -33,8 +33,9 @@ constexpr std::uint32_t kMostPixels = 4096;
 // A single texture keeps its coordinates unless they repeat more often than this.
 constexpr float kMostSpan = 16;
 
-// Coarse previews start at this many pixels per axis (up to twice that). They are omitted if larger than this fraction
-// of the picture. Before a PNG, which decodes row by row, there are several.
+// Coarse previews start at kCoarsest to 2 * kCoarsest pixels per axis. A preview is omitted if it exceeds
+// 1/kWorthOfCoarse of the picture's bytes. A PNG, which decodes row by row, gets several previews, each kFiner times
+// finer.
 constexpr std::uint32_t kCoarsest = 48, kFiner = 4;
 constexpr std::size_t kWorthOfCoarse = 3;
 constexpr int kCoarseQuality = 50, kFullChroma = 95;

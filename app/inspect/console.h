@@ -40,7 +40,7 @@ class ScriptConsole {
   /// Returns the lines, oldest first; old lines are dropped after kMostLines.
   [[nodiscard]] const std::vector<ProgramLine>& lines() const { return lines_; }
   /// Returns the previous (`before`) or next history entry; nullopt if there is none. `present` is the line being
-  /// edited; it returns after the newest entry.
+  /// edited; it is restored after the newest entry.
   std::optional<std::string> recall(bool before, const std::string& present);
 
  private:

@@ -82,8 +82,8 @@ class UiOverlay {
   /// Ends the wait of the Open panel. An empty `problem` closes the panel; otherwise it stays open and shows the
   /// message.
   void open_ended(const std::string& problem);
-  /// Close the topmost overlay (menu, list or dialog), or else a panel or notice beside the picture. They return false
-  /// if there is none.
+  /// close_over() closes the topmost overlay: a menu, list or dialog. close_beside() closes a panel or notice beside
+  /// the picture. Both return false if there is none.
   bool close_over();
   bool close_beside();
 

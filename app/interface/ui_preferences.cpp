@@ -73,7 +73,7 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
       text(row.label);
       ImGui::TableNextColumn();
       changed |= setting_control(chosen, row);
-      // Put the help beside the control if there is room for more than single words.
+      // Put the help beside the control if the remaining width allows more than single words per line.
       const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
       if (end - ImGui::GetItemRectMax().x > 12 * ImGui::GetFontSize()) ImGui::SameLine(0, 10 * scale);
       ImGui::PushTextWrapPos(0);
@@ -90,7 +90,7 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
   ImGui::End();
 }
 
-// Draws a line below the bars; it takes its height from the picture.
+// Draws the offer to restore the last session below the bars; it takes its height from the picture.
 void UiOverlay::State::restore_line(const UiModel& model, UiActions& actions) {
   if (model.to_restore == 0) return;
   const float width = ImGui::GetIO().DisplaySize.x, height = restore_height();

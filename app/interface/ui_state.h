@@ -76,7 +76,7 @@ struct UiOverlay::State {
   Notices notices;
   InterfaceInput input;
 
-  // A question is shown; a key has refused it.
+  // Whether a question is shown, and whether a key has refused it.
   bool question = false, question_refused = false;
 
   float menus_width = 0;  // width of the menu row; 0 means unknown

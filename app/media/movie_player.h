@@ -37,7 +37,7 @@ class MoviePlayers {
  private:
   void run(const std::stop_token& stop);
 
-  std::shared_ptr<std::atomic<bool>> over_ = std::make_shared<std::atomic<bool>>(false);  // tells decoders to stop
+  std::shared_ptr<std::atomic<bool>> over_ = std::make_shared<std::atomic<bool>>(false);  // stop flag of the decoders
   std::mutex mutex_;
   std::condition_variable_any something_;
   std::vector<std::weak_ptr<Player>> asked_;  // guarded by mutex_

@@ -14,8 +14,8 @@ namespace gs::app {
 /// delay frames, and sounds continue while no frame is drawn. Without the library or a device, stays silent.
 class SoundDevice {
  public:
-  /// Delay of sound behind pictures, in seconds. The device requests samples in advance, so this keeps the start of a
-  /// sound that a step begins.
+  /// Delay of sound relative to pictures, in seconds. The device requests samples in advance. The delay ensures that a
+  /// sound plays from its first sample.
   static constexpr double kBehind = 0.06;
 
   /// `clock` returns seconds since 1970 and may be called on any thread. `mixer` and `clock` must outlive this object.

@@ -8,7 +8,7 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSpnavMotion = 1, kSpnavButton = 2;  // spnav.h
+constexpr int kSpnavMotion = 1, kSpnavButton = 2;  // event types of spnav.h
 constexpr float kFullPush = 350;                   // value at full deflection
 constexpr float kRestingHand = 0.08f;              // dead zone; a cap is rarely pushed along one axis only
 constexpr int kMostSpnavEvents = 256;              // max per poll, so that a flooding daemon cannot block the window

@@ -8,8 +8,8 @@
 
 namespace gs::app {
 
-/// Fills the empty positions of `cloud` from source coordinates. Uses a local origin if they are far from 0
-/// (qnv::local_origin). Sets origin and box. Runs on any thread.
+/// Sets the positions of `cloud`, which must have none, from source coordinates. Uses a local origin if they are far
+/// from 0 (qnv::local_origin). Sets origin and box. Runs on any thread.
 inline void set_places(qnv::Cloud& cloud, std::span<const glm::dvec3> places) {
   qnv::WideBox all;
   for (const glm::dvec3& place : places) all.add(place);

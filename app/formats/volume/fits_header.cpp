@@ -49,7 +49,7 @@ std::string unquoted(std::string_view value) {
     if (value[i] == '\'' && ++i == value.size()) break;  // the end, or the first of a doubled quote
     text += value[i];
   }
-  text.resize(text.find_last_not_of(' ') + 1);  // npos + 1 is 0
+  text.resize(text.find_last_not_of(' ') + 1);  // npos + 1 is 0: empty if all blank
   return text;
 }
 
@@ -61,7 +61,7 @@ std::optional<std::int64_t> fits_integer(std::string_view text) {
   return value;
 }
 
-/// Returns a * b, or nullopt if that exceeds any file size.
+/// Returns a * b, or nullopt if it exceeds the maximum file size.
 std::optional<std::uint64_t> fits_product(std::uint64_t a, std::uint64_t b) {
   if (a != 0 && b > kMostFitsBytes / a) return std::nullopt;
   return a * b;

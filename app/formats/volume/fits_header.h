@@ -54,7 +54,7 @@ class FitsHeader {
 struct FitsUnit {
   FitsHeader header;
   int bits = 0;                     // BITPIX: 8, 16, 32, 64, or -32 and -64 for floats
-  std::vector<std::uint64_t> axes;  // NAXISn
+  std::vector<std::uint64_t> axes;  // axis lengths, NAXISn
   std::uint64_t groups = 1;         // GCOUNT of extensions and random groups
   bool is_image = false;            // array with at least one element
   std::uint64_t end = 0;            // offset of the next unit; may be beyond the end of the file

@@ -109,7 +109,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
                                                          const VolumeOrigin& origin, const WorldBudget& budget) {
   BytesResult loaded = load_bytes(path, budget);
   if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
-  const VolumeFile file{path, origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // npos + 1 is 0
+  const VolumeFile file{path, origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // all if no '/'
                         std::get<SharedBytes>(std::move(loaded)),
                         origin.read_beside ? origin.read_beside : reader_beside(path, {}), budget};
   if (file.content.bytes.empty()) return path + ": the file is empty; expected a volume";
@@ -117,7 +117,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
   if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)
     return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;
-  // Users of a volume hold some slices as floats.
+  // Consumers of a volume hold up to kSlices slices as floats.
   constexpr std::uint64_t kSlices = 8;
   const qnv::VolumeLayout& layout = std::get<qnv::VolumeSource>(result).layout;
   const std::uint64_t bytes = kSlices * sizeof(float) * qnv::slice_voxels(layout);

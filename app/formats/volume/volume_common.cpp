@@ -195,7 +195,7 @@ BytesResult load_beside(const VolumeFile& file, std::string_view name) {
   const std::string reference = net::reference_of_path(name);
   BytesResult loaded = file.read_beside(reference);
   // Retry without the folder, which may be outdated.
-  const std::string alone = reference.substr(reference.rfind('/') + 1);  // npos + 1 is 0
+  const std::string alone = reference.substr(reference.rfind('/') + 1);  // the whole name if there is no '/'
   if (std::holds_alternative<std::string>(loaded) && !alone.empty() && alone != reference)
     if (BytesResult beside = file.read_beside(alone); std::holds_alternative<SharedBytes>(beside))
       loaded = std::move(beside);

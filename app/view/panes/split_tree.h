@@ -47,7 +47,7 @@ enum class ViewportLayout : std::uint8_t { one, two, four };
 /// Returns the layout of a split, regardless of weights; nullopt if it is none of them.
 [[nodiscard]] std::optional<ViewportLayout> layout_of(const SplitTree& tree);
 
-/// Returns the viewports from the upper left: all of them, or only the visible ones.
+/// Return all viewports, or only the visible ones, from the upper left.
 [[nodiscard]] std::vector<std::size_t> panes_of(const SplitTree& tree);
 [[nodiscard]] std::vector<std::size_t> panes_in_sight(const SplitTree& tree);
 [[nodiscard]] bool has_pane(const SplitTree& tree, std::size_t pane);
