@@ -23,111 +23,111 @@
 
 namespace gs::app {
 
-/// A file that a viewport was to show, and why it does not: the first error, with its place in the file.
+/// File that a viewport could not show, with the first error and its position in the file.
 struct PaneFailure {
   std::string path, error;
 };
 
-/// One viewport of the window: which file it shows and how.
+/// Viewport of the window: the file that it shows, and its views.
 struct Pane {
   static constexpr double kLeastWeight = 0.25, kMostWeight = 4;
 
-  std::string wanted;                 // path of the file chosen; empty: none
-  std::string shown;                  // path of what is on the screen: `wanted`, or the one before until it is read
-  std::map<std::string, View> views;  // by path: who comes back to a file finds it as he left it
+  std::string wanted;                 // path of the chosen file; empty means none
+  std::string shown;                  // path of the visible file: `wanted`, or the previous file until `wanted` is read
+  std::map<std::string, View> views;  // by path; returning to a file restores its view
   InputTracker input;
   render::FrameStatistics statistics;
-  double weight = 1;                   // of its share of what the viewports divide: vectors, and what is read for them
-  std::optional<std::uint64_t> rate;   // bits a second at most of what is read for it; 0: any; nothing: as for all
-  std::optional<PaneFailure> failure;  // until it shows another file, or somebody has read it
+  double weight = 1;                   // weight of its share of the vector budget and of the bandwidth
+  std::optional<std::uint64_t> rate;   // max bits per second; 0 means unlimited, nullopt means the session's limit
+  std::optional<PaneFailure> failure;  // until the viewport shows another file, or the user dismisses it
 
-  /// What is on the screen; null: nothing.
+  /// Returns the view on the screen, or null if there is none.
   [[nodiscard]] View* view();
   [[nodiscard]] const View* view() const;
 };
 
-/// The viewports and the files in them. Plain bookkeeping: it neither reads nor draws.
+/// Viewports and their files. Bookkeeping only: neither reads files nor draws.
 class Panes {
  public:
-  /// The files that the program starts with: each in a viewport, in the smallest layout that has so many; what is
-  /// left over is only listed. In a split of the user's, those without a file of their own show the first one.
+  /// Shows the files of the command line, one per viewport, in the smallest layout that has enough viewports. Excess
+  /// files are only listed. In a split that the user chose, remaining viewports show the first file.
   void start(std::span<const std::string> paths, const std::optional<SplitTree>& split = {});
-  /// Adds files that were dropped or chosen, and shows the first in the active viewport, others in those that are
-  /// visible and free. A path that is already in the list is read again. Empty paths are ignored.
+  /// Adds files that the user dropped or chose. The first is shown in the active viewport, the others in free visible
+  /// viewports. A path that is already listed is read again. Ignores empty paths.
   void open(std::span<const std::string> paths);
-  /// Shows a file of the list in the active viewport.
+  /// Shows a listed file in the active viewport.
   void select(std::size_t file);
-  /// Has the file of the active viewport read again.
+  /// Reads the file of the active viewport again.
   void reload();
-  /// Has this file read again once a viewport shows it.
+  /// Reads this file again once a viewport shows it.
   void reload(std::string_view path) { documents_.reload(path); }
-  /// No longer reads the file that a viewport waits for; it goes back to what it showed. False: it waits for none.
+  /// Cancels the file that a viewport waits for and returns to the previous one. Returns false if it waits for none.
   bool cancel(std::size_t pane);
 
-  /// Viewports that come into sight and are free show the listed files that no other does, else what the active one
-  /// shows, as it shows it.
+  /// Sets the layout. Viewports that become visible and are free show listed files that no other viewport shows, or
+  /// else copy the view of the active viewport.
   void set_layout(ViewportLayout layout);
-  /// How the window is split from now on; the active viewport is one in sight.
+  /// Sets the split of the window. The active viewport becomes a visible one.
   void set_split(SplitTree split);
-  /// The same viewports, otherwise shaped.
+  /// Changes the sizes of the viewports only.
   void set_shape(SplitTree split) { split_ = std::move(split); }
   [[nodiscard]] const SplitTree& split() const { return split_; }
-  /// A new viewport, in half of the place of `pane`, is active: with a listed file that no other shows, else with what
-  /// `pane` shows, as it shows it. False: there are as many as there can be.
+  /// Splits viewport `pane` and activates the new half. It shows a listed file that no other viewport shows, or else
+  /// copies the view of `pane`. Returns false if the maximum number of viewports is reached.
   bool split_pane(std::size_t pane, SplitAxis axis);
-  /// The viewport is gone, with all that it has shown. False: it is the only one.
+  /// Closes a viewport and forgets its views. Returns false if it is the only one.
   bool close(std::size_t pane);
   /// Shows a file in a viewport.
   void show_in(std::size_t pane, const std::string& path);
-  /// Keys go to this one from now on. One that is out of sight comes into sight, if it has a file: alone, with its
-  /// pair, or in the place of the one that was active.
+  /// Activates a viewport, which then receives the keys. A hidden viewport with a file becomes visible: alone, with its
+  /// pair, or instead of the previously active one.
   void activate(std::size_t pane);
   [[nodiscard]] std::size_t active() const { return active_; }
-  /// The viewports in sight, in the order of their places.
+  /// Returns the visible viewports in layout order.
   [[nodiscard]] std::vector<std::size_t> visible() const { return panes_in_sight(split_); }
   [[nodiscard]] Pane& at(std::size_t pane) { return panes_[pane]; }
   [[nodiscard]] const Pane& at(std::size_t pane) const { return panes_[pane]; }
 
-  /// Begins to read what a viewport in sight waits for, the active one first. Nothing when none does.
+  /// Begins to read a file that a visible viewport waits for, the active one first. Returns nullopt if none waits.
   [[nodiscard]] std::optional<DocumentList::Reading> begin_loading();
-  /// True when a viewport's file is being read, or waits for it.
+  /// Returns true if a viewport's file is being read or waits to be read.
   [[nodiscard]] bool loading(std::size_t pane) const {
     return documents_.awaited(panes_[pane].wanted) || documents_.arriving(panes_[pane].wanted);
   }
-  /// A reading has become this. Views of an older state of the file are renewed.
+  /// Stores the result of a reading, and renews the views of an older version of the file.
   void deliver(std::uint64_t reading, std::shared_ptr<Document> document, const glm::vec2& viewport);
-  /// So much of a reading has come; it shows already.
+  /// Shows the partial result of a reading.
   void preview(std::uint64_t reading, std::shared_ptr<Document> document);
-  /// A living world has got more nodes: who has not moved yet sees all of it.
+  /// Updates the views of a running world that has new nodes. Viewers that have not moved see the whole world.
   void grow(const Document& document);
-  /// A reading came to nothing. The viewports that waited for it say so, and go back to what they showed, or on to a
-  /// file that no other shows; their numbers. Empty when nobody waits any more.
+  /// Ends a failed reading. The viewports that waited for it report the error and return to the previous file, or show
+  /// a file that no other viewport shows. Returns these viewports; empty if none waited.
   std::vector<std::size_t> fail(std::uint64_t reading, const std::string& error = {});
-  /// A viewport that shows another file than before.
+  /// Viewport that shows another file than before.
   struct Change {
     std::size_t pane = 0;
-    bool first = false;  // it has not shown this file before
-    bool found = true;   // false: no Viewpoint has the name that was asked for
+    bool first = false;  // the viewport has not shown this file before
+    bool found = true;   // false if no Viewpoint has the requested name
   };
-  /// A file that is there has nothing to be shown, because of this error: the viewports that want it say so.
+  /// Reports in all viewports of a file that it was read but has nothing to draw.
   void note_failure(const std::string& path, const std::string& error);
-  /// Shows what has been read in the viewports that wait for it, in the `places` of those in sight, to which first
-  /// views are fitted as long as nobody has moved. `viewpoint`: the name of
-  /// the Viewpoint where worlds are entered, or empty.
+  /// Shows files that were read in the viewports that wait for them. `places` are the rectangles of the visible
+  /// viewports; initial views fit them until the user moves. `viewpoint` is the name of the initial Viewpoint, or
+  /// empty.
   std::vector<Change> settle(std::span<const Viewport> places, std::string_view viewpoint);
-  /// Nobody waits for anything any more.
+  /// Cancels all readings.
   void cancel_all() { documents_.cancel_all(); }
 
-  /// How files are seen that are seen for the first time from now on.
+  /// Sets the style of files that are shown for the first time.
   void set_style(const ViewStyle& style) { style_ = style; }
   [[nodiscard]] const ViewStyle& style() const { return style_; }
-  /// Makes all others in sight look as this one does; see `link_view`.
+  /// Links all other visible viewports to the camera of this one; see `link_view`.
   void link(std::size_t leader);
-  /// Lets go of all keys and drags.
+  /// Releases all keys and drags.
   void release_input();
 
   [[nodiscard]] const DocumentList& documents() const { return documents_; }
-  /// Index in the list of files of what the active viewport shows or waits for.
+  /// Returns the index in the file list of the file that the active viewport shows or waits for.
   [[nodiscard]] std::optional<std::size_t> selected() const;
 
  private:

@@ -38,225 +38,224 @@ namespace gs::app {
 class Session;
 
 struct SessionOptions {
-  std::vector<std::string> files;  // opened at start, each in a viewport as far as there are
-  std::string viewpoint;           // description, DEF name or number of the Viewpoint where worlds are entered
-  std::optional<bool> headlight;   // in place of what the worlds say
-  /// Time is what `step` is told and nothing else: who is taken to a Viewpoint is there at once, no step is left out
-  /// because the one before took long, and nothing is shown before it is up to date. What follows depends on the input
-  /// only.
+  std::vector<std::string> files;  // opened at start, one per viewport as far as possible
+  std::string viewpoint;           // description, DEF name or number of the initial Viewpoint of worlds
+  std::optional<bool> headlight;   // overrides the worlds' NavigationInfo
+  /// Uses only the time passed to `step`, so that results depend on the input alone. Moves to Viewpoints are instant,
+  /// no step is skipped after a slow one, and frames are shown only when they are up to date.
   bool simulated = false;
   bool audible = false;              // sounds are played on the system's device
-  bool muted = false;                // until somebody wants to hear them
-  double speed = 1;                  // of the viewer, times what worlds say
-  ViewStyle style{};                 // of views of files
-  std::optional<Pose> camera{};      // where the first file is first seen from
-  std::optional<SplitTree> split{};  // how the viewports share the window; nothing: by how many files there are
+  bool muted = false;                // until the user turns the sound on
+  double speed = 1;                  // factor on the worlds' viewer speed
+  ViewStyle style{};                 // initial style of views
+  std::optional<Pose> camera{};      // initial camera of the first file
+  std::optional<SplitTree> split{};  // split of the window; nullopt derives it from the number of files
 };
 
-/// What happens in a step of a session.
+/// Input of a step of a session.
 struct SessionInput {
   struct Event {
     WindowEvent event;
-    bool over_interface = false;  // the pointer is over a panel, which comes first
+    bool over_interface = false;  // the pointer is over a panel, which handles the event first
   };
   std::vector<Event> events;
-  /// What the viewports share, in framebuffer pixels. Nothing: the window is closed to an icon, and nobody looks.
+  /// Area of all viewports, in framebuffer pixels. Nullopt if the window is minimised.
   std::optional<Viewport> area;
-  /// False: what is to be seen is not asked for yet, and need not be brought up to date.
+  /// False if no picture is needed yet; render lists then need no update.
   bool look = true;
 };
 
-/// What is told to the user.
+/// Message to the user.
 struct Notice {
   std::string text;
   bool is_problem = false;
   std::string_view about =
-      {};  // the next one about the same takes its place, of no text: nothing does; empty: none does
+      {};  // topic: a newer notice with this topic replaces this one, one without text removes it; empty means none
 };
 
-/// What a step has led to.
+/// Result of a step.
 struct Frame {
-  /// A viewport in sight; null: nothing is shown there. Good until the next step.
+  /// Visible viewport; `view` is null if it is empty. Valid until the next step.
   struct Picture {
     std::size_t pane = 0;
     Viewport place;
     const View* view = nullptr;
   };
   std::vector<Picture> pictures;
-  bool changed = false;              // something else is to be seen than before
-  bool news = false;                 // and something else to be told: files, progress, messages
-  bool moving = false;               // it goes on with the next step, whenever that is
-  bool loading = false;              // what somebody waits for is still coming
-  std::optional<double> next_life;   // when time goes on in a world, in seconds since 1970; nothing: when input comes
-  bool files_chosen = false;         // what was told about others is past
-  std::vector<std::string> arrived;  // files of which there is something to be seen, or more than before
+  bool changed = false;              // the picture has changed
+  bool news = false;                 // files, progress or messages have changed
+  bool moving = false;               // motion continues in the next step, whenever that is
+  bool loading = false;              // something that the user waits for is still loading
+  std::optional<double> next_life;   // time of the worlds' next event, seconds since 1970; nullopt means none
+  bool files_chosen = false;         // the user chose other files; older messages are obsolete
+  std::vector<std::string> arrived;  // files that have become visible, or of which more has
   struct Failure {
     std::string path, reason;
   };
   std::vector<Failure> failed;  // files that could not be opened
   std::vector<Notice> notices;
-  std::vector<std::string> web_pages;  // that are to be opened elsewhere
+  std::vector<std::string> web_pages;  // to open in a web browser
   bool show_log = false;
 };
 
-/// Who does something in a session beside the user, in each step: see Session::add_guest.
+/// Extension that acts in each step of a session, beside the user; see Session::add_guest().
 class SessionGuest {
  public:
   virtual ~SessionGuest() = default;
-  /// Time has gone on to that of the step; what the user does comes next. True: worlds or views are others than before.
+  /// Acts after time has advanced and before the user's input. Returns true if worlds or views changed.
   virtual bool act(Session& session) = 0;
-  /// The step is over.
+  /// Called at the end of each step.
   virtual void step_is_over() = 0;
 };
 
-/// How a view is picked in, in a viewport of `size` pixels.
+/// Returns the options for picking in a view, in a viewport of `size` pixels.
 [[nodiscard]] PickOptions pick_options(const View& view, const glm::vec2& size);
 
-/// The worlds that are open, the viewports that show them, and time: what is read, what lives, who looks at it from
-/// where, and what the user does there. The window, `--snapshot` and `trace` are callers of `step`, and draw or print
-/// what it leads to; it draws nothing itself, and reads no clock but to measure how long it took.
+/// Open worlds, their viewports and time. Reads files, advances worlds, and moves viewers according to the user's
+/// input. The window, `--snapshot` and `trace` call `step`, and draw or print its result. The session draws nothing,
+/// and reads the clock only to measure durations.
 ///
-/// session.cpp: the step, and time; session_files.cpp: what is read; session_input.cpp: what the user does;
-/// session_panes.cpp: the viewports; session_travel.cpp: back and forward; session_pointing.cpp: sensors and Anchors;
-/// session_sound.cpp: what is heard.
+/// session.cpp: steps and time; session_files.cpp: loading; session_input.cpp: input; session_panes.cpp: viewports;
+/// session_travel.cpp: back and forward; session_pointing.cpp: sensors and Anchors; session_sound.cpp: sound.
+///
 /// One thread.
 class Session {
  public:
-  /// `wake` is called on other threads when a step would find something new; it must be safe there.
+  /// Creates a session. `wake` is called on other threads when a step would find news, and must be thread-safe.
   Session(SessionOptions options, LoadOptions load, std::function<void()> wake);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Takes in what has arrived and what the user has done, and lets time go on to `now`, in seconds since 1970. Times
-  /// never go back.
+  /// Applies received data and the user's input, and advances time to `now`, in seconds since 1970. Times never go
+  /// back.
   Frame step(double now, const SessionInput& input);
-  /// Who acts in each step from now on, behind those who came before. It must outlive this, or be taken away before.
+  /// Adds an extension that acts in each step, after those that were added before. It must outlive the session or be
+  /// removed.
   void add_guest(SessionGuest& guest) { guests_.push_back(&guest); }
   void remove_guest(SessionGuest& guest) { std::erase(guests_, &guest); }
-  /// Serves a request of a program or a client in the name of a world that is shown (VRML97 4.12.10). Returns why no
-  /// place of loadURL may be opened, or nullopt.
+  /// Serves a request of a program or client for a world that is shown (VRML97 4.12.10). Returns the reason why no URL
+  /// of loadURL may be opened, or nullopt.
   std::optional<std::string> serve(const Document& document, const ScriptRequest& request);
-  /// After a picture was drawn: asks for what it lacked of streams.
+  /// Requests the parts of streams that the last drawn picture lacked.
   void ask_for_streams();
-  /// Shows a world that was opened elsewhere, and lives, in the active viewport.
+  /// Shows a running world that was opened elsewhere in the active viewport.
   void show(std::shared_ptr<Document> document);
 
-  /// Has an action done. False: it is none of a session's, or there is nothing to do it with.
+  /// Runs an action. Returns false if it does not belong to the session, or if it has no object to act on.
   bool run(Action action);
   void open_files(const std::vector<std::string>& paths);
   void select_file(std::size_t index);
-  /// Opens a file or URL in the active viewport: at the Viewpoint of this name, unless it is empty, then with the
-  /// viewer at `pose` once all of it is there. Neither: where it is entered, or was left.
+  /// Opens a file or URL in the active viewport. A non-empty `viewpoint` selects the Viewpoint; else `pose` places the
+  /// viewer once everything is loaded. With neither, the view is the initial one or the last one.
   void open_at(const std::string& place, const std::string& viewpoint, const std::optional<Pose>& pose);
-  /// Whether the active viewport has shown something else before (-1), or, gone back from, after (1).
+  /// Returns true if the history of the active viewport has an entry before (-1) or after (1) the current one.
   [[nodiscard]] bool can_travel(int direction) const;
-  /// How fast viewers are from now on, times what worlds say.
+  /// Sets the factor on the worlds' viewer speed.
   void set_speed(double factor);
   void choose_layout(ViewportLayout layout);
-  /// Between the viewports in sight, where they are now.
+  /// Returns the dividers between the visible viewports.
   [[nodiscard]] std::vector<SplitDivider> dividers() const { return dividers_of(panes_.split(), area_); }
-  /// What a viewport gets of what is read over the network for all in sight, 0 to 1; 0: nothing is, for it.
+  /// Returns a viewport's share of the bandwidth, 0 to 1; 0 means that it receives nothing.
   [[nodiscard]] double reading_share(std::size_t pane) const;
-  /// Bits a second that may be read for it at most, of all that it waits for; 0: any.
+  /// Returns the limit of a viewport's bandwidth in bits per second; 0 means unlimited.
   [[nodiscard]] std::uint64_t rate_of(std::size_t pane) const;
-  /// Bytes that have come for it over the network so far.
+  /// Returns the bytes received over the network for a viewport.
   [[nodiscard]] std::uint64_t received(std::size_t pane) const;
-  /// What a world may take that is opened from now on, bytes.
+  /// Sets the memory limit in bytes of worlds that are opened from now on.
   void set_memory(std::size_t bytes) { load_.limits.memory = bytes; }
-  /// How the window is split from now on.
+  /// Changes the split of the window.
   void change_split(SplitTree split);
-  /// Moves a divider of the split to a column or row of framebuffer pixels; viewports keep `least` pixels. `ended`: it
-  /// stays there.
+  /// Moves a divider to a column or row of framebuffer pixels. Viewports keep at least `least` pixels. `ended` is true
+  /// when the drag is over.
   void move_divider(const SplitDivider& divider, int place, int least, bool ended);
-  /// Does with a viewport what somebody wants.
+  /// Serves a request about a viewport.
   void serve(const PaneRequest& request);
   /// Opens a file or URL in a viewport.
   void open_in(std::size_t pane, const std::string& path);
-  /// As a window was split before, with the files and weights of its viewports.
+  /// Restores the split of an earlier window, with the files and weights of its viewports.
   void restore_split(const SplitTree& split, const std::map<std::size_t, std::string>& files,
                      const std::map<std::size_t, double>& weights);
   void choose_mode(NavigationMode mode);
-  /// One of the active viewport's list, which is bound in the world.
+  /// Binds a Viewpoint of the active viewport's list in its world.
   void bind_viewpoint(std::size_t index);
   /// Answers question(), or network_question() if there is no other.
   void answer_question(bool allow);
-  /// Of what the active viewport shows: plays its series of files or stops it, shows one of the files, says how many a
-  /// second. Nothing happens where it is no series.
+  /// Play or stop the series of files of the active viewport, show one of its files, or set the files per second. Do
+  /// nothing if it does not show a series.
   void play_series(bool on);
   void show_of_series(std::size_t file);
   void set_series_rate(double rate);
-  /// Null: it is no series.
+  /// Returns the series of the active viewport, or null if it does not show one.
   [[nodiscard]] const SeriesList::Series* series() const { return series_.find(panes_.at(panes_.active()).wanted); }
-  /// No longer waits for the rest of what a viewport in sight reads.
+  /// Stops loading the file of a visible viewport.
   void cancel_loading(std::size_t place);
 
   [[nodiscard]] Panes& panes() { return panes_; }
   [[nodiscard]] const Panes& panes() const { return panes_; }
   [[nodiscard]] bool linked() const { return linked_; }
-  /// What is heard of the worlds in sight, each from where its viewer is.
+  /// Returns the sounds of the visible worlds, each at the position of its viewer.
   [[nodiscard]] SoundStage& sounds() { return sounds_; }
   [[nodiscard]] const SoundStage& sounds() const { return sounds_; }
-  /// Presses a pointing-device sensor, or an Anchor, of the active viewport's world wherever it is: along a line from
-  /// the viewer to its geometry, as if there were nothing else in the world. False: there is nothing to be met of it
-  /// now, it is disabled, or another one has the pointer.
+  /// Presses a pointing-device sensor or an Anchor of the active viewport's world, along a line from the viewer to its
+  /// geometry. Ignores obstacles. Returns false if the sensor has no collidable geometry, is disabled, or if another
+  /// sensor has grabbed the pointer.
   [[nodiscard]] bool press_sensor(const vrml::NodePlace& sensor);
-  /// Moves the pointer by so many pixels, to the right and down, while press_sensor has it.
+  /// Moves the pointer by pixels, right and down, while press_sensor() holds it.
   void drag_sensor(const glm::dvec2& pixels);
-  /// Lets go of what press_sensor has pressed.
+  /// Releases the sensor that press_sensor() has pressed.
   void release_sensor();
-  /// What a viewport in sight shows at a framebuffer pixel.
+  /// Shape of a visible viewport at a framebuffer pixel.
   struct Picked {
     std::size_t pane = 0;
     std::vector<vrml::PathStep> path;  // from the root of its world to the Shape
   };
-  /// Nothing: there is nothing to be met, or the pixel is no viewport's.
+  /// Returns nullopt if the pixel is outside of all viewports or shows no Shape.
   [[nodiscard]] std::optional<Picked> pick_at(const glm::vec2& pixel);
-  /// Flies the active viewport's viewer to where all of this is in sight.
+  /// Flies the active viewport's viewer to a pose that shows all of `bounds`.
   void fly_to(const render::WorldBounds& bounds);
-  /// The active view, from a side of what it shows.
+  /// Turns the active view to a side of its object.
   void look_from(ViewSide side);
-  /// Whether the next click in the active viewport goes there.
+  /// Returns true if the next click in the active viewport seeks.
   [[nodiscard]] bool seeking() const { return seeking_; }
-  /// Whether the active viewport's viewer can be taken back to where he rested (-1), and forward again (1).
+  /// Returns true if the active viewport's viewer can move back (-1) or forward (1) in its history of poses.
   [[nodiscard]] bool can_undo_move(int direction) const;
-  /// How files are seen from now on that are seen for the first time.
-  /// Backdrop and axes of what is seen already, too.
+  /// Sets the style of files that are shown for the first time, and backdrop and axes of existing views.
   void set_style(const ViewStyle& style);
-  /// Takes the viewer of the active viewport there, on a way; he sees by parallel rays from then on if `pose` does.
+  /// Moves the active viewport's viewer to a pose with an animation, and applies the pose's projection.
   void go_to(const Pose& pose);
-  /// Takes the viewer of the active viewport there, at once.
+  /// Moves the active viewport's viewer at once.
   void move_viewer_to(const glm::dvec3& place);
 
   [[nodiscard]] const FolderQuestions::Question* question() const { return questions_.current(); }
-  /// A question about the network, and the path of the world that it is about.
+  /// Question about the network, with the path of its world.
   struct WorldNetworkQuestion {
     std::string world;
     NetworkQuestion question;
   };
-  /// Returns nullopt if no world asks.
+  /// Returns the network question, or nullopt if no world asks.
   [[nodiscard]] std::optional<WorldNetworkQuestion> network_question() const;
-  /// What is said of the files of the session.
+  /// Returns the diagnostics of the session's files.
   [[nodiscard]] SessionLog& log() { return log_; }
   [[nodiscard]] const SessionLog& log() const { return log_; }
-  /// The files and streams of the worlds that are open, or being read.
+  /// Files and streams of a world that is open or being read.
   struct Loads {
     std::string path;                    // of the world
-    std::shared_ptr<Document> document;  // null: it is being read
+    std::shared_ptr<Document> document;  // null while it is being read
     std::shared_ptr<LoadLedger> ledger;
   };
-  /// Those of worlds that could not be opened last, too.
+  /// Returns the loads of all worlds, including those that failed last.
   [[nodiscard]] std::vector<Loads> loads() const;
   /// Reads a world again, in the viewports that show it.
   void read_again(const std::string& path) { panes_.reload(path); }
-  /// How far the readings of a file are.
+  /// Returns the progress of the readings of a file.
   [[nodiscard]] std::vector<LoadingState> progress_of(const std::string& path) const;
-  /// Of the active viewport; null: nothing is shown there.
+  /// Returns the view of the active viewport, or null if it is empty.
   [[nodiscard]] View* view() { return panes_.at(panes_.active()).view(); }
-  /// The viewport that the pointing device's events go to, as far as sensors are concerned.
+  /// Returns the viewport that receives pointing-device events for sensors.
   [[nodiscard]] std::optional<std::size_t> pointed_pane() const { return pointed_pane_; }
-  /// What the pointing device is over in the active viewport: whether there is a sensor or it is held by one, and the
-  /// description of an Anchor (6.2).
+  /// Object under the pointer in the active viewport: whether a sensor is there or holds the pointer, and the
+  /// description of an Anchor (VRML97 6.2).
   struct Pointed {
     bool sensor = false;
     std::string description;
@@ -265,7 +264,7 @@ class Session {
   [[nodiscard]] bool moving() const;
 
  private:
-  /// A file that is being read.
+  /// File that is being read.
   struct Reader {
     DocumentList::Reading reading;
     std::shared_ptr<WorldReader> reader;
@@ -277,14 +276,14 @@ class Session {
   void place_viewer(Document& document, const View& leader) const;
   bool let_live(bool look);
   bool let_guest_act(bool look);
-  /// In simulated time nobody is on the way to a Viewpoint.
+  /// Completes moves to Viewpoints at once in simulated time.
   void listen(Document& document, const View& leader);
   void change_sound(Action action);
   void end_journey(View& view) const;
   [[nodiscard]] std::optional<double> next_life() const;
   void move_viewer(View& seen, Navigation after, bool loading, float seconds);
   void move_views(float seconds, bool look);
-  /// Of the viewports in sight, in the order of `Panes::visible`.
+  /// Returns the rectangles of the visible viewports, in the order of `Panes::visible`.
   [[nodiscard]] std::vector<Viewport> places() const;
   [[nodiscard]] Viewport place_of(std::size_t pane) const;
   [[nodiscard]] Viewport place_of(const View& view) const;
@@ -346,47 +345,47 @@ class Session {
   }
 
   SessionOptions options_;
-  LoadOptions load_;  // with what the user has allowed since
+  LoadOptions load_;  // with the folders that the user has allowed
   std::function<void()> wake_;
-  Frame frame_;  // what the next one tells
+  Frame frame_;  // result of the next step
   double now_ = 0;
   Viewport area_;
   Panes panes_;
   PointerRouter router_;
   Picker picker_;
   std::shared_ptr<render::MeshWorker> mesh_worker_;  // null in simulated time
-  std::optional<std::size_t> pointed_pane_;          // in whose world the pointing device is
+  std::optional<std::size_t> pointed_pane_;          // viewport with the pointing device in its world
   glm::vec2 pointer_{0};                             // framebuffer pixels
-  bool pointer_moved_ = false;                       // since sensors heard of it
-  double pressed_at_ = -1e9;                         // when somebody has pressed a button or key last
+  bool pointer_moved_ = false;                       // since sensors were updated
+  double pressed_at_ = -1e9;                         // time of the last press of a button or key
   bool sensor_has_pointer_ = false;                  // until the button is released
   struct HeldSensor {
     vrml::NodePlace sensor;
     render::SightLine line;
   };
-  std::optional<HeldSensor> held_sensor_;       // see press_sensor
-  std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
+  std::optional<HeldSensor> held_sensor_;       // see press_sensor()
+  std::map<std::string, std::string> entries_;  // Viewpoints of links, by file
   std::map<std::string, std::size_t> budgets_;  // vectors that links ask for, by file
-  std::map<std::string, Link> places_behind_;   // what an Anchor names behind a file that is being read, by file
+  std::map<std::string, Link> places_behind_;   // further URLs of an Anchor, by the file that is being read
   SeriesList series_;
   FolderQuestions questions_;
-  std::map<std::string, std::string> private_files_;  // that Scripts read before they opened a file, by path
+  std::map<std::string, std::string> private_files_;  // read by Scripts before they opened a file, by path
   SessionLog log_;
   bool linked_ = false;
   bool seeking_ = false;
-  std::size_t leader_ = 0;  // the viewport that the user moved last
+  std::size_t leader_ = 0;  // viewport that the user moved last
   double next_priorities_ = 0;
-  double life_due_ = 0;      // when time goes on in the worlds, if it does
-  bool was_moving_ = false;  // with the step before
+  double life_due_ = 0;      // time of the next event in the worlds, if there is one
+  bool was_moving_ = false;  // in the previous step
   SoundStage sounds_;
-  std::unique_ptr<SoundDevice> device_;  // null: nobody wants to hear anything; behind sounds_, which it plays
+  std::unique_ptr<SoundDevice> device_;  // null while the sound is off; declared after sounds_, which it plays
   std::vector<Reader> readers_;
-  std::vector<std::shared_ptr<WorldReader>> retired_;  // whom nobody waits for; they end as soon as they can
+  std::vector<std::shared_ptr<WorldReader>> retired_;  // no longer needed; they end as soon as they can
   std::vector<Loads> failed_loads_;
   std::vector<SessionGuest*> guests_;
-  bool acted_ = false;                                     // a guest has, since time went on in the worlds
-  std::array<TravelHistory, kMostViewports> histories_;    // of the viewports
-  std::map<std::size_t, TravelHistory::Visit> returning_;  // where viewers stand once their files are there
+  bool acted_ = false;                                     // an extension has acted since time advanced in the worlds
+  std::array<TravelHistory, kMostViewports> histories_;    // by viewport
+  std::map<std::size_t, TravelHistory::Visit> returning_;  // poses of viewers once their files are loaded
 };
 
 }  // namespace gs::app

@@ -10,23 +10,23 @@
 
 namespace gs::app {
 
-/// Where the viewer of one viewport has been: files, and places in them that links led to. As in a web browser: who
-/// goes back may go forward again, until he goes elsewhere. Pure bookkeeping.
+/// History of one viewport: files, and positions in them that links led to. Works like the history of a web browser.
+/// Bookkeeping only.
 class TravelHistory {
  public:
-  static constexpr std::size_t kMostVisits = 200;  // then the oldest are forgotten
+  static constexpr std::size_t kMostVisits = 200;  // older visits are dropped
 
   struct Visit {
     std::string path;
-    std::optional<Pose> pose;  // where he stood when he left; nothing: where the file is entered
+    std::optional<Pose> pose;  // pose when the viewer left; nullopt means the initial view
   };
 
-  /// He is somewhere else; `left`: where he stood until now.
+  /// Records a new visit. `left` is the pose of the viewer until now.
   void visit(std::string path, const std::optional<Pose>& left);
-  /// Back (-1) or forward (1) from where he stands. Nothing: there is no such place.
+  /// Moves back (-1) or forward (1). Returns nullopt if there is no such visit.
   [[nodiscard]] std::optional<Visit> go(int direction, const std::optional<Pose>& left);
   [[nodiscard]] bool can_go(int direction) const;
-  /// The file where he is, or on his way to; empty: none yet.
+  /// Returns the current or pending file, or an empty string.
   [[nodiscard]] std::string_view current() const;
 
  private:

@@ -18,99 +18,97 @@
 
 namespace gs::app {
 
-/// How a file is seen that is seen for the first time.
+/// Initial style of a file's view.
 struct ViewStyle {
-  UpAxis up = UpAxis::automatic;  // as the user says
-  bool parallel = false;          // by parallel rays, in place of perspective
+  UpAxis up = UpAxis::automatic;  // chosen by the user
+  bool parallel = false;          // orthographic instead of perspective projection
   render::DisplayMode display = render::DisplayMode::surface;
-  bool backdrop = false;  // a gradient where no author has chosen a background
-  bool axes = false;      // in a corner: where they lead, and a click there shows that side
+  bool backdrop = false;  // gradient if the world has no Background
+  bool axes = false;      // axes in a corner; clicking one turns the view
   bool grid = false;      // on the ground
 
   bool operator==(const ViewStyle&) const = default;
 };
 
-/// How one viewport looks at a document, which others may look at in other ways. A document lives as long as a view
-/// of it, or a list that has it.
+/// Camera and style with which one viewport looks at a document. It shares ownership of the document, as its render
+/// lists do.
 struct View {
   std::shared_ptr<Document> document;
-  std::shared_ptr<LivingScene> scene;              // what it sees of the living world; null: that does not live yet
-  std::shared_ptr<const render::RenderList> list;  // of that, or of what has come so far
+  std::shared_ptr<LivingScene> scene;              // render list of the running world; null before the world starts
+  std::shared_ptr<const render::RenderList> list;  // of `scene`, or of the parts received so far
   NavigationRules rules;
-  render::NavigationState navigation_info;  // that the rules were last made of
+  render::NavigationState navigation_info;  // state from which `rules` were last made
   Navigation navigation;
-  Pose home;                             // of the bound Viewpoint, or the first view of the whole
-  glm::vec2 home_size{0};                // of the viewport for which the latter was chosen
-  render::WorldBounds framed;            // what the latter has in view
-  float first_size = 0;                  // of the whole as it was first seen: its diagonal
-  std::optional<std::size_t> viewpoint;  // the one that it stands at or has moved away from
-  glm::dmat4 world_from_viewpoint{1.0};  // of that, when it was last looked at: who moves with it
-  double scale = 1;                      // of that: how long its metre is in the world's (6.29)
-  /// Where the viewer stood, relative to Viewpoints that others were bound over (VRML97 6.53); the newest behind.
+  Pose home;                             // of the bound Viewpoint, or the initial view of the whole
+  glm::vec2 home_size{0};                // viewport size for which the initial view was chosen
+  render::WorldBounds framed;            // bounds that the initial view shows
+  float first_size = 0;                  // diagonal of the whole in the initial view
+  std::optional<std::size_t> viewpoint;  // the Viewpoint of the viewer, even after it has moved away
+  glm::dmat4 world_from_viewpoint{1.0};  // of that Viewpoint in the last step; the viewer moves with it
+  double scale = 1;                      // of that Viewpoint: length of its metre in the world (6.29)
+  /// Pose of the viewer relative to a Viewpoint that another was bound over (VRML97 6.53).
   struct Left {
     vrml::NodePlace viewpoint;
     glm::dmat4 viewpoint_from_viewer{1.0};
   };
   std::vector<Left> left;
-  const vrml::Node* bound = nullptr;  // the Viewpoint that was bound in the world when that was last looked at
-  vrml::NodePlace bound_place;        // of that; it may have been removed since
-  bool bound_jump = true;             // its field, when that was last looked at
+  const vrml::Node* bound = nullptr;  // Viewpoint that was bound in the world in the last step
+  vrml::NodePlace bound_place;        // path of that Viewpoint, which may have been removed since
+  bool bound_jump = true;             // its `jump` field in the last step
   bool headlight = true;
-  std::size_t budget = 0;  // vectors that a link asks for; 0: as many as the viewport has
+  std::size_t budget = 0;  // vectors that a link asks for; 0 means the viewport's budget
   render::CloudLook look;
   VolumeSlices slices;
-  bool color_bar = false;  // beside the picture
+  bool color_bar = false;  // visible beside the picture
   ViewStyle style;
   PoseHistory history;  // of the viewer
 };
 
-/// A view from where a document is first seen: at the Viewpoint named `viewpoint`, else at the first one, else so
-/// that the whole is in view. `found`: false when a name was given that no Viewpoint has.
+/// Returns the initial view of a document: at the Viewpoint named `viewpoint`, else at the first one, else a view of
+/// the whole. Sets `found` to false if no Viewpoint has the given name.
 [[nodiscard]] View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint,
                            bool* found = nullptr, const ViewStyle& style = {});
 
-/// How what it shows stands for who looks at it: as the user says, else as the bound Viewpoint's coordinates do, else
-/// as the file does.
+/// Returns the up axis of a view: the user's choice, else that of the bound Viewpoint, else that of the file.
 [[nodiscard]] Upright upright_of(const View& view);
-/// What of a style is for the picture: display mode and backdrop.
+/// Applies the display mode and backdrop of a view's style.
 void apply_style(const View& view, render::DrawOptions& draw);
-/// Whether a display mode changes what is drawn of it: there are triangles.
+/// Returns true if the list has triangles, so that display modes change the picture.
 [[nodiscard]] bool has_faces(const render::RenderList& list);
-/// Something else is up from now on; who looks at the first view of a world without a Viewpoint goes to the new one.
+/// Changes the up axis. In a world without a Viewpoint, a viewer at the initial view moves to the new initial view.
 void choose_up(View& view, UpAxis up);
-/// Sees by parallel rays from now on, or in perspective: what he looks at is as large as before.
+/// Switches between orthographic and perspective projection. The object in view keeps its size.
 void choose_parallel(View& view, bool parallel);
 
-/// The view of a document that was read again: as `before`, as far as the new world allows it.
+/// Returns the view of a document that was read again: like `before`, as far as the new world allows it.
 [[nodiscard]] View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
 
-/// True while nobody has moved from where the document is first seen, or from the Viewpoint.
+/// Returns true while the viewer has not moved from the initial view or the Viewpoint.
 [[nodiscard]] bool at_home(const View& view);
 
-/// For a viewport of another size, chooses the first view of the whole anew, and goes there if nobody has moved yet.
-/// Does nothing where a Viewpoint is bound.
+/// Chooses the initial view of the whole for another viewport size, and applies it if the viewer has not moved. Does
+/// nothing if a Viewpoint is bound.
 void fit_home(View& view, const glm::vec2& viewport);
 
-/// The view of a document of which more has come: as `before`; who has not moved sees all of it.
+/// Returns the view of a document with new parts: like `before`, but a viewer that has not moved sees the whole.
 [[nodiscard]] View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
 
-/// Brings the list up to date with the living world and with where the viewer is, and carries him along with the
-/// Viewpoint (VRML97 6.53). In a world without one, who has not moved is led back where something leaves the picture,
-/// as long as it does not go too far. True when there is something else to be seen than before. On the thread of the
-/// world.
+/// Updates the render list for the running world and the viewer, and moves the viewer with the Viewpoint (VRML97 6.53).
+/// In a world without a Viewpoint, the camera re-frames the scene within limits until the user first moves. Returns
+/// true if the picture changed. Called on the thread of the world.
 bool follow_world(View& view);
-/// Binds a Viewpoint of the list in the living world, and goes there.
+/// Binds a Viewpoint of the list in the running world, and moves there.
 void bind_viewpoint(View& view, std::size_t index);
-/// Goes to the Viewpoint that events have bound in the world since the last time (4.6.10, 6.53); where the one before
-/// has left the stack, to where the viewer stood relative to it when it was bound. True when there is one.
+/// Moves to the Viewpoint that events have bound since the last call (VRML97 4.6.10, 6.53). If the former Viewpoint has
+/// left the stack, restores the viewer's pose relative to the uncovered one. Returns true if there is one.
 bool follow_bound_viewpoint(View& view);
 
-/// The pose that stands to `to` as `pose` stands to `from`: moved with the centre and grown with the diagonal. The
-/// same where both bounds are equal, or one of them is empty.
+/// Maps a pose from bounds `from` to bounds `to`: moves it with the centre and scales it with the diagonal. Returns
+/// `pose` if the bounds are equal or one is empty.
 [[nodiscard]] Pose linked_pose(const Pose& pose, const render::WorldBounds& from, const render::WorldBounds& to);
 
-/// Makes `view` look at its world as `leader` looks at the leader's, and stops what it was doing. Does nothing in a
-/// world whose author lets nobody move.
+/// Applies the camera of `leader` to `view`, relative to their worlds, and stops its motion. Does nothing if the author
+/// of the world forbids navigation.
 void link_view(View& view, const View& leader);
 
 }  // namespace gs::app

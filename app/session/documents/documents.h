@@ -21,89 +21,90 @@ namespace gs::app {
 
 class WorldReader;
 
-/// An opened world: what all that look at it share.
+/// Opened world, shared by all views of it.
 struct Document {
   OpenedWorld world;
   render::MeshCache meshes;
-  std::unique_ptr<LivingWorld> living;             // null: it has no scene (yet)
-  std::shared_ptr<LivingScene> first_scene;        // as it is first seen; null: it has no scene (yet)
-  std::shared_ptr<const render::RenderList> list;  // of `first_scene`, or of what has come so far; never null
-  Upright upright;                                 // how it stands, by its format or what it says itself
-  bool is_preview = false;                         // more of it comes, and it has no scene yet
-  bool viewer_dependent = false;                   // has LOD or Billboard nodes: who moves needs a list of his own
+  std::unique_ptr<LivingWorld> living;             // null if there is no scene (yet)
+  std::shared_ptr<LivingScene> first_scene;        // the initial view; null if there is no scene (yet)
+  std::shared_ptr<const render::RenderList> list;  // of `first_scene`, or of the parts received so far; never null
+  Upright upright;                                 // up axis, from the format or from the file
+  bool is_preview = false;                         // more data will be received; there is no scene yet
+  bool viewer_dependent = false;  // has LOD or Billboard nodes, so each moving viewer needs an own render list
   bool has_navigation_info = false;
   bool has_surface_clouds = false, has_volumes = false;  // of QNV vectors
-  std::shared_ptr<WorldReader> reader;  // that still reads what arrives, and of streams what views want; null: none
-  LoadingState arriving;                // how far it is; nothing waits when all is there
+  std::shared_ptr<WorldReader> reader;  // still reads references, and the parts of streams that views want; may be null
+  LoadingState arriving;                // progress of loading; empty if everything is loaded
   bool all_came = false;
-  const void* viewer = nullptr;           // the view whose place its sensors know
-  std::optional<glm::dvec3> destination;  // to which its viewer is on the way
-  bool controlled = false;                // a client of --control has changed it, and may have made its Scripts
+  const void* viewer = nullptr;           // the view that reports its viewer to the sensors
+  std::optional<glm::dvec3> destination;  // destination of that viewer's animated move
+  bool controlled = false;                // changed by a --control client, which may have created its Scripts
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };
 
-/// A world that was opened and has not begun to live. `meshes`: what was made of its nodes before. Any thread that owns
-/// it.
+/// Makes a document of an opened world without starting time in it. `meshes` holds meshes that were already made for
+/// its nodes. Called on any thread that owns the world.
 [[nodiscard]] std::shared_ptr<Document> hold_world(OpenedWorld world, render::MeshCache meshes = {});
-/// Brings it to life at `now`, in seconds since 1970, and gathers what is visible. Once.
+/// Starts the world at `now`, in seconds since 1970, and collects its render list. Call once.
 void begin_world(Document& document, double now);
-/// Takes in what has come for a living world. True where there are other nodes than before: Inlines and bodies of
-/// EXTERNPROTOs.
+/// Applies received updates to a running world. Returns true if nodes were added: Inlines or bodies of EXTERNPROTOs.
 bool arrive(Document& document, Arrivals&& arrivals);
-/// `hold_world` and `begin_world` at once, at the present time; but a world with Scripts begins on the thread that lets
-/// it live: here its meshes are made.
+/// Calls `hold_world` and `begin_world`, at the present time. A world with Scripts is not started here, because its own
+/// thread must start it; only its meshes are made.
 [[nodiscard]] std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes = {});
-/// A world that is still being read: what there is to see, without its scene.
+/// Makes a document of the parts of a world that were read so far, without its scene.
 [[nodiscard]] std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,
                                                          render::RenderList list);
 
-/// The files of the session. Plain bookkeeping: it neither reads nor draws.
+/// Files of the session. Bookkeeping only: neither reads files nor draws.
 class DocumentList {
  public:
   struct Entry {
     std::string path;
-    bool stale = true;                             // to be read (again) once somebody wants to see it
-    std::uint64_t reading = 0;                     // the number of the reading that goes on; 0: none
-    std::shared_ptr<Document> document;            // null until it was read
-    std::shared_ptr<std::atomic<bool>> cancelled;  // of the reading that goes on
+    bool stale = true;                             // to be read (again) when a viewport shows it
+    std::uint64_t reading = 0;                     // number of the current reading; 0 means none
+    std::shared_ptr<Document> document;            // null until the file is read
+    std::shared_ptr<std::atomic<bool>> cancelled;  // cancellation flag of the current reading
   };
-  /// One reading of a file, begun. Who reads looks at `cancelled` now and then.
+  /// Reading of a file that has begun. The reader polls `cancelled`.
   struct Reading {
     std::uint64_t number = 0;
     std::string path;
     std::shared_ptr<std::atomic<bool>> cancelled;
   };
 
-  /// Adds a file; one that is in the list already is read again. An empty path is ignored.
+  /// Adds a file, or marks it to be read again if it is already listed. Ignores an empty path.
   void add(std::string_view path);
   /// Marks a file to be read again.
   void reload(std::string_view path);
 
-  /// Begins to read a file, if it has to be read and is not being read.
+  /// Begins to read a file. Returns nullopt if it is up to date or already being read.
   [[nodiscard]] std::optional<Reading> begin(std::string_view path);
-  /// A reading has become this. The path, or nothing when it was cancelled meanwhile: then it is dropped.
+  /// Stores the result of a reading. Returns its path, or nullopt if the reading was cancelled; the result is then
+  /// dropped.
   std::optional<std::string> deliver(std::uint64_t reading, std::shared_ptr<Document> document);
-  /// So much of it has come. Does nothing where an older state of the file is open. The path, or nothing.
+  /// Shows a partial result, unless an older version of the file is open. Returns the path, or nullopt if nothing was
+  /// shown.
   std::optional<std::string> preview(std::uint64_t reading, std::shared_ptr<Document> document);
-  /// A reading came to nothing: its file leaves the list, unless an older state of it is open. The path, or nothing
-  /// when it was cancelled meanwhile.
+  /// Ends a reading that failed. The file leaves the list unless an older version is open. Returns the path, or nullopt
+  /// if the reading was cancelled.
   std::optional<std::string> fail(std::uint64_t reading);
-  /// Nobody waits for this file any more. It will be read from its beginning when somebody does again.
+  /// Cancels the reading of a file. The next request reads it from the beginning.
   void cancel(std::string_view path);
-  /// Nobody wants to read this file any more: an older state of it stays, else it leaves the list.
+  /// Cancels a file. An older version stays open; without one, the file leaves the list.
   void give_up(std::string_view path);
-  /// Nobody waits for anything any more.
+  /// Cancels all readings.
   void cancel_all();
 
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
   [[nodiscard]] const Entry* find(std::string_view path) const;
   [[nodiscard]] std::shared_ptr<Document> document(std::string_view path) const;
-  /// What is there of the file that a reading is of.
+  /// Returns the document of the file that a reading belongs to, or null.
   [[nodiscard]] std::shared_ptr<Document> document_of(std::uint64_t reading) const;
-  /// True when a file is being read or waits for it.
+  /// Returns true if a file is being read or waits to be read.
   [[nodiscard]] bool awaited(std::string_view path) const;
-  /// True when a file's world is there, and something of it is still to come.
+  /// Returns true if a file's world is open and parts of it are still loading.
   [[nodiscard]] bool arriving(std::string_view path) const;
 
  private:
@@ -114,7 +115,7 @@ class DocumentList {
   std::uint64_t readings_ = 0;
 };
 
-/// The last part of a path or URL.
+/// Returns the last part of a path or URL.
 [[nodiscard]] std::string file_label(std::string_view path);
 
 }  // namespace gs::app

@@ -8,23 +8,24 @@
 
 namespace gs::app {
 
-/// What the user is asked about folders outside of worlds: each folder once a session. Plain bookkeeping: it neither
-/// reads nor draws.
+/// Questions to the user about folders outside of worlds; each folder is asked about once per session. Bookkeeping
+/// only: neither reads files nor draws.
 class FolderQuestions {
  public:
   struct Question {
     std::string folder;
-    std::string reference;            // the first, as the world has it
-    std::vector<std::string> worlds;  // that refer to it, by path; none empty
+    std::string reference;            // the first one, as the world writes it
+    std::vector<std::string> worlds;  // paths of the worlds that refer to the folder; none is empty
   };
 
-  /// A world was read that refers to these folders. Those that were answered already are not asked about again.
+  /// Queues the folders that a world refers to, except those that were already answered.
   void ask(const std::string& world, const std::vector<OutsideFolder>& outside);
-  /// The question of now; null: there is none.
+  /// Returns the current question, or null if there is none.
   [[nodiscard]] const Question* current() const { return questions_.empty() ? nullptr : &questions_.front(); }
-  /// The answer to it. What has to be read again: the worlds that refer to a folder that is allowed from now on.
+  /// Answers the current question. Returns the worlds to read again, because they refer to a folder that is now
+  /// allowed.
   std::vector<std::string> answer(bool allow);
-  /// Folders that were allowed.
+  /// Returns the folders that the user allowed.
   [[nodiscard]] const std::vector<std::string>& allowed() const { return allowed_; }
 
  private:

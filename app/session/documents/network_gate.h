@@ -14,11 +14,11 @@ namespace gs::app {
 /// Question to the user: may Scripts that have read a private file use the network?
 struct NetworkQuestion {
   std::string file;  // URL of the text that a Script has read
-  std::string url;   // the first one that was held back
+  std::string url;   // first URL that was held back
 };
 
-/// Holds back what Scripts of one world ask of the network after one of them has read a private file, until the user
-/// decides (docs/security.md, "What Scripts may read"). One thread.
+/// Gate that holds back the network requests of a world's Scripts after one of them has read a private file, until the
+/// user decides (docs/security.md, "What Scripts may read"). One thread.
 class NetworkGate {
  public:
   enum class Decision : std::uint8_t { open, asks, allowed, refused };
@@ -26,18 +26,18 @@ class NetworkGate {
   [[nodiscard]] Decision decision() const { return decision_; }
   void allow() { decision_ = Decision::allowed; }
   void refuse();
-  /// Starts to hold back if it is not decided yet. `file` is the URL of the private file.
+  /// Starts to hold back requests, unless the user has already decided. `file` is the URL of the private file.
   void close(const std::string& file);
 
-  /// Moves what needs permission from a list into this object. Returns a message for each host met for the first time.
+  /// Moves the requests that need permission from a list into this object. Returns a message for each new host.
   [[nodiscard]] std::vector<std::string> hold_back(std::vector<UrlRequest>& requests);
   [[nodiscard]] std::vector<std::string> hold_back(std::vector<ScriptRequest>& requests);
-  /// Returns nullopt if nothing waits for an answer.
+  /// Returns the question, or nullopt if nothing waits for an answer.
   [[nodiscard]] std::optional<NetworkQuestion> question() const;
-  /// Gives back everything that was held, once it is allowed.
+  /// Returns the requests that were held back, once the user allows them.
   [[nodiscard]] std::vector<UrlRequest> take_url_requests();
   [[nodiscard]] std::vector<ScriptRequest> take_script_requests();
-  /// Drops what names a scene that is about to be removed.
+  /// Drops requests that refer to a scene that is about to be removed.
   void forget_scene(const vrml::SceneGraph& scene);
 
  private:
@@ -49,7 +49,7 @@ class NetworkGate {
   std::string file_, first_url_;
   std::vector<UrlRequest> urls_;
   std::vector<ScriptRequest> scripts_;
-  std::unordered_set<std::string> told_;  // hosts
+  std::unordered_set<std::string> told_;  // hosts that a message was returned for
 };
 
 }  // namespace gs::app

@@ -8,35 +8,35 @@
 
 namespace gs::app {
 
-/// Series of files that are opened by one name, such as "run.%04d.vti", and how they play: plain bookkeeping, without
-/// reading any. Times are those of the session, in seconds.
+/// Playback state of series of files that are opened by one name, such as "run.%04d.vti". Bookkeeping only: reads no
+/// contents. Times are those of the session, in seconds.
 class SeriesList {
  public:
   struct Series {
-    std::vector<std::string> files;  // in the order of their numbers, at least one
-    std::size_t wanted = 0;          // the one that is read, or shows
+    std::vector<std::string> files;  // ordered by number; at least one
+    std::size_t wanted = 0;          // the file that is being read or is shown
     std::size_t shown = 0;
     bool playing = false;
-    double rate = 25;  // files a second
-    double due = 0;    // when `wanted` is to show
+    double rate = 25;  // files per second
+    double due = 0;    // time at which `wanted` is to be shown
   };
 
-  /// The file that is to be read for a name; the name itself where it is no series. Looks for the files of a series
-  /// when it hears of it first.
+  /// Returns the file to read for a name, or the name itself if it is not a series. The first call searches for the
+  /// files of the series.
   [[nodiscard]] std::string file_of(const std::string& name);
-  /// Null: the name is no series.
+  /// Returns the series of a name, or null if the name is not a series.
   [[nodiscard]] Series* find(const std::string& name);
   [[nodiscard]] const Series* find(const std::string& name) const;
 
-  /// True while what has been read of a series waits for its time.
+  /// Returns true while a file of a series is loaded but must not be shown yet.
   [[nodiscard]] bool holds_back(const std::string& name, double now) const;
-  /// The file that was wanted shows now. True where the next one is wanted: it is read ahead.
+  /// Marks the wanted file as shown. Returns true if the next file is now wanted and should be read ahead.
   bool arrived(const std::string& name, double now);
-  /// These return true where another file is wanted than before.
+  /// These functions return true if the wanted file changed.
   bool play(const std::string& name, bool on, double now);
   bool show(const std::string& name, std::size_t file, double now);
   void set_rate(const std::string& name, double rate);
-  /// When the next file is due of those that play; nothing: none does.
+  /// Returns the earliest time at which a playing series shows its next file, or nullopt if none plays.
   [[nodiscard]] std::optional<double> next_due() const;
 
  private:

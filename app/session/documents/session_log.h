@@ -9,8 +9,8 @@
 
 namespace gs::app {
 
-/// What was said of the files of a session, those that could not be opened among them. Nothing leaves it but the oldest
-/// of very many files: it outlives what is shown.
+/// Diagnostics of the files of a session, including files that could not be opened. Entries outlive the worlds; only
+/// the oldest are dropped after kMostFiles files.
 class SessionLog {
  public:
   static constexpr std::size_t kMostFiles = 256;
@@ -18,19 +18,19 @@ class SessionLog {
   struct File {
     std::string path;
     vrml::Diagnostics diagnostics;  // of the newest reading
-    std::size_t told = 0;           // of these, that `take_untold` has given
+    std::size_t told = 0;           // number of diagnostics that `take_untold` has returned
   };
 
-  /// All that is said of a file by now, in the place of what was said before.
+  /// Replaces all diagnostics of a file.
   void note(std::string_view path, const vrml::Diagnostics& diagnostics);
-  /// In the order in which they were first read.
+  /// Returns the files in the order in which they were first read.
   [[nodiscard]] const std::vector<File>& files() const { return files_; }
   [[nodiscard]] std::size_t errors() const;
   [[nodiscard]] std::size_t warnings() const;
   [[nodiscard]] std::size_t entries() const;
-  /// How many were counted and not kept.
+  /// Returns the number of diagnostics that were counted but not kept.
   [[nodiscard]] std::size_t dropped() const;
-  /// What nobody was told of yet, a line each.
+  /// Returns the diagnostics that were not returned before, one line each.
   [[nodiscard]] std::vector<std::string> take_untold();
 
  private:

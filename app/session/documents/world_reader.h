@@ -18,44 +18,43 @@
 
 namespace gs::app {
 
-/// Reads one world on a thread of its own, and tells meanwhile what there is to see. As soon as its file is read the
-/// world is the owner's, and lives; Inlines, EXTERNPROTOs, pictures and vectors go on arriving. What it tells is moved
-/// or never changes, but for streams, which are the owner's from then on and are fed through `OpenedWorld::feeds`. The
-/// owner calls everything below.
+/// Reader of one world on an own thread, which reports progress meanwhile. Once the file is read, the world belongs to
+/// the owner and time starts in it. Inlines, EXTERNPROTOs, images and vectors still load afterwards. Reported data is
+/// moved or immutable, except for streams: they belong to the owner and are fed through `OpenedWorld::feeds`. The
+/// owner's thread calls all functions below.
 class WorldReader {
  public:
-  /// What has happened since the last time.
+  /// Changes since the last call of `take`.
   struct News {
-    /// A preview as far as it has come, or the world that lives from then on; one without a scene could not be opened.
-    /// Null: no other than before.
+    /// A preview, or the complete world. A document without a scene could not be opened. Null if it has not changed.
     std::shared_ptr<Document> document;
-    Arrivals arrivals;          // for the living world
-    bool over = false;          // no more will come but bytes of streams, and what `request` asks for
-    bool streams_grew = false;  // such bytes have come
+    Arrivals arrivals;          // for the running world
+    bool over = false;          // only bytes of streams and results of `request` may follow
+    bool streams_grew = false;  // bytes of streams were received
     LoadingState state;
   };
 
-  /// `wake` is called on the reader's thread when there is news; it must be safe there.
+  /// Starts the thread. `wake` is called on that thread when there is news, and must be thread-safe.
   WorldReader(std::string path, LoadOptions options, std::function<void()> wake);
   /// Waits for the thread, which ends as soon as it can.
   ~WorldReader();
   WorldReader(const WorldReader&) = delete;
   WorldReader& operator=(const WorldReader&) = delete;
 
-  /// What has come is all there will be, as if the time for loading were over.
+  /// Stops loading and keeps the parts received so far, as if the time limit had passed.
   void cancel();
-  /// How large what still comes over the network is seen.
+  /// Sets the apparent size of the nodes that still load over the network.
   void prioritize(std::unordered_map<const vrml::Node*, float> importance);
-  /// Urls have been set in the living world; what they name is among the arrivals of later news.
+  /// Fetches urls that were set in the running world. Later news contain the results.
   void request(std::vector<UrlRequest> requests);
-  /// Nobody waits for it any more: the thread ends as soon as it can.
+  /// Tells the thread to end as soon as it can, because no result is needed any more.
   void retire();
-  /// The nodes for which it comes.
+  /// Returns the nodes that parts are still loading for.
   [[nodiscard]] std::unordered_set<const vrml::Node*> wanted();
-  /// The thread has ended, so that the destructor does not wait.
+  /// Returns true if the thread has ended, so that the destructor does not wait.
   [[nodiscard]] bool ended() const { return stage_ == Stage::ended; }
   [[nodiscard]] News take();
-  /// Its files and streams. Never null.
+  /// Returns the progress of its files and streams. Never null.
   [[nodiscard]] const std::shared_ptr<LoadLedger>& ledger() const { return ledger_; }
 
  private:
@@ -72,11 +71,11 @@ class WorldReader {
   std::atomic<Stage> stage_ = Stage::running;
   std::mutex mutex_;
   News news_;                                                               // guarded by mutex_
-  WorldLoading* loading_ = nullptr;                                         // guarded by mutex_: for waking it
-  std::optional<std::unordered_map<const vrml::Node*, float>> importance_;  // guarded by mutex_: not told yet
+  WorldLoading* loading_ = nullptr;                                         // guarded by mutex_; used to wake it
+  std::optional<std::unordered_map<const vrml::Node*, float>> importance_;  // guarded by mutex_; not passed on yet
   std::unordered_set<const vrml::Node*> wanted_;                            // guarded by mutex_
   std::vector<UrlRequest> requests_;                                        // guarded by mutex_
-  std::jthread thread_;                                                     // last: joined before what it uses goes
+  std::jthread thread_;  // last member: joined before the members that it uses are destroyed
 };
 
 }  // namespace gs::app
