@@ -88,7 +88,7 @@ struct Frame {
   bool loading = false;              // something that the user waits for is still loading
   std::optional<double> next_life;   // time of the worlds' next event, seconds since 1970; nullopt means none
   bool files_chosen = false;         // the user chose other files; older messages are obsolete
-  std::vector<std::string> arrived;  // files that have become visible, or of which more has
+  std::vector<std::string> arrived;  // files that became visible or have more content
   struct Failure {
     std::string path, reason;
   };

@@ -18,17 +18,16 @@
 
 namespace gs::app {
 
-/// What only a window can do, and, behind these two, what only one who draws can: measure, and keep pictures. Who
-/// does not draw leaves that out.
+/// Window operations. The last four are optional and need a renderer: measuring and saving pictures.
 class DeskWindow {
  public:
   virtual ~DeskWindow() = default;
   virtual void toggle_full_screen() = 0;
   virtual void close() = 0;
 
-  /// False: the action is none of that kind, or there was nothing to be closed.
+  /// Runs an action of the tools. Returns false if it is another action, or if there was nothing to close.
   virtual bool run_tool(Action) { return false; }
-  /// What is about to be the session's. True: it was its own, and the session does not see it.
+  /// Handles an event before the session. Returns true if the session must not receive it.
   virtual bool take(const SessionInput::Event&) { return false; }
   virtual void describe_tools(UiTools&) {}
   virtual void apply_tools(const UiToolActions&) {}
@@ -36,26 +35,26 @@ class DeskWindow {
 
 struct DeskOptions {
   SessionOptions session;
-  UserFolders folders;                     // empty: nothing of the user's is read or written
-  std::string not_kept;                    // a file that is not remembered: that of a program without arguments
+  UserFolders folders;                     // if empty, no user data is read or written
+  std::string not_kept;                    // file that is not remembered, such as the demo world
   float scale = 1;                         // of the screen
-  bool up_given = false;                   // session.style.up counts before the setting
-  std::span<const DialogProgram> dialogs;  // none: files are chosen in its own dialog
+  bool up_given = false;                   // session.style.up overrides the setting
+  std::span<const DialogProgram> dialogs;  // if empty, the built-in dialog chooses files
 };
 
-/// How many of `budget` vectors each picture of a frame gets: by its size and by the weight of its viewport; 0: it
-/// shows none.
+/// Divides `budget` vectors among the pictures of a frame, by size and viewport weight. An entry is 0 if the picture
+/// shows no vectors.
 [[nodiscard]] std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std::size_t budget);
 
-/// What the picture took, for the status bar.
+/// Measurements of the last picture, for the status bar.
 struct DeskMeasures {
   double frame_ms = 0, frames_a_second = 0;
   std::size_t budget = 0;  // vectors of all viewports together
   std::string gl_renderer;
 };
 
-/// A session, its interface, and what is kept of the user's; all of a window but the window and the drawing, so that
-/// tests can do without both. Main thread.
+/// Session with its interface and the user's settings: a window without window system and drawing, so that tests need
+/// neither. Main thread.
 class Desk {
  public:
   Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBackend> backend, DeskWindow& window,
@@ -69,21 +68,21 @@ class Desk {
   [[nodiscard]] Inspection& inspection() { return inspection_; }
   [[nodiscard]] const UserKeeper& kept() const { return keeper_; }
 
-  /// What of the events is the session's, behind UiOverlay::begin_frame; does what is the interface's own.
+  /// Runs the interface's own events and returns those for the session. Call after UiOverlay::begin_frame().
   [[nodiscard]] std::vector<SessionInput::Event> take(const std::vector<WindowEvent>& events);
-  /// Tells the user, and those who read the log, what a step has led to. True: the interface shows something else.
+  /// Reports the results of a step to the user and the log. Returns true if the interface has changed.
   bool tell(const Frame& frame);
-  /// What the interface is to show of it.
+  /// Returns the data that the interface shows.
   [[nodiscard]] UiModel model(const Frame& frame, const DeskMeasures& measures);
-  /// It tells how much comes a second, and will tell something else soon.
+  /// Returns true if the interface shows transfer rates, so that it must be redrawn soon.
   [[nodiscard]] bool shows_rates() const;
-  /// Does what the user asked for with it.
+  /// Runs the user's requests.
   void apply(const UiActions& actions);
-  /// Opens what was chosen in the desktop's dialog. True: that has ended.
+  /// Opens the files chosen in the desktop's dialog. Returns true if the dialog has ended.
   bool take_chosen_files();
-  /// Of the window.
+  /// Returns the title of the window.
   [[nodiscard]] std::string title();
-  /// How large the window is, and where, for the next one.
+  /// Stores the size and position of the window for the next start.
   void note_window(int width, int height, const std::optional<std::array<int, 2>>& place);
 
  private:
@@ -109,11 +108,11 @@ class Desk {
   bool up_given_, memory_given_;
   UiOverlay ui_;
   Session session_;
-  Inspection inspection_;  // a guest of the session
+  Inspection inspection_;  // extension of the session
   std::array<RateHistory, kMostViewports> readings_;
   FileDialog dialog_;
-  SessionMemory lost_;   // of windows that ended by themselves, until the user has answered
-  std::string opening_;  // what was chosen in the Open dialog last
+  SessionMemory lost_;   // sessions that ended unexpectedly, until the user has answered
+  std::string opening_;  // last choice in the Open dialog
 };
 
 }  // namespace gs::app

@@ -8,7 +8,7 @@
 
 namespace gs::app {
 
-/// Wakes who waits; from other threads, and from signals.
+/// Semaphore that wakes a waiting thread; may be rung from other threads and signal handlers.
 class Doorbell {
  public:
   Doorbell() { (void)sem_init(&semaphore_, 0, 0); }
@@ -24,7 +24,8 @@ class Doorbell {
   sem_t semaphore_{};
 };
 
-/// While it is there, SIGINT and SIGTERM ring, and end the program only when they come again. One at a time.
+/// Handler of SIGINT and SIGTERM while the object exists: the first signal rings `bell`, the second ends the program.
+/// Only one object at a time.
 class EndOnSignals {
  public:
   explicit EndOnSignals(Doorbell& bell);
@@ -32,14 +33,14 @@ class EndOnSignals {
   EndOnSignals(const EndOnSignals&) = delete;
   EndOnSignals& operator=(const EndOnSignals&) = delete;
 
-  /// One has come.
+  /// Returns true if a signal was received.
   [[nodiscard]] static bool told();
 
  private:
   struct sigaction before_[2]{};
 };
 
-/// The same for who cannot wait for a Doorbell: `wake` is called from another thread when one has come.
+/// Like EndOnSignals, for threads that cannot wait for a Doorbell. `wake` is called from another thread after a signal.
 class EndWatch {
  public:
   explicit EndWatch(std::function<void()> wake);
@@ -53,9 +54,9 @@ class EndWatch {
   std::thread thread_;
 };
 
-/// Ends the process, with a line on standard error, when a Script is overdue by 2 s inside one call of the engine and
-/// `is_asked_to_close` returns true. Another thread calls that. The session's file stays, so that the next start offers
-/// the session. One at a time.
+/// Watchdog that ends the process, with a line on standard error, if a call of a Script exceeds its time limit by 2 s
+/// and `is_asked_to_close` returns true. Another thread calls that function. The session's file remains, so that the
+/// next start can restore the session. Only one object at a time.
 class EndOverdueScripts {
  public:
   explicit EndOverdueScripts(std::function<bool()> is_asked_to_close);

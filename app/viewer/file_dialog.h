@@ -9,34 +9,35 @@
 
 namespace gs::app {
 
-/// A program of a desktop that asks the user for files.
+/// Program of a desktop that lets the user choose files.
 struct DialogProgram {
-  std::string name;                    // looked for in $PATH, unless it has a /
-  std::vector<std::string> arguments;  // so that it prints the chosen ones, a line each; see kFolderArgument
+  std::string name;                    // searched in $PATH unless it contains a /
+  std::vector<std::string> arguments;  // make it print the chosen files, one per line; see kFolderArgument
 };
-/// Stands in an argument for the folder where the dialog begins.
+/// Placeholder in an argument for the initial folder.
 inline constexpr const char kFolderArgument[] = "{folder}";
-/// Those that are known, best first.
+/// Returns the known programs, best first.
 [[nodiscard]] std::span<const DialogProgram> dialog_programs();
 
-/// The dialog of the desktop, as a child process: the window goes on meanwhile. One at a time.
+/// File dialog of the desktop, as a child process, so that the window keeps running. Only one at a time.
 class FileDialog {
  public:
-  /// `wake` is called on another thread when `take` has something.
+  /// Creates the dialog without showing it. `wake` is called on another thread when `take` has an answer.
   explicit FileDialog(std::function<void()> wake, std::span<const DialogProgram> programs = dialog_programs());
   ~FileDialog();
   FileDialog(const FileDialog&) = delete;
   FileDialog& operator=(const FileDialog&) = delete;
 
-  /// `folder`: where it begins. False: no desktop is there, or none of the programs. True: it is shown, or was already.
+  /// Shows the dialog in `folder`, unless it is already shown. Returns false if no desktop or none of the programs is
+  /// available.
   [[nodiscard]] bool show(const std::string& folder = ".");
   [[nodiscard]] bool is_shown() const { return running_ != nullptr; }
-  /// How it ended.
+  /// Result of the dialog.
   struct Answer {
-    std::vector<std::string> files;  // empty: the user chose none
-    bool failed = false;             // it ended without asking
+    std::vector<std::string> files;  // empty if the user cancelled
+    bool failed = false;             // the program failed before it asked
   };
-  /// Nothing: it is still shown, or was not.
+  /// Returns the answer, or nullopt if the dialog is still shown or was not shown.
   [[nodiscard]] std::optional<Answer> take();
 
  private:

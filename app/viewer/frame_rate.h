@@ -4,16 +4,16 @@
 
 namespace gs::app {
 
-/// How many pictures a second are drawn where each differs from the one before: of the last second, or of the last two.
+/// Rate of pictures in motion, over the last second or at least the last two pictures.
 class FrameRate {
  public:
-  /// A picture was begun at `time`, in seconds. Not `in_motion`: that is an end of what moved.
+  /// Records a picture that was begun at `time`, in seconds. `in_motion` is false for the last picture of a motion.
   void drawn(double time, bool in_motion);
-  /// 0: nothing moves.
+  /// Returns the pictures per second, or 0 without motion.
   [[nodiscard]] double a_second() const;
 
  private:
-  std::deque<double> begun_;  // in rising order
+  std::deque<double> begun_;  // ascending
 };
 
 }  // namespace gs::app

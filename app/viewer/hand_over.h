@@ -11,28 +11,29 @@ class ControlServer;
 
 namespace gs::app {
 
-/// Where a window takes what the user opens elsewhere, and who opens something asks for a window: in the folder of the
-/// user's session ($XDG_RUNTIME_DIR), which nobody else can read. Empty: there is none, or it is not the user's alone.
+/// Returns the folder in which a window listens for files that other processes open. It lies in $XDG_RUNTIME_DIR, which
+/// only the user can read. Returns an empty string if there is none, or if others can access it.
 [[nodiscard]] std::string hand_over_folder();
 
-/// A path or URL as another process would find it, or this one in another folder.
+/// Returns a path or URL in a form that is independent of the working directory.
 [[nodiscard]] std::string absolute_place(const std::string& place);
 
-/// Gives files and URLs to the window that is there already. True: it has taken them; false: there is none. Relative
-/// paths are those of this process.
+/// Sends files and URLs to the window that is already open. Returns false if there is none. Relative paths are relative
+/// to this process.
 [[nodiscard]] bool hand_over(const std::string& folder, const std::vector<std::string>& files);
 
-/// A window to which files are handed over. One in a session; the first has the place.
+/// Server of a window for files that other processes open. One per desktop session: the first window.
 class HandOver {
  public:
-  /// `wake` is called on another thread when `take` has something. Null: another window has the place, or there is
-  /// none.
+  /// Starts to listen. `wake` is called on another thread when `take` has files. Returns null if another window listens
+  /// already or there is no folder.
   [[nodiscard]] static std::unique_ptr<HandOver> listen(const std::string& folder, std::function<void()> wake);
   ~HandOver();
   HandOver(const HandOver&) = delete;
   HandOver& operator=(const HandOver&) = delete;
 
-  /// What was handed over since the last time; `asked`: somebody did, if only for the window to come to the front.
+  /// Requests since the last call. `asked` is true if there was one, even without files, so that the window comes to
+  /// the front.
   struct Taken {
     std::vector<std::string> files;
     bool asked = false;

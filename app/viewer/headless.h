@@ -13,14 +13,14 @@
 namespace gs::app {
 
 [[nodiscard]] SessionOptions session_options(const ViewerOptions& options);
-/// A picture of a view, as a file of PNG. The renderer's context must be current.
+/// Draws a view and returns the bytes of a PNG file, or an error. The renderer's context must be current.
 [[nodiscard]] std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& renderer,
                                                                       const ViewerOptions& options, const View& view,
                                                                       const glm::ivec2& size);
 
-/// A session without a window that others control, in real time: until one of them ends it, or SIGINT or SIGTERM does.
-/// `backend`: what draws when a picture is asked for. Main thread. Returns the exit status: 0, or 1 with the reason in
-/// `error`: it cannot be controlled, or there is no world.
+/// Runs a session without a window in real time, until a client, SIGINT or SIGTERM ends it. `backend` names the
+/// renderer for pictures that clients request. Returns the exit status: 0, or 1 with the reason in `error` if control
+/// or the world cannot be opened. Main thread.
 [[nodiscard]] int run_headless(const ViewerOptions& options, const LoadOptions& load, const std::string& backend,
                                std::string& error);
 

@@ -8,7 +8,7 @@
 
 namespace gs::app {
 
-/// What draws without a window; `problem` where there is no renderer.
+/// Renderer without a window; `problem` is set if there is none.
 struct OpenedRenderer {
   std::unique_ptr<render::GlContext> context;
   std::unique_ptr<render::Renderer> renderer;
@@ -17,10 +17,11 @@ struct OpenedRenderer {
   OpenedRenderer() = default;
   OpenedRenderer(OpenedRenderer&&) = default;
   OpenedRenderer& operator=(OpenedRenderer&&) = delete;
-  ~OpenedRenderer() { renderer.reset(); }  // while its context is there
+  ~OpenedRenderer() { renderer.reset(); }  // destroyed while its context exists
 };
 
-/// A context that is current nowhere, whose renderer is ready for pictures such as are wanted. Any thread.
+/// Opens a renderer that can draw pictures with `draw`. Its context is not current on any thread afterwards. Any
+/// thread.
 [[nodiscard]] OpenedRenderer open_renderer(const std::string& backend, const render::DrawOptions& draw);
 
 }  // namespace gs::app

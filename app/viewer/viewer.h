@@ -18,33 +18,33 @@
 
 namespace gs::app {
 
-/// Discs that a window draws when nobody says how many.
+/// Default number of splats that a window draws.
 inline constexpr std::size_t kWindowBudget = 2'000'000;
 
 struct ViewerOptions {
-  std::vector<std::string> files;       // opened at start, each in a viewport as far as there are
-  std::optional<SplitTree> split;       // how they share the window; nothing: by how many there are
+  std::vector<std::string> files;       // opened at start, one per viewport as far as possible
+  std::optional<SplitTree> split;       // split of the window; nullopt derives it from the number of files
   int width = 1024, height = 768;       // of the window
-  bool size_given = false;              // else the last window's counts, where that is known
+  bool size_given = false;              // otherwise the size of the last window is used, if known
   int samples = 4;                      // anti-aliasing
-  std::optional<bool> headlight;        // in place of what the worlds say
-  std::optional<glm::vec3> background;  // one colour in place of the worlds' Backgrounds
+  std::optional<bool> headlight;        // overrides the worlds' NavigationInfo
+  std::optional<glm::vec3> background;  // colour that replaces the worlds' Backgrounds
   std::string viewpoint;                // description, DEF name or number of the Viewpoint to bind
-  std::size_t budget = 0;               // discs of all viewports together; 0: kWindowBudget
-  std::optional<UpAxis> up;             // none: as the settings say
+  std::size_t budget = 0;               // splats of all viewports together; 0 means kWindowBudget
+  std::optional<UpAxis> up;             // nullopt means the setting
   bool orthographic = false;
   render::DisplayMode display = render::DisplayMode::surface;
-  std::optional<Pose> camera;  // where the first file is first seen from
-  VolumeWishes volume;         // how volumes are first shown
-  bool muted = false;          // no sound, until it is asked for
+  std::optional<Pose> camera;  // initial camera of the first file
+  VolumeWishes volume;         // initial display of volumes
+  bool muted = false;          // no sound until the user turns it on
   render::SplatPath splats = render::SplatPath::automatic;
-  ControlPlaces control;  // where others may control it
-  UserFolders folders;    // of what is kept of the user's; empty: nothing is
-  std::string not_kept;   // a file that is not remembered
+  ControlPlaces control;  // sockets on which clients can control it
+  UserFolders folders;    // of the user data; if empty, none is stored
+  std::string not_kept;   // file that is not remembered
 };
 
-/// Opens a window and runs until the user quits. `load`: how worlds are read. Main thread. Returns the exit status: 0,
-/// or 1 with the reason in `error` when there is no window system or no OpenGL 3.3.
+/// Opens a window and runs until the user quits. `load` has the options for reading worlds. Returns the exit status: 0,
+/// or 1 with the reason in `error` if there is no window system or no OpenGL 3.3. Main thread.
 [[nodiscard]] int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::string& error);
 
 }  // namespace gs::app

@@ -24,8 +24,7 @@
 
 namespace gs::app {
 
-/// What the user does beside moving about: measures, looks at values and slices of volumes, saves pictures. Of the
-/// active viewport. Main thread.
+/// Tools for the active viewport: measuring, values and slices of volumes, saving pictures. Main thread.
 class ViewerTools {
  public:
   ViewerTools(const ViewerOptions& options, render::Renderer& renderer);
@@ -33,26 +32,27 @@ class ViewerTools {
   ViewerTools(const ViewerTools&) = delete;
   ViewerTools& operator=(const ViewerTools&) = delete;
 
-  /// What a click or movement of the pointer means. True: it means nothing else, and the session does not see it.
+  /// Handles a click or movement of the pointer. Returns true if the session must not receive the event.
   bool take(const SessionInput::Event& event, const View* seen, const Viewport& place);
-  /// What a view's picture shows: its list, with slices.
+  /// Returns the render list that a viewport draws: that of the view, with slices.
   [[nodiscard]] const render::RenderList& shown(std::size_t pane, const View& view);
-  /// The grid of a view that has one; null: none.
+  /// Returns the render list of a view's ground grid, or null if the grid is off.
   [[nodiscard]] std::shared_ptr<const render::RenderList> guides(const View& view);
   void describe(UiTools& tools, const View* seen, const Viewport& place);
-  /// What the interface wants done; notices go to `tell`.
+  /// Receiver of notices.
   using Tell = std::function<void(std::string text, bool is_problem)>;
   void apply(const UiToolActions& actions, View* seen, const Viewport& place, const Tell& tell);
   void take_picture(const View& seen, const Viewport& place, const Tell& tell);
-  /// The view is the next one of the tour of its file.
+  /// Adds the current view to the tour of its file.
   void add_to_tour(const View& seen, const Tell& tell);
   void toggle_ruler();
-  /// Ends the ruler (Esc). False: there is none.
+  /// Ends the ruler (Esc). Returns false if there is none.
   bool close();
-  /// Values of volumes are being read; `take_values`: some have come since the last time, so that they show.
+  /// Returns true while values of volumes are being read. `take_values` returns true if more values were read since the
+  /// last call.
   [[nodiscard]] bool reads_values() const;
   bool take_values();
-  /// Draws the next picture of an animation, if one is being saved: another frame is wanted then.
+  /// Draws the next picture of an animation that is being saved. Returns true if another frame is needed.
   bool go_on(const View* seen, const Tell& tell);
 
  private:
@@ -70,7 +70,7 @@ class ViewerTools {
     std::weak_ptr<Document> of;
     render::Camera camera;
     glm::dvec3 center{0}, up{0, 1, 0};
-    std::vector<render::Camera> tour;  // empty: a turntable
+    std::vector<render::Camera> tour;  // empty means a turntable
     glm::ivec2 size{0};
     PictureRequest request;
   };
@@ -96,25 +96,25 @@ class ViewerTools {
   bool measuring_ = false, wants_value_ = false, probe_due_ = false;
   glm::vec2 pressed_{0}, pointer_{0};
   std::string value_;
-  std::optional<SliceGrip> grip_;  // of the slice that is drawn through the volume
+  std::optional<SliceGrip> grip_;  // grip of the slice through the volume that is being drawn
   GroundGrids grids_;
-  std::weak_ptr<Document> ruled_;  // whose places the ruler has
-  std::atomic<bool> stop_{false};  // of who reads values
+  std::weak_ptr<Document> ruled_;  // document that the ruler measures
+  std::atomic<bool> stop_{false};  // stops the threads that read values
   std::map<const Document*, Values> values_;
   struct Wished {
     std::weak_ptr<Document> of;
-    bool all = false;  // else planes wait for how many voxels there are
+    bool all = false;  // otherwise planes wait until the number of voxels is known
   };
-  std::vector<Wished> wished_;                      // what is shown as the command line says
-  std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMostViewports: of pictures that are saved
+  std::vector<Wished> wished_;                      // initial display from the command line
+  std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMostViewports is the key of saved pictures
   PictureWish wish_;
   std::string folder_;
-  std::string replaceable_transfer_;  // a file that was read, written or asked about here
-  std::weak_ptr<Document> asked_;     // whether its file is a volume
+  std::string replaceable_transfer_;  // file that was read, written or confirmed here, so that it may be replaced
+  std::weak_ptr<Document> asked_;     // document for which `asked_is_volume_` holds
   bool asked_is_volume_ = false;
   std::optional<Export> export_;
   std::vector<render::Camera> tour_;
-  std::weak_ptr<Document> toured_;  // whose views they are
+  std::weak_ptr<Document> toured_;  // document of the tour
 };
 
 }  // namespace gs::app

@@ -18,13 +18,13 @@
 
 namespace gs::app {
 
-/// A session in a window: hands it what the user does, draws what it leads to, and lays the user interface over it.
-/// Main thread only. viewer.cpp: the loop; viewer_picture.cpp: what is drawn; desk.h: the rest, which needs no window.
+/// Session in a window: passes the user's input to it, draws its pictures, and lays the user interface over them.
+/// viewer.cpp has the loop, viewer_picture.cpp the drawing, desk.h the parts without a window. Main thread.
 class Viewer final : public DeskWindow {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
          std::unique_ptr<render::Renderer> renderer);
-  /// Who asks may control it from now on. What is wrong, if anything.
+  /// Opens the sockets for clients. Returns the problem, or nullopt.
   [[nodiscard]] std::optional<std::string> start_control();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
@@ -44,12 +44,12 @@ class Viewer final : public DeskWindow {
   void take_handed_over();
   [[nodiscard]] std::size_t budget() const;
 
-  // DeskWindow, of what draws.
+  // Overrides of DeskWindow that need the renderer.
   bool run_tool(Action action) override;
   bool take(const SessionInput::Event& event) override;
   void describe_tools(UiTools& tools) override;
   void apply_tools(const UiToolActions& actions) override;
-  /// The active one, in framebuffer pixels.
+  /// Returns the rectangle of the active viewport, in framebuffer pixels.
   [[nodiscard]] Viewport active_place() const;
   [[nodiscard]] ViewerTools::Tell teller();
 
@@ -62,11 +62,11 @@ class Viewer final : public DeskWindow {
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::Renderer> renderer_;
   Desk desk_;
-  UiOverlay& ui_;                            // of the desk
-  Session& session_;                         // likewise
-  std::unique_ptr<ControlService> control_;  // null: nobody may control it
-  std::unique_ptr<HandOver> hand_over_;      // null: others have no place to hand files over
-  Frame frame_;                              // what the last step has led to
+  UiOverlay& ui_;                            // owned by desk_
+  Session& session_;                         // owned by desk_
+  std::unique_ptr<ControlService> control_;  // null if no client may control the window
+  std::unique_ptr<HandOver> hand_over_;      // null if other processes cannot hand over files
+  Frame frame_;                              // result of the last step
   ViewerTools tools_;
   PictureLedger pictures_;
   std::array<PictureDetail, kMostViewports> details_;
@@ -76,8 +76,8 @@ class Viewer final : public DeskWindow {
   FrameRate rate_;
   int frames_wanted_;
   bool was_in_motion_ = false, was_loading_ = false;
-  bool interface_first_ = false;  // the next picture of the interface waits for no new one of the worlds
-  double picture_seconds_ = 0;    // that the last whole ones took
+  bool interface_first_ = false;  // the next picture of the interface need not wait for a new picture of the worlds
+  double picture_seconds_ = 0;    // duration of the last complete pictures
 };
 
 }  // namespace gs::app

@@ -15,65 +15,65 @@
 
 namespace gs::app {
 
-/// What has come for a world that lives already: made by the thread that reads, taken in by the one that owns the
-/// world.
+/// Updates for a running world. The reader thread makes them; the thread of the world applies them.
 struct Arrivals {
   struct Place {
-    vrml::SceneGraph* scene = nullptr;  // the root or the content of an Inline; touched by the world's thread only
+    vrml::SceneGraph* scene = nullptr;  // the root or the content of an Inline; used by the world's thread only
     vrml::NodeId node;
-    std::size_t url = 0;  // of NodeType::url_fields, for images
-    // Which of the urls that the field has had: 0 that of the file, then one more each time it is set.
+    std::size_t url = 0;  // index in NodeType::url_fields, for images
+    // Revision of the field's urls: 0 for those of the file, one more each time they are set.
     std::uint32_t request = 0;
   };
   struct Image {
     std::vector<Place> textures;
-    std::shared_ptr<const render::Image> image;  // null: there is none
+    std::shared_ptr<const render::Image> image;  // null if it is not available
   };
   struct Content {
     Place place;                                // of an Inline
-    std::shared_ptr<vrml::SceneGraph> content;  // null: there is none
+    std::shared_ptr<vrml::SceneGraph> content;  // null if it is not available
     render::MeshCache meshes;                   // of its nodes
   };
   struct Prototypes {
-    vrml::SceneGraph* scene = nullptr;             // of the types that wait
-    std::shared_ptr<vrml::SceneGraph> scene_held;  // where it is an Inline's: so that no other one takes its place
+    vrml::SceneGraph* scene = nullptr;  // scene of the types that wait
+    /// Keeps the scene of an Inline alive, so that no other one gets its address.
+    std::shared_ptr<vrml::SceneGraph> scene_held;
     std::vector<AwaitedPrototype> awaited;
-    std::unique_ptr<vrml::SceneGraph> library;  // null: there is none
-    std::optional<std::string> why;             // there is none, where that has not been said yet
+    std::unique_ptr<vrml::SceneGraph> library;  // null if it is not available
+    std::optional<std::string> why;             // reason why `library` is null, unless it was already reported
   };
   struct Outlines {
     Place place;  // of an OutlineGroup
     std::vector<std::pair<const vrml::InterfaceDeclaration*, vrml::FieldValue>> fields;
-    std::shared_ptr<const vrml::SceneGraph> held;  // whose budget they are drawn from
+    std::shared_ptr<const vrml::SceneGraph> held;  // scene with the budget for the polygons
   };
   struct Cloud {
     Place place;                                      // of a QNV node
-    vrml::NodeId fallback;                            // the PROTO instance in whose place it is shown; null: none
-    std::shared_ptr<const qnv::Cloud> cloud;          // null: there is none
-    std::shared_ptr<const render::Image> image = {};  // of its picture; null: there is none
+    vrml::NodeId fallback;                            // PROTO instance that it replaces; null if none
+    std::shared_ptr<const qnv::Cloud> cloud;          // null if it is not available
+    std::shared_ptr<const render::Image> image = {};  // its texture; null if it has none
   };
-  /// A sound or movie.
+  /// Sound or movie.
   struct Media {
     std::vector<Place> players;
-    std::shared_ptr<const MediaFile> media;      // null: there is none
-    std::shared_ptr<const render::Image> image;  // of a movie, the first; null: there is none
+    std::shared_ptr<const MediaFile> media;      // null if it is not available
+    std::shared_ptr<const render::Image> image;  // first frame of a movie; null if there is none
   };
-  /// A text that a program has asked for: another program, or nodes.
+  /// Text that a program requested: another program, or nodes.
   struct Text {
     Place place;
-    std::optional<std::string> text;                 // none: it cannot be had
-    std::string url;                                 // where it was found
-    std::shared_ptr<const vrml::TextSource> source;  // of its bytes
+    std::optional<std::string> text;                 // nullopt if it is not available
+    std::string url;                                 // URL that it was read from
+    std::shared_ptr<const vrml::TextSource> source;  // source of its bytes
   };
 
-  // Not in each file that has arrivals: they are long.
+  // Defined in the source file because the members are large.
   Arrivals();
   Arrivals(Arrivals&& other) noexcept;
   Arrivals& operator=(Arrivals&& other) noexcept;
   ~Arrivals();
 
   std::vector<Text> texts;
-  std::vector<Content> contents;  // in front of all that belongs into them
+  std::vector<Content> contents;  // applied before the updates of their nodes
   std::vector<Prototypes> prototypes;
   std::vector<Outlines> outlines;
   std::vector<Image> images;
@@ -89,32 +89,33 @@ struct Arrivals {
            clouds.empty() && feeds.empty() && progress.empty() && texts.empty() && diagnostics.entries().empty() &&
            outside.empty();
   }
-  /// Puts what has come later behind.
+  /// Appends later updates.
   void append(Arrivals&& later);
 };
 
-/// The url of a node of a living world was set, or is that of a node made at run time, or of an EXTERNPROTO of a text
-/// read then.
+/// Request to fetch urls of a running world: urls that were set, urls of nodes made at run time, or those of an
+/// EXTERNPROTO in a text that was read at run time.
 struct UrlRequest {
   Arrivals::Place place;
-  const vrml::Node* node = nullptr;  // whose importance counts; not to be looked at by the thread that reads
+  const vrml::Node* node = nullptr;  // determines the importance; must not be dereferenced by the reader thread
   vrml::UrlContent content = vrml::UrlContent::none;
-  bool as_text = false;                 // in place of that: the text itself
-  vrml::NodeType* prototype = nullptr;  // the EXTERNPROTO that waits for its body; likewise. Null: it is the node's
+  bool as_text = false;  // requests the text itself instead of `content`
+  /// EXTERNPROTO that waits for its body, or null; must not be dereferenced by the reader thread.
+  vrml::NodeType* prototype = nullptr;
   vrml::MFString urls;
-  std::shared_ptr<const vrml::TextSource> source;  // of the text that names the URLs
+  std::shared_ptr<const vrml::TextSource> source;  // of the text that contains the URLs
   bool fetched = false;                            // that text was read from a URL at run time
   bool computed = false;                           // a Script may have computed the URLs
-  std::string type, file;                          // of the node, and place in its text, for messages
+  std::string type, file;                          // of the node: its type and the file of its text, for messages
   vrml::SourceLocation location;
 };
 
-/// Gives a QNV node its vectors; a transfer function of its own goes before that of the stream.
+/// Gives a QNV node its vectors. The node's own transfer function overrides that of the stream.
 void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival);
 /// Gives an OutlineGroup its polygons.
 void set_outlines(OpenedWorld& world, const Arrivals::Outlines& arrival);
-/// Gives all to the world but `progress` and `outlines`, which are its events', `contents` and `prototypes`. The nodes
-/// that look otherwise from then on.
+/// Applies all updates except `progress` and `outlines`, which become events, `contents` and `prototypes`. Returns the
+/// nodes with a changed appearance.
 [[nodiscard]] std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals);
 
 }  // namespace gs::app

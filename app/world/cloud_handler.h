@@ -19,19 +19,19 @@ struct StreamProblem;
 
 namespace gs::app {
 
-/// Makes vectors of the bytes of a QNV stream, a volume or another program's splats, as they come.
+/// Content handler that decodes QNV streams, volumes and splat files of other programs as their bytes are received.
 class CloudHandler final : public ContentHandler {
  public:
   using World = WorldLoading::State;
-  /// Called with every better state of the cloud.
+  /// Called with each better version of the vectors.
   using Show = std::function<void(const std::shared_ptr<const qnv::Cloud>&)>;
   using Progress = std::function<void(double)>;
-  /// For whom it is, for messages.
+  /// Owner of the vectors, for messages.
   struct Place {
     std::string file;
     vrml::SourceLocation location;
     vrml::MFString urls;
-    bool is_node = false;  // a QNV node; else the world itself
+    bool is_node = false;  // a QNV node; otherwise the world itself
   };
   CloudHandler(World& world, Place place, Show show, Progress progress = {});
   ~CloudHandler() override;
@@ -55,7 +55,7 @@ class CloudHandler final : public ContentHandler {
   void read_bytes();
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
   void report_problems(const std::vector<qnv::StreamProblem>& problems, vrml::Severity severity);
-  /// What was refused is left out, and nothing more is taken.
+  /// Stops reading after the memory budget has refused a part, which is omitted.
   void give_up(vrml::Resource resource);
   bool count_decoded();
 
@@ -71,8 +71,8 @@ class CloudHandler final : public ContentHandler {
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;
   std::uint64_t shown_revision_ = 0;
-  bool shown_exact_ = false;     // the mesh itself, at the end of its stream
-  std::uint64_t directory_ = 0;  // of a packed stream: where it begins; 0: unknown
+  bool shown_exact_ = false;     // the exact mesh of the tail is shown
+  std::uint64_t directory_ = 0;  // offset of the directory of a packed stream; 0 means unknown
 };
 
 }  // namespace gs::app

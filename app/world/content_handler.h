@@ -20,106 +20,109 @@
 
 namespace gs::app {
 
-/// Where the bytes of a resource were found.
+/// Location at which the bytes of a resource were found.
 struct Found {
   net::Url url;      // after redirects, without fragment
-  std::string path;  // of a local file; of anything else the URL: what diagnostics call it
+  std::string path;  // of a local file; otherwise the URL. Diagnostics use it as the file name.
   std::string fragment;
   bool local = false;
-  net::Origin origin;  // of what it holds, where that is a text
+  net::Origin origin;  // origin of the references of its text
 };
 
 class Fetch;
 class SceneHandler;
 
-/// Takes the bytes of one resource.
+/// Interface for the receiver of the bytes of one resource.
 class ContentHandler {
  public:
   ContentHandler() = default;
-  /// Whose nodes it changes; null: nobody's. While one does, the world, or the Inline's content, cannot be given away.
+  /// Returns the handler of the scene that this handler adds nodes to, or null. That scene, or the Inline's content,
+  /// cannot be handed over while the handler runs.
   [[nodiscard]] virtual const SceneHandler* makes_nodes_of() const { return nullptr; }
   ContentHandler(const ContentHandler&) = delete;
   ContentHandler& operator=(const ContentHandler&) = delete;
   virtual ~ContentHandler() = default;
-  /// The resource is there, and its bytes will come from the start. False: not wanted.
+  /// Announces the resource; its bytes follow from the start. Returns false if they are not wanted.
   virtual bool begin(const Found& found) = 0;
-  /// Checks the first bytes of a large local file before it is mapped. Returns why it must not be, or nullopt.
+  /// Checks the first bytes of a large local file before it is mapped. Returns the reason to refuse it, or nullopt.
   virtual std::optional<std::string> refuse_first(const std::string& /*path*/, std::span<const std::byte>) {
     return std::nullopt;
   }
-  /// A local file, to be read as a whole at once. False: it should rather come in pieces.
+  /// Reads a local file as a whole. Returns false to receive it in pieces instead.
   virtual bool whole_file(const net::MappedFile&, const std::string&) { return false; }
-  /// Likewise, and it is moved by who is to have it for longer. False: it was left alone.
+  /// Like whole_file(), but may take ownership of the mapping; returns false if it did not.
   virtual bool take_file(net::MappedFile&) { return false; }
   virtual void receive(std::span<const std::byte> bytes) = 0;
-  /// All is there (`problem` empty), or what is missing never comes.
+  /// Ends the resource. `problem` is the reason why the rest is missing, or nullopt if it is complete.
   virtual void end(const std::optional<std::string>& problem) = 0;
-  /// After `end`: why what came is of no use, so that the next place is to be tried. Nothing: it is.
+  /// Returns, after `end`, why the content is unusable, so that the next candidate is tried. Returns nullopt if it is
+  /// usable.
   virtual std::optional<std::string> wants_next() { return std::nullopt; }
-  /// None of the places where it might be has it, or what of use it has.
+  /// Reports that no candidate has usable content.
   virtual void missing(const std::string& why) = 0;
-  /// Whether the rest, behind the front that has come, is better read here and there, as `place` says. True: it is
-  /// seen to, and neither more bytes nor an end come.
+  /// Decides whether to read the rest by ranges from `place` instead of front to back. If it returns true, neither more
+  /// bytes nor `end` follow.
   virtual bool seek(RangedStream::Place) { return false; }
-  /// Of cells, behind the base: a chunk, or some of the records of one.
+  /// Receives a chunk, or some records of one, from cells after the protected base.
   virtual void receive_cells(const net::CellEvent&) {}
-  /// Whether what is there is enough, and views see to the rest by a feed. Null: no; else neither more nor an end come.
+  /// Returns a feed if the front is enough and views request the rest. Otherwise returns null. After a feed, neither
+  /// more bytes nor `end` follow.
   virtual std::shared_ptr<StreamFeed> follow() { return nullptr; }
 
-  /// So much of it has come, 0 to 1.
+  /// Reports the fraction that was received, 0 to 1.
   virtual void tell_progress(double) {}
 
-  bool cut = false;   // bytes are left out that nobody misses (`--max-bytes`)
-  bool told = false;  // why it is missing has been said already
+  bool cut = false;   // bytes after `--max-bytes` were omitted on purpose
+  bool told = false;  // the reason of a missing resource was already reported
 };
 
-/// A resource, and where it may be.
+/// Reading of one resource from one of its candidate URLs.
 class Fetch {
  public:
   std::vector<net::Url> candidates;  // with fragments
   std::size_t next = 0;
-  net::Origin from;        // of the text that refers to it
-  std::string given_path;  // of a file, as the user gave it
+  net::Origin from;        // of the text that contains the reference
+  std::string given_path;  // path of a file as the user gave it
   int priority = 0;
-  const vrml::Node* node = nullptr;  // that it is for; null: none, or several
+  const vrml::Node* node = nullptr;  // the node that needs it; null if none or several do
   std::shared_ptr<ContentHandler> handler;
-  std::uint64_t max_bytes = kNoLimit;  // what lies behind never comes, and nobody misses it
-  bool cut = false;                    // there was more
+  std::uint64_t max_bytes = kNoLimit;  // bytes after this limit are omitted on purpose
+  bool cut = false;                    // the limit omitted bytes
 
-  // While it is being read.
+  // State of the current attempt.
   std::string content_type;
   net::Validator validator;
-  /// What of it is asked for.
+  /// Requested part of the resource.
   enum class Part : std::uint8_t { all, front };
   Part part = Part::all;
   net::RequestId request;
   std::string first_problem;
-  bool told = false;      // it is one that was said already of another
-  std::string reference;  // as the text has it, for messages
+  bool told = false;      // the problem was already reported for another fetch
+  std::string reference;  // as the text writes it, for messages
   std::optional<net::MappedFile> file;
   std::vector<std::byte> data;  // of a data: URL
   std::span<const std::byte> rest;
   enum class Stage : std::uint8_t {
-    seeking,    // no candidate has had it yet
-    receiving,  // its bytes go to the handler
-    refused,    // the handler does not want them
+    seeking,    // no candidate has answered with the resource yet
+    receiving,  // the handler receives its bytes
+    refused,    // the handler has refused it
   };
   Stage stage = Stage::seeking;
   std::uint64_t received = 0;
   std::optional<std::uint64_t> total;
-  std::uint64_t row = 0;  // of the LoadLedger
+  std::uint64_t row = 0;  // in the LoadLedger
 
   static constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
 };
 
-/// Whose turn it is.
+/// Order in which resources are read; the highest is first.
 enum class Urgency : int { texture = 0, vectors = 1, inline_scene = 2, prototypes = 3, world = 4 };
-/// Of the loader's priorities between two urgencies; in between, how large something is seen.
+/// Distance of the loader's priorities between two urgencies. The importance of a node adds less than one step.
 inline constexpr int kUrgencyStep = 1000;
-inline constexpr std::chrono::milliseconds kLongestWait{1000};  // so that a limit is noticed
-/// So much of a file tells its type.
+inline constexpr std::chrono::milliseconds kLongestWait{1000};  // max wait, so that limits are checked
+/// Number of first bytes that suffice to detect the type of a file.
 inline constexpr std::size_t kTypeBytes = 4096;
-/// Of a long stream on a server, before views choose.
+/// Number of bytes of a long stream on a server that are read before views choose ranges.
 inline constexpr std::uint64_t kFrontBytes = std::uint64_t{1} << 16;
 
 }  // namespace gs::app

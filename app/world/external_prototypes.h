@@ -11,31 +11,33 @@
 
 namespace gs::app {
 
-/// What is found out about EXTERNPROTOs goes here.
+/// Receiver of diagnostics about EXTERNPROTOs.
 using ReportAt = std::function<void(vrml::Severity, vrml::SourceLocation, std::string)>;
 
-/// An EXTERNPROTO that waits for its body.
+/// EXTERNPROTO that waits for its body.
 struct AwaitedPrototype {
-  vrml::NodeType* type = nullptr;  // touched by the thread of its scene only
-  std::string name;                // of the PROTO in the file; empty: its first
-  /// That of a PROTO of the text that `type` stands in (VRML97 4.9.2), if no other file has it; empty: its first.
+  vrml::NodeType* type = nullptr;  // used by the thread of its scene only
+  std::string name;                // of the PROTO in the file; empty means the first one
+  /// Name of a PROTO in the text that declares `type` (VRML97 4.9.2), used if no other file has it. Empty means the
+  /// first one.
   std::optional<std::string> own_name;
 };
 
-/// The PROTO of `library` that the EXTERNPROTO means; null: there is none. Both, and what does not agree (4.9.2), are
-/// told.
+/// Returns the PROTO of `library` that an EXTERNPROTO refers to, or null if it is missing. Reports a missing PROTO and
+/// differences of the interfaces (VRML97 4.9.2).
 [[nodiscard]] const vrml::NodeType* prototype_in_library(const vrml::SceneGraph& library, const vrml::NodeType& type,
                                                          const std::string& name, const ReportAt& report);
-/// The same for one that names a PROTO of the text it stands in, all of which is there.
+/// Returns the PROTO that an EXTERNPROTO refers to in its own text, which must be complete, or null if it is missing.
+/// Reports a missing PROTO and differences of the interfaces.
 [[nodiscard]] const vrml::NodeType* prototype_in_own_text(const vrml::SourceText& text, const vrml::NodeType& type,
                                                           const std::string& name, const ReportAt& report);
-/// The body cannot be had, because of `why`; a stand-in takes its place where `replaced`. Nothing is told of what is
-/// a fallback for browsers that do not know a node of our own.
+/// Reports that the body of an EXTERNPROTO is missing because of `why`. `replaced` is true if a stand-in is used.
+/// Reports nothing for the fallbacks of our own nodes, which exist for other browsers.
 void tell_missing_prototype(const vrml::NodeType& type, const std::string& why, bool replaced, const ReportAt& report);
 
-/// EXTERNPROTOs of a scene of a living world get their bodies, and instances theirs, as of `library`; null: it cannot
-/// be had, because of `why`, and stand-ins take their places. Types that are gone meanwhile are passed over. False:
-/// none got a body. The thread of the scene.
+/// Gives EXTERNPROTOs of a running scene, and their instances, the bodies from `library`. If `library` is null, `why`
+/// is the reason, and stand-ins are used. Skips types that no longer exist. Returns false if no type got a body. Called
+/// on the thread of the scene.
 bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype>& awaited,
                      std::unique_ptr<vrml::SceneGraph> library, const std::optional<std::string>& why,
                      vrml::Diagnostics& diagnostics);

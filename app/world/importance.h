@@ -9,9 +9,9 @@
 
 namespace gs::app {
 
-/// How large nodes that wait for something are seen from `viewer` (world space): 0 not at all, 1 from within. Inlines
-/// and QNV nodes by their bounding boxes, textures by their Shape's place; nodes without one count as middling.
-/// Nodes that are not found in the live scene are left out. Bounded for any scene.
+/// Returns the apparent size of nodes that wait for data, seen from `viewer` (world space): 0 if invisible, 1 from
+/// inside. Uses the bounding boxes of Inlines and QNV nodes, and the Shapes of textures; nodes without bounds get a
+/// medium value. Omits nodes that are not in the scene. The work is bounded for any scene.
 [[nodiscard]] std::unordered_map<const vrml::Node*, float> importance_of(
     const vrml::SceneGraph& scene, const std::unordered_set<const vrml::Node*>& wanted, const glm::dvec3& viewer);
 

@@ -5,7 +5,7 @@
 
 namespace gs::app {
 
-/// Says what limits kept out of a picture: an error for each reason.
+/// Reports the objects that limits removed from a picture: one error per reason.
 void report_left_out(const render::RenderList& list, vrml::Diagnostics& diagnostics);
 
 }  // namespace gs::app

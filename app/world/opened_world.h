@@ -19,67 +19,67 @@ namespace gs::app {
 class MediaFile;
 class StreamFeed;
 
-/// A folder with something that a world refers to and may not read; the user may allow it.
+/// Folder with a file that a world refers to but must not read, unless the user allows it.
 struct OutsideFolder {
   std::string folder;
-  std::string reference;  // the first, as the world has it
+  std::string reference;  // the first one, as the world writes it
   friend bool operator==(const OutsideFolder&, const OutsideFolder&) = default;
 };
 
-/// How much of what a node's url names has come: 0 to 1.
+/// Received fraction of a node's url content, 0 to 1.
 struct UrlProgress {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId node;
   double fraction = 0;
 };
 
-/// How long what a node plays is, in seconds; negative: that is not known, or there is none.
+/// Duration of a node's media in seconds; negative if it is unknown or there is none.
 struct MediaDuration {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId node;
   double seconds = -1;
 };
 
-/// The text of a program that a Script's url names.
+/// Text of a program that a Script's url refers to.
 struct ProgramText {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId script;
-  std::optional<std::string> text;  // none: it cannot be had
-  std::string url;                  // where it was found
+  std::optional<std::string> text;  // nullopt if it is not available
+  std::string url;                  // URL that it was read from
 };
 
-/// A world that was read, with everything a picture of it needs.
+/// World that was read, with all data that a picture of it needs.
 struct OpenedWorld {
-  // Not in each file that has a world: they are long.
+  // Defined in the source file because the members are large.
   OpenedWorld();
   OpenedWorld(OpenedWorld&& other) noexcept;
   OpenedWorld& operator=(OpenedWorld&& other) noexcept;
   ~OpenedWorld();
 
   std::string title;                        // WorldInfo.title or the file's name
-  std::string path;                         // as it was asked for
-  std::unique_ptr<vrml::SceneGraph> scene;  // null: it could not be opened, and the diagnostics say why
+  std::string path;                         // as requested
+  std::unique_ptr<vrml::SceneGraph> scene;  // null if the world could not be opened; the diagnostics give the reason
   render::Images images;
   render::Clouds clouds;
   std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>> media;  // of AudioClips and MovieTextures
-  std::vector<MediaDuration> durations;                                           // likewise, that are to be told
-  std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams among `clouds` that grow; see stream_feed.h
-  /// By OutlineGroup with polygons that its url names: from whose budget these are drawn.
+  std::vector<MediaDuration> durations;            // of AudioClips and MovieTextures, not reported to them yet
+  std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams in `clouds` that still grow; see stream_feed.h
+  /// Scenes with the budget for the polygons, by OutlineGroup that read polygons from its url.
   std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::SceneGraph>> outlines;
   std::vector<UrlProgress> progress;  // of QNV nodes
   std::vector<ProgramText> programs;  // of files
   vrml::Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
-  bool network_allowed = false;       // --allow-network, see session/documents/network_gate.h
-  bool authored = true;               // a world with a look of its own; else a thing that a file has measured or made
+  bool network_allowed = false;       // --allow-network; see session/documents/network_gate.h
+  bool authored = true;               // an authored world; false for a measured or modelled object
   UpRule up = UpRule::y;              // of its format
-  std::optional<Upright> stated_up;   // by the file itself
-  std::optional<ColorKey> color_key;  // what the colours of its surfaces stand for, where it says so
-  bool truncated = false;             // the file ends before the world does
-  std::size_t bytes = 0;              // of the file itself, as it lies on disk
-  double parse_seconds = 0;           // of the file itself, without what it refers to
+  std::optional<Upright> stated_up;   // from the file itself
+  std::optional<ColorKey> color_key;  // meaning of the colours of its surfaces, if the file gives it
+  bool truncated = false;             // the file ends before the world is complete
+  std::size_t bytes = 0;              // size of the file itself on disk
+  double parse_seconds = 0;           // for the file itself, without its references
 
-  /// How it stands; `size`: of all that it shows, along the axes.
+  /// Returns the up axis. `size` is the extent of all visible objects along the axes.
   [[nodiscard]] Upright upright(const glm::vec3& size) const { return stated_up.value_or(upright_of(up, size)); }
 };
 

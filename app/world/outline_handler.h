@@ -10,11 +10,12 @@
 
 namespace gs::app {
 
-/// Reads the polygons that the url of an OutlineGroup names, into a node of its own, whose fields the group gets: at
-/// once, or where it lives already, with the arrivals.
+/// Content handler for the polygons in the url of an OutlineGroup. It reads them into an own node and passes the node's
+/// fields to the group: at once, or as updates if the world runs already.
 class OutlineHandler final : public ContentHandler, public std::enable_shared_from_this<OutlineHandler> {
  public:
-  /// `file`, `location`: of the group, for messages. `begin_with`: whose polygons stand in front; null: there are none.
+  /// Creates a handler for `group`. `file` and `location` are the group's, for messages. The new polygons follow those
+  /// of `begin_with`, unless it is null.
   OutlineHandler(WorldLoading::State& world, Arrivals::Place group, std::string file, vrml::SourceLocation location,
                  vrml::MFString urls, const vrml::Node* begin_with);
   ~OutlineHandler() override;
@@ -24,7 +25,7 @@ class OutlineHandler final : public ContentHandler, public std::enable_shared_fr
   void end(const std::optional<std::string>& problem) override;
   void missing(const std::string& why) override;
 
-  /// What has come so far.
+  /// Returns the fields with the polygons received so far.
   void give();
 
  private:
@@ -32,7 +33,7 @@ class OutlineHandler final : public ContentHandler, public std::enable_shared_fr
 
   WorldLoading::State& world_;
   Arrivals::Place group_;
-  std::string file_, name_;  // of the group's text; of the stream
+  std::string file_, name_;  // file of the group's text; name of the stream
   vrml::SourceLocation location_;
   vrml::MFString urls_;
   std::shared_ptr<vrml::SceneGraph> own_;

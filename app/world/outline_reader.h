@@ -13,22 +13,22 @@
 
 namespace gs::app {
 
-/// Reads a stream of outlines into nodes of a scene, as it comes.
+/// Incremental reader that adds the polygons of a stream of outlines to nodes of a scene.
 class OutlineReader {
  public:
-  /// `node`: an OutlineGroup that takes all polygons; null: Shapes of the scene's own.
+  /// Creates a reader. `node` is the OutlineGroup that receives all polygons; null adds Shapes to the scene.
   OutlineReader(WorldLoading::State& world, vrml::SceneGraph& scene, vrml::NodeId node = {})
       : world_(world), outlines_(scene, world.world.diagnostics, node) {}
 
   void receive(std::span<const std::byte> bytes);
   void receive_cells(const net::CellEvent& event);
-  /// `whole`: nothing is missing that might still come.
+  /// Reads the bytes received so far. `whole` is true if no more can follow.
   void end(const std::string& file, bool whole);
-  /// How what it shows stands, if the stream says so.
+  /// Returns the up axis that the stream gives, or nullopt.
   [[nodiscard]] std::optional<Upright> upright() const {
     return decoder_.header() ? stated_upright(decoder_.header()->description.metadata) : std::nullopt;
   }
-  /// Nodes that have got more polygons since this was last asked.
+  /// Returns the nodes that got more polygons since the last call.
   [[nodiscard]] std::vector<vrml::NodeId> take_changed();
   [[nodiscard]] bool empty() const { return outlines_.nodes().empty(); }
 

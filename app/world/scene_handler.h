@@ -21,11 +21,11 @@
 
 namespace gs::app {
 
-/// What tells apart what is fetched: texts of different sites that name the same share nothing, since what one may
-/// have, another may not.
+/// Returns the key under which fetches are shared. Texts of different sites never share a fetch, because their
+/// permissions differ.
 [[nodiscard]] std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& from);
 
-/// Makes a scene of the bytes of a file of any type, as they come, and has what it refers to read.
+/// Content handler that reads a scene from a file of any type while its bytes are received, and fetches its references.
 class SceneHandler final : public ContentHandler, public std::enable_shared_from_this<SceneHandler> {
  public:
   enum class Role : std::uint8_t { root, inlined, library };
@@ -48,38 +48,39 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
 
   /// Drops meshes of nodes that are still being read.
   void forget_open(render::MeshCache& meshes);
-  /// The scene of the root, of which all is read, or will never be. Null: there is nothing to show. It belongs to the
-  /// living world from now on: what comes for it are arrivals, and Inlines of it that are still being read are, too.
+  /// Hands over the root scene once it is complete or can no longer be completed. Returns null if there is nothing to
+  /// show. The running world owns the scene from then on and receives the rest as updates, including Inlines that are
+  /// still being read.
   [[nodiscard]] std::unique_ptr<vrml::SceneGraph> give_root();
-  /// The same of an Inline that was `given_to` a living world.
+  /// Hands over the content of an Inline that was `given_to` a running world. Returns null if there is nothing to show.
   [[nodiscard]] std::shared_ptr<vrml::SceneGraph> give_content();
   void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud);
-  /// An OutlineGroup that has got more polygons.
+  /// Notes that an OutlineGroup has more polygons.
   void outlines_changed(vrml::NodeId id);
-  /// A node's url was set in the living world: fetches what that names now.
+  /// Fetches the urls of a node of the running world that were set.
   void load(const UrlRequest& request);
-  /// The handler whose scene this is, of this one and what is inside; null: none.
+  /// Returns the handler of a scene among this one and its inner handlers, or null.
   [[nodiscard]] SceneHandler* handler_of(const vrml::SceneGraph* wanted);
-  /// Whether it belongs to what `top` reads.
+  /// Returns true if `top` or one of its references reads this resource.
   [[nodiscard]] bool is_inside(const SceneHandler& top) const;
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] double seconds() const { return seconds_; }
 
   Role role;
-  SceneHandler* outer;                     // whose Inline or EXTERNPROTO this is; null: the root
-  vrml::NodeId inline_node;                // of outer's scene
-  std::string place_file;                  // where outer's node is, for messages
+  SceneHandler* outer;                     // handler of the scene with the Inline or EXTERNPROTO; null for the root
+  vrml::NodeId inline_node;                // in the scene of `outer`
+  std::string place_file;                  // file of the node in `outer`, for messages
   vrml::SourceLocation place;              // in that file
-  std::string what;                        // "Inline", "EXTERNPROTO Name", for messages
-  vrml::MFString urls;                     // where it may be, for messages
-  std::vector<AwaitedPrototype> awaiting;  // library: outer's types that wait for it
+  std::string what;                        // "Inline" or "EXTERNPROTO Name", for messages
+  vrml::MFString urls;                     // candidate URLs, for messages
+  std::vector<AwaitedPrototype> awaiting;  // for a library: types of `outer` that wait for it
   vrml::SceneGraph* scene = nullptr;
-  std::optional<Arrivals::Place> given_to;  // the Inline of a living world that gets the content when it is read
-  /// What there is of the file itself.
+  std::optional<Arrivals::Place> given_to;  // Inline of a running world that gets the content when it is read
+  /// Completeness of the file itself.
   enum class Content : std::uint8_t { whole, cut_short, refused };
   Content content = Content::whole;
   [[nodiscard]] bool refused() const { return content == Content::refused; }
-  /// Of the file itself; what it refers to may yet come.
+  /// Returns true if the file itself has ended. Its references may still be loading.
   [[nodiscard]] bool nothing_more_comes() const { return stage_ >= Stage::ended; }
 
  private:
@@ -106,14 +107,14 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   }
   [[nodiscard]] bool leads_back(const Found& found) const;
   // scene_references.cpp
-  /// What a url list names, and in whose name it is asked for.
+  /// Candidate URLs of a url list, with the origin that requests them.
   struct Reference {
     std::vector<net::Url> places;
     net::Origin from;
-    std::string first;  // as the text has it
+    std::string first;  // as the text writes it
   };
-  /// Resolves a url list of a text of this world. Relative URLs are tried beside the scene's file, then beside the file
-  /// of the text (VRML97 4.5.3); of a text read from a URL at run time, beside that one first.
+  /// Resolves a url list of a text of this world. Tries relative URLs beside the scene's file, then beside the file of
+  /// the text (VRML97 4.5.3). If the text was read from a URL at run time, tries them beside that URL first.
   [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SourceText& text) const {
     return refer(list, text.source(), false);
   }
@@ -142,7 +143,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   // scene_prototypes.cpp
   void look_for_prototypes();
   void use_types_inside();
-  using Libraries = std::unordered_map<std::string, SceneHandler*>;  // EXTERNPROTOs of one file are one library
+  using Libraries = std::unordered_map<std::string, SceneHandler*>;  // EXTERNPROTOs of one file share one library
   struct PrototypePlace {
     std::string name, file;
     vrml::MFString urls;
@@ -166,25 +167,25 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   World& world_;
   Found found_;
   std::unique_ptr<vrml::SceneGraph> own_;      // until it is attached or handed over
-  std::shared_ptr<vrml::SceneGraph> content_;  // an Inline's that was attached, and is taken back until it is read
-  std::weak_ptr<vrml::SceneGraph> given_;      // an Inline's that belongs to the living world
-  std::vector<std::byte> waiting_;  // bytes that came before the type was known, or all of a file read at once
+  std::shared_ptr<vrml::SceneGraph> content_;  // content of an attached Inline; taken back to be read on
+  std::weak_ptr<vrml::SceneGraph> given_;      // content of an Inline that belongs to the running world
+  std::vector<std::byte> waiting_;  // bytes before the type is known, or all bytes of a file that is read at once
   vrml::Share waiting_share_;
   const ContentType* type_ = nullptr;
   std::optional<vrml::Parser> parser_;
   std::unique_ptr<Gunzip> gunzip_;  // Packing::gzip
   std::shared_ptr<CloudHandler> cloud_handler_;
-  std::unique_ptr<OutlineReader> outlines_;  // of a file that is a stream of outlines
+  std::unique_ptr<OutlineReader> outlines_;  // for a file that is a stream of outlines
   vrml::NodeId cloud_node_;
   std::uint32_t looked_at_ = 0;
-  std::vector<vrml::NodeId> later_;  // nodes whose fields were not all read yet
+  std::vector<vrml::NodeId> later_;  // nodes with incomplete fields
   std::vector<std::shared_ptr<SceneHandler>> libraries_, inner_;
-  std::vector<const vrml::Node*> shown_open_;  // nodes that were being read when they were shown
-  std::unordered_set<std::uint32_t> open_;     // indices of nodes that are being read
+  std::vector<const vrml::Node*> shown_open_;  // nodes that were incomplete when they were shown
+  std::unordered_set<std::uint32_t> open_;     // indices of incomplete nodes
   std::unordered_set<const vrml::NodeType*> used_types_, asked_types_;
   std::vector<std::pair<vrml::NodeType*, const vrml::NodeType*>> to_resolve_;  // EXTERNPROTO, PROTO
-  std::vector<std::pair<vrml::NodeType*, std::string>> own_types_;  // EXTERNPROTOs that name a PROTO of this file
-  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;       // by the QNV node that may take its place
+  std::vector<std::pair<vrml::NodeType*, std::string>> own_types_;  // EXTERNPROTOs that refer to a PROTO of this file
+  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;       // by the QNV node that may replace them
   std::size_t awaited_libraries_ = 0, bytes_ = 0, errors_before_ = 0;
   double seconds_ = 0;
   enum class Packing : std::uint8_t { unknown, plain, gzip };
@@ -192,12 +193,12 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   enum class Stage : std::uint8_t {
     receiving,
     read_at_once,  // by `whole_file`
-    ended,         // nothing more comes of the file itself
-    settled,       // nor, for a library, of what it uses
+    ended,         // the file itself has ended
+    settled,       // so have the references of a library
   };
   Stage stage_ = Stage::receiving;
   enum class Owner : std::uint8_t { reader, living_world };
-  Owner owner_ = Owner::reader;  // of the scene, its nodes and types
+  Owner owner_ = Owner::reader;  // owner of the scene, its nodes and types
 };
 
 }  // namespace gs::app

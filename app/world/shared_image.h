@@ -11,9 +11,10 @@
 
 namespace gs::app {
 
-/// A picture that textures show, which is fetched once for all of them.
+/// Content handler for an image that is fetched once for all textures that show it.
 struct WorldLoading::State::SharedImage final : ContentHandler {
-  /// `type_name`, `text`, `location`: of the node that asks first, and of its text, for messages; `list`: its urls.
+  /// Creates a handler. `type_name` is the type of the first texture, `text` and `location` are its position for
+  /// messages; `list` has its urls.
   SharedImage(WorldLoading::State& loading, std::string type_name, std::string text, vrml::SourceLocation location,
               vrml::MFString list);
 
@@ -23,10 +24,10 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   void end(const std::optional<std::string>& problem) override;
   void missing(const std::string& why) override;
 
-  /// One more texture shows it: now, or once it is there.
+  /// Adds a texture, which gets the image now or when it is available.
   void add(const Arrivals::Place& texture);
   [[nodiscard]] bool has_none() const { return stage == Stage::none; }
-  /// Nobody has what came any more.
+  /// Returns true if the image was shown but no texture uses it any more.
   [[nodiscard]] bool is_spent() const { return stage == Stage::shown && image.expired(); }
 
  private:
@@ -34,11 +35,11 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   void decode(std::span<const std::byte> from);
 
   WorldLoading::State& world;
-  std::string type, file, name;  // of the node that asked first; of its text; of the picture
+  std::string type, file, name;  // type of the first texture, file of its text, name of the image
   vrml::SourceLocation place;
   vrml::MFString urls;
   std::vector<std::byte> bytes;
-  vrml::Share held;  // of these
+  vrml::Share held;  // of `bytes`
   std::vector<Arrivals::Place> textures;
   std::weak_ptr<const render::Image> image;
   enum class Stage : std::uint8_t { coming, shown, none };

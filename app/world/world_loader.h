@@ -21,33 +21,32 @@ namespace gs::app {
 class LoadLedger;
 
 struct LoadOptions {
-  std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();  // of the file: the rest never arrives
-  vrml::Limits limits;                                                  // what the world may cost
-  double loss = 0;  // of a stream: this share of its packets never comes
+  std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();  // of the file; the rest is ignored
+  vrml::Limits limits;                                                  // max cost of the world
+  double loss = 0;  // simulated loss of a stream, as a fraction of its packets
   std::uint64_t loss_seed = 1;
-  double timeout_seconds = 30;                   // for everything together; what is missing then is left out
-  const std::atomic<bool>* cancelled = nullptr;  // set by another thread: as if the time were over
-  bool references = true;                        // also Inlines, EXTERNPROTOs, textures and QNV streams
-  bool whole_surfaces = false;       // displaced surfaces as arrays, not as patches of which views take cuts
-  bool offline = false;              // nothing is read over the network
-  bool allow_network = false;        // also for Scripts that have read private files
-  std::vector<std::string> allowed;  // folders and files, besides its own folder, that a world of this machine may read
-  bool by_view = false;      // of long streams on servers, views choose what is read; else they come front to back
-  std::uint64_t rate = 0;    // bits a second that are asked for, or taken of a server at most; 0: as many as there are
-  std::string cache_folder;  // for what comes over the network; empty: none
-  render::PhaseClock* phases = nullptr;        // of who measures how long texts take to parse; null: nobody does
-  std::shared_ptr<LoadLedger> ledger;          // of who wants to see how far files and streams are; null: nobody
-  std::shared_ptr<net::MemoryNetwork> memory;  // for tests: what memory: URLs name
+  double timeout_seconds = 30;                   // for the whole world; everything that is missing then is omitted
+  const std::atomic<bool>* cancelled = nullptr;  // set by another thread to stop like a timeout
+  bool references = true;                        // also reads Inlines, EXTERNPROTOs, textures and QNV streams
+  bool whole_surfaces = false;                   // displaced surfaces as arrays instead of patches that views cut
+  bool offline = false;                          // reads nothing over the network
+  bool allow_network = false;                    // also for Scripts that have read private files
+  std::vector<std::string> allowed;  // folders and files outside of its own folder that a local world may read
+  bool by_view = false;      // views choose ranges of long streams on servers; otherwise they are read front to back
+  std::uint64_t rate = 0;    // max bits per second of a server; 0 means unlimited
+  std::string cache_folder;  // cache of network resources; empty means none
+  render::PhaseClock* phases = nullptr;        // measures parsing; may be null
+  std::shared_ptr<LoadLedger> ledger;          // receives the progress of files and streams; may be null
+  std::shared_ptr<net::MemoryNetwork> memory;  // for tests: contents of memory: URLs
 };
 
-/// Reads a world from a path or URL, of any type of the table of content types, gzip'd or not, and what it refers to.
-/// `scene` is null when there is nothing to show; the diagnostics say why. Any thread; touches nothing else. Safe for
-/// untrusted files and servers.
+/// Reads a world and its references from a path or URL, of any content type, optionally gzip-compressed. `scene` is
+/// null if there is nothing to show; the diagnostics give the reason. Safe for untrusted files and servers. Any thread.
 [[nodiscard]] OpenedWorld load_world(const std::string& path, const LoadOptions& options = {});
 class WorldLoading;
-/// The same by one who goes on to ask for what its nodes name later.
+/// Reads a world with a loader that the caller keeps, so that it can request urls later.
 [[nodiscard]] OpenedWorld load_world(WorldLoading& loading, const std::string& path);
-/// What has become of a world for which there is not enough memory.
+/// Returns the result for a world that does not fit in memory.
 [[nodiscard]] OpenedWorld world_without_memory(const std::string& path);
 
 }  // namespace gs::app

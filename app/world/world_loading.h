@@ -21,82 +21,82 @@
 
 namespace gs::app {
 
-/// How far the reading of a world is.
+/// Progress of reading a world.
 struct LoadingState {
   std::uint64_t received = 0;          // bytes of all files
-  std::optional<std::uint64_t> total;  // of those that are being read; none while it is not known
+  std::optional<std::uint64_t> total;  // of the files that are being read; nullopt while unknown
   std::size_t files = 0;               // read or being read
-  std::size_t waiting = 0;             // of these, not at their end
+  std::size_t waiting = 0;             // files that are not complete
   friend bool operator==(const LoadingState&, const LoadingState&) = default;
 };
 
-/// Reads a world and all that it refers to (EXTERNPROTOs, Inlines, textures, QNV streams), from files and from the
-/// network, side by side. What has come stands in the world at once: shapes before their file ends, long number lists
-/// before they end, coarse vectors before fine ones.
+/// Reader of a world and all its references (EXTERNPROTOs, Inlines, textures, QNV streams), from files and the network
+/// concurrently. Received parts are added at once: Shapes before their file ends, parts of long number lists, coarse
+/// vectors before fine ones.
 ///
-/// Belongs to one thread; what it hands out is plain data, or is moved. Safe for untrusted files and servers.
+/// Used by one thread; results are plain data or are moved out. Safe for untrusted files and servers.
 class WorldLoading {
  public:
-  /// `asked`: a path or URL.
+  /// Begins to read a path or URL.
   WorldLoading(const std::string& asked, const LoadOptions& options);
   ~WorldLoading();
   WorldLoading(const WorldLoading&) = delete;
   WorldLoading& operator=(const WorldLoading&) = delete;
 
-  /// Takes in some of what has come, or waits for it, at most for `wait`. False when the world is done: everything is
-  /// there, or will never be.
+  /// Handles some received data, or waits for it for at most `wait`. Returns false when the world is done: each part is
+  /// loaded or can no longer be loaded.
   bool step(std::chrono::milliseconds wait);
   [[nodiscard]] bool done() const;
   /// Ends the wait of a `step`. Any thread.
   void wake();
 
-  /// Whether all nodes of the file itself are there, so that it can be taken while Inlines, EXTERNPROTOs, polygons,
-  /// pictures and vectors still come.
+  /// Returns true if all nodes of the file itself are read. The file can then be taken while Inlines, EXTERNPROTOs,
+  /// polygons, images and vectors still load.
   [[nodiscard]] bool root_is_read() const;
-  /// After `take`: what has come since the last time.
+  /// Returns the updates since the last call. Call after `take`.
   [[nodiscard]] Arrivals take_arrivals();
-  /// After `take`: urls have been set. `step` until it is done again; what they name is among the arrivals, each Inline
-  /// when its file is read.
+  /// Requests urls that were set, after `take`. Call `step` until it is done again. The updates contain the results; an
+  /// Inline is included when its file is complete.
   void request(std::vector<UrlRequest> requests);
-  /// Waits for `wake`, at most for `wait`.
+  /// Blocks until `wake` is called, or for at most `wait`.
   void rest(std::chrono::milliseconds wait);
-  /// After `take`: how large what waits is seen; nodes of `wanted`.
+  /// Sets the importance of waiting nodes, after `take`. The nodes are from `wanted`.
   void prioritize(std::unordered_map<const vrml::Node*, float> importance);
-  /// The nodes for which something is still to come over the network.
+  /// Returns the nodes that wait for data from the network.
   [[nodiscard]] std::unordered_set<const vrml::Node*> wanted() const;
 
-  /// Whether something that shows has changed since the last `collect`.
+  /// Returns true if something visible has changed since the last `collect`.
   [[nodiscard]] bool changed() const;
-  /// What is there, seen from `viewer`. Empty before there is anything.
+  /// Returns the render list of the parts read so far, for a viewer at `viewer`. Empty before the first part is read.
   [[nodiscard]] render::RenderList collect(const glm::dvec3& viewer);
-  /// From where the world is looked at: what is nearest and largest there comes first.
+  /// Sets the position of the viewer. Near and large objects are loaded first.
   void look_from(const glm::dvec3& viewer);
 
   [[nodiscard]] LoadingState state() const;
-  /// Of streams that grow: what the thread that draws gives them; see stream_feed.h.
+  /// Returns the feeds of streams that grow; the drawing thread feeds them, see stream_feed.h.
   [[nodiscard]] const std::vector<std::shared_ptr<StreamFeed>>& feeds() const;
-  /// What is wrong so far.
+  /// Returns the diagnostics so far.
   [[nodiscard]] const vrml::Diagnostics& diagnostics() const;
-  /// Of the world, or the name of its file.
+  /// Returns the title of the world, or the name of its file.
   [[nodiscard]] const std::string& title() const;
-  /// How it stands; `size`: of all that it shows.
+  /// Returns the up axis. `size` is the extent of all visible objects.
   [[nodiscard]] Upright upright(const glm::vec3& size) const;
-  /// Whether it is a world with a look of its own; see OpenedWorld.
+  /// Returns true for an authored world; see OpenedWorld.
   [[nodiscard]] bool authored() const;
-  /// The world as it is now; call once, when it is done or its root is read. What comes later are arrivals:
-  /// the scene is not touched any more. Meshes that `collect` made go along.
+  /// Moves the world out. Call once, when the world is done or its root is read. The scene is not used afterwards;
+  /// later results are updates. Meshes that `collect` made are moved to `meshes`.
   [[nodiscard]] OpenedWorld take(render::MeshCache* meshes = nullptr);
 
-  /// Datagrams of cells that came, and that were lost.
+  /// Returns the number of received and lost datagrams of cells.
   [[nodiscard]] net::CellClientStatistics cells() const;
 
-  /// After `take`: whether streams are left whose finer vectors still come, as views ask for them. Then `step` goes
-  /// on being of use, and touches nothing of the world but the streams.
+  /// Returns true, after `take`, if views still request finer vectors of streams. `step` must then be called further;
+  /// it changes nothing of the world but the streams.
   [[nodiscard]] bool streaming() const;
-  /// Whether bytes of such streams have come since the last call.
+  /// Returns true if bytes of such streams were received since the last call.
   [[nodiscard]] bool streams_grew();
 
-  /// The inside; see world_loading_state.h.
+  /// Implementation; see world_loading_state.h.
   struct State;
 
  private:

@@ -21,16 +21,16 @@
 #include <unordered_set>
 #include <vector>
 
-// The inside of WorldLoading, which finds the bytes: candidates, schemes, priorities, in world_loading.cpp,
-// world_fetches.cpp, world_network.cpp and world_cells.cpp. Content handlers make of them what they hold:
-// scene_handler.h and scene_references.cpp nodes, cloud_handler.h vectors, outline_reader.h polygons.
+// Implementation of WorldLoading. It finds the bytes by candidates, schemes and priorities: world_loading.cpp,
+// world_fetches.cpp, world_network.cpp and world_cells.cpp. Content handlers convert them: scene_handler.h and
+// scene_references.cpp to nodes, cloud_handler.h to vectors, outline_reader.h to polygons.
 
 namespace gs::app {
 
 class SceneHandler;
 class OutlineHandler;
 
-/// What the thread waits on.
+/// Event on which the reader thread waits.
 class Waker {
  public:
   void wake();
@@ -42,7 +42,7 @@ class Waker {
   bool awake_ = false;  // guarded by mutex_
 };
 
-/// What a message says of urls none of which works; `why`: the trouble with the first, or empty.
+/// Returns the message for a url list without a working URL. `why` is the problem of the first URL, or empty.
 [[nodiscard]] std::string why_missing(const vrml::MFString& urls, const std::string& why);
 
 struct WorldLoading::State {
@@ -74,18 +74,18 @@ struct WorldLoading::State {
     world.diagnostics.add({severity, file, at, std::move(message)});
   }
   void set_priorities();
-  /// A QNV node has got (better) vectors.
+  /// Gives a QNV node new or better vectors.
   void cloud_arrived(Arrivals::Cloud cloud);
   void image_arrived(Arrivals::Image image);
   void media_arrived(Arrivals::Media media);
   void text_arrived(Arrivals::Text text);
   void note_progress(const UrlProgress& progress);
   void outlines_arrived(Arrivals::Outlines outlines);
-  /// OutlineGroups get what has come for them.
+  /// Passes received polygons to the OutlineGroups.
   void give_outlines();
-  // world_requests.cpp: urls that are set in a living world
+  // world_requests.cpp: urls that are set in a running world
   void request(std::vector<UrlRequest> requests);
-  /// What the handler and those inside it read is not wanted any more.
+  /// Cancels the fetches of a handler and its inner handlers.
   void withdraw(const SceneHandler& handler);
   void give_content(SceneHandler& handler);
   Arrivals take_arrivals();
@@ -108,48 +108,48 @@ struct WorldLoading::State {
   net::ReferencePolicy policy;
   LoadLimit limit;
   WorldBudget budget;
-  OpenedWorld world;                                        // once it was taken: only what goes with the arrivals
-  Arrivals arrivals;                                        // since then
-  std::vector<std::shared_ptr<SceneHandler>> withheld;      // contents of Inlines whose files are not all there
-  std::unordered_map<const vrml::Node*, float> importance;  // likewise, as the owner of the world sees it
+  OpenedWorld world;                                        // after `take`: only the members that accompany updates
+  Arrivals arrivals;                                        // since `take`
+  std::vector<std::shared_ptr<SceneHandler>> withheld;      // contents of Inlines with incomplete files
+  std::unordered_map<const vrml::Node*, float> importance;  // as the owner of the world computes it
   render::MeshCache meshes;
   std::shared_ptr<SceneHandler> root;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   glm::dvec3 viewer{0, 0, 10};
 
-  std::unique_ptr<net::Loader> loader;  // made when something of the network is wanted
+  std::unique_ptr<net::Loader> loader;  // created for the first network resource
   std::unordered_map<std::uint64_t, Fetch*> by_request;
-  std::vector<std::unique_ptr<Fetch>> fetches;  // not at their end
-  std::deque<Fetch*> local;                     // that are read here, one after the other
+  std::vector<std::unique_ptr<Fetch>> fetches;  // not complete
+  std::deque<Fetch*> local;                     // read here, one after the other
   std::vector<Fetch*> ended;
   std::vector<std::unique_ptr<RangedStream>> streams;
-  /// A resource that comes as cells.
+  /// Resource that is received as cells.
   struct Cells;
   std::vector<std::shared_ptr<Cells>> cells;
-  std::deque<Fetch*> waiting_cells;                // that documents ask for
-  std::unordered_set<std::string> silent_servers;  // that were asked for cells, and never answered
-  net::CellClientStatistics ended_cells;           // of those that are over
-  std::deque<net::LoadEvent> events;               // that were polled and not taken in yet
+  std::deque<Fetch*> waiting_cells;                // requested by documents
+  std::unordered_set<std::string> silent_servers;  // asked for cells without an answer
+  net::CellClientStatistics ended_cells;           // statistics of finished cell streams
+  std::deque<net::LoadEvent> events;               // polled, not handled yet
   std::size_t files = 0;
   std::uint64_t received = 0;
   enum class Phase : std::uint8_t {
     loading,
-    too_many_files,  // one more is referred to than there may be: the next step stops
-    done,            // what is there is all there will be, unless urls are set
-    stopped,         // likewise, before all had come
+    too_many_files,  // more references than the limit; the next step stops
+    done,            // complete, unless more urls are set
+    stopped,         // stopped before everything was received
   };
   Phase phase = Phase::loading;
   [[nodiscard]] bool is_done() const { return phase == Phase::done || phase == Phase::stopped; }
-  bool changed = false, streams_grew = false;  // since somebody asked
-  bool taken = false;                          // the world lives
+  bool changed = false, streams_grew = false;  // since the last query
+  bool taken = false;                          // the running world owns the scene
   std::chrono::steady_clock::time_point next_priorities;
 
-  // Things that several nodes refer to, by what they ask for.
+  // Resources that several nodes share, by fetch key.
   struct SharedImage;
   struct SharedCloud;
   struct SharedMedia;
   struct TextHandler;
-  std::vector<std::shared_ptr<OutlineHandler>> outlines;  // of which more has come
+  std::vector<std::shared_ptr<OutlineHandler>> outlines;  // with new polygons
   std::unordered_map<std::string, std::shared_ptr<SharedImage>> shared_images;
   std::unordered_map<std::string, std::shared_ptr<SharedCloud>> shared_clouds;
   std::unordered_map<std::string, std::shared_ptr<SharedMedia>> shared_media;
