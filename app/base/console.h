@@ -4,33 +4,35 @@
 #include <string>
 #include <string_view>
 
-/// Standard output and standard error: nothing else in the program writes to them (but the access log of `serve`, which
-/// escapes for itself). Texts of files, servers and names never reach a terminal as they are: they could move its
-/// cursor, change its title, or type into it. One thread at a time for standard output; any for standard error.
+/// Standard output and standard error. All output of the program passes through these functions, except the access log
+/// of `serve`, which escapes its own text. Texts of files, servers and names are escaped, because raw text can move the
+/// cursor of a terminal, change its title, or type into it. Standard output: one thread at a time; standard error: any
+/// thread.
 namespace gs::app {
 
-/// Text in which nothing controls a terminal: control characters (C0, DEL, C1), line ends among them, and characters
-/// that turn the direction of what follows become \n, \t, \x1b or \u202e; bytes that are no UTF-8 become \xff.
+/// Returns text that cannot control a terminal. Control characters (C0, DEL, C1), line ends and bidirectional controls
+/// become \n, \t, \x1b or \u202e; bytes that are not UTF-8 become \xff.
 [[nodiscard]] std::string printable(std::string_view text);
 
-/// A result, on a line of standard output. Printable.
+/// Prints a result as one escaped line on standard output.
 void print_line(const char* format, ...) __attribute__((format(printf, 1, 2)));
-/// A result in a format of its own, which may be of several lines, on standard output: as it is in files and pipes,
-/// printable but for line ends and tabs on a terminal.
+/// Prints a result in an own format, possibly of several lines, on standard output. Files and pipes get the raw text;
+/// on a terminal everything but line ends and tabs is escaped.
 void print_text(std::string_view text);
-/// Whether writing to standard output failed before: more of it is of no use. finish_output() says why.
+/// Returns true if writing to standard output has failed, so that more output is useless. finish_output() returns the
+/// reason.
 [[nodiscard]] bool output_failed();
-/// A message, on a line of standard error. Printable.
+/// Prints a message as one escaped line on standard error.
 void complain(const char* format, ...) __attribute__((format(printf, 1, 2)));
-/// The last line of a terminal on standard error, in the place of what was shown there before; empty: nothing any more.
-/// The text must be ours. Nothing happens where standard error is no terminal.
+/// Replaces the last line of a terminal on standard error; an empty text removes it. The text must be trusted.
+/// Does nothing if standard error is not a terminal.
 void show_progress(std::string_view text);
 [[nodiscard]] bool progress_shows();
 
-/// To be called before anything else: descriptors that were closed by whoever started the program are taken, so that no
-/// file that is opened gets messages into it.
+/// Opens standard descriptors that the parent process has closed, so that messages never go into other files. Call
+/// before everything else.
 void prepare_console();
-/// Brings all of standard output to where it goes. What went wrong with it since the beginning, if anything.
+/// Flushes standard output. Returns the first error since the start of the program, or nullopt.
 [[nodiscard]] std::optional<std::string> finish_output();
 
 }  // namespace gs::app

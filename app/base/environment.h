@@ -14,7 +14,7 @@ namespace gs::app {
 [[nodiscard]] std::vector<char*> kept_environment();
 
 /// Removes all other entries and overwrites their bytes with zeros, so that /proc/self/environ does not show them. Call
-/// it before there are threads.
+/// before there are threads.
 void clear_environment();
 
 }  // namespace gs::app

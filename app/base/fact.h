@@ -12,14 +12,13 @@
 
 namespace gs::app {
 
-/// What a command tells, a value of JSON (RFC 8259): nothing, a truth, a number, a text, a list, or values by their
-/// names in the order in which they were put. Its library stays behind it: that takes the compiler longer than most
-/// files that tell something. One thread at a time.
+/// JSON value (RFC 8259) that a command reports: null, boolean, number, string, list or object in insertion order.
+/// Hides its JSON library, which is slow to compile. One thread at a time.
 class Fact {
  public:
   using Named = std::pair<std::string_view, Fact>;
 
-  Fact();  // nothing
+  Fact();  // null
   Fact(bool truth);
   Fact(double number);
   Fact(std::int64_t number);
@@ -39,18 +38,17 @@ class Fact {
   [[nodiscard]] static Fact list(std::initializer_list<Fact> values = {});
   [[nodiscard]] static Fact named(std::initializer_list<Named> values = {});
 
-  /// Puts a value under a name, behind those that are there, or in the place of the one that has it. Nothing becomes
-  /// values by names.
+  /// Sets the value of a name: appends it, or replaces the existing one. Null becomes an object.
   void put(std::string_view name, Fact value);
-  /// Puts a value behind those of a list. Nothing becomes a list.
+  /// Appends a value to a list. Null becomes a list.
   void add(Fact value);
-  /// Neither a list's values nor named ones.
+  /// Returns true for a value without list elements and without members.
   [[nodiscard]] bool empty() const;
 
   /// JSON, indented, ASCII; what is no UTF-8 is replaced (U+FFFD). Ends with a line end.
   [[nodiscard]] std::string json() const;
-  /// For people: a line for each value that has a name; lists of values that are no numbers, and what is named
-  /// "metadata", have one for each of theirs.
+  /// Returns indented ASCII JSON with a trailing line end. Invalid UTF-8 becomes U+FFFD.
+  /// one line per element.
   [[nodiscard]] std::vector<std::string> lines() const;
 
  private:
@@ -58,7 +56,7 @@ class Fact {
   std::unique_ptr<Value> value_;
 };
 
-/// Whether a text is JSON, of values by names, one of which is `name`. Safe for untrusted texts.
+/// Returns true if a text is a JSON object with a member `name`. Safe for untrusted texts.
 [[nodiscard]] bool is_json_with(std::string_view text, std::string_view name);
 
 }  // namespace gs::app

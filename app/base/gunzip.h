@@ -14,25 +14,27 @@
 
 namespace gs::app {
 
-/// True for the first bytes of a gzip member (RFC 1952).
+/// Returns true for the first bytes of a gzip member (RFC 1952).
 [[nodiscard]] bool is_gzip(std::span<const std::byte> bytes);
 
-/// Unpacks gzip members as they come, in pieces of any size. Safe for untrusted input; memory is constant. One thread.
+/// Incremental decompressor of gzip members, for pieces of any size. Safe for untrusted input; constant memory. One
+/// thread.
 class Gunzip {
  public:
-  /// Takes what has been unpacked; false ends it all.
+  /// Receiver of the decompressed bytes; returns false to stop.
   using Sink = std::function<bool(std::string_view)>;
 
-  /// All that is unpacked is drawn from `budget`, also where it is not kept. A member that unpacks to far more than its
-  /// size is stopped (Limits::unpack_ratio), and so is all when the budget says that it is time.
+  /// Creates a decompressor. All decompressed bytes count against `budget`, even if they are not kept. Stops at members
+  /// that expand too much (Limits::unpack_ratio), and when the time of the budget is over.
   explicit Gunzip(WorldBudget budget);
   ~Gunzip();
   Gunzip(const Gunzip&) = delete;
   Gunzip& operator=(const Gunzip&) = delete;
 
-  /// The next packed bytes. False when no more are of use: damage (see `finish`), the end, or the sink's wish.
+  /// Decompresses the next bytes. Returns false if no more are useful: after an error (see `finish`), at the end, or if
+  /// the sink stopped.
   bool push(std::span<const std::byte> bytes, const Sink& sink);
-  /// There are no more: what is wrong with the data (truncated, bad checksum, larger than the limit), if anything.
+  /// Ends the input. Returns the error of the data (truncated, bad checksum, larger than the limit), or nullopt.
   [[nodiscard]] std::optional<std::string> finish();
 
  private:
@@ -40,21 +42,21 @@ class Gunzip {
   std::unique_ptr<State> state_;
 };
 
-/// Likewise, with all packed bytes at hand. All that could be unpacked has been delivered when an error comes back.
+/// Decompresses complete data. Returns the error, or nullopt; everything before the error was passed to `sink`.
 [[nodiscard]] std::optional<std::string> gunzip(std::span<const std::byte> bytes, const WorldBudget& budget,
                                                 const Gunzip::Sink& sink);
 
-/// Unpacked bytes, and the part of a budget that they take.
+/// Decompressed bytes with their share of a budget.
 struct UnpackedBytes {
   vrml::Array<std::byte> bytes;
   vrml::Share share;
-  std::optional<std::string> problem;  // why there are no more
+  std::optional<std::string> problem;  // reason why the rest is missing
 };
-/// Unpacks gzip members to the end, or as far as the budget for `resource` allows.
+/// Decompresses gzip members to the end, or as far as the budget for `resource` allows.
 [[nodiscard]] UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& budget,
                                         vrml::Resource resource);
 
-/// One gzip member.
+/// Compresses bytes to one gzip member.
 [[nodiscard]] std::vector<std::byte> gzip(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

@@ -8,14 +8,15 @@
 
 namespace gs::app {
 
-/// A file in the system's folder for such, which goes when this does.
+/// Temporary file that is removed with this object.
 class TemporaryFile {
  public:
-  /// Its name ends in `name`, whose extension may tell its type; of that only plain letters are kept.
+  /// Creates a file. Its name ends in `name`, so that the extension gives its type. Only plain letters of `name` are
+  /// kept.
   TemporaryFile(const std::string& name, std::span<const std::byte> bytes);
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// Why there is none; empty: there is.
+  /// Returns the reason why there is no file; empty on success.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:
@@ -23,11 +24,11 @@ class TemporaryFile {
   std::string path_, problem_;
 };
 
-/// Removes the temporary folders that killed processes left. Call it once, at the start.
+/// Removes the temporary folders of killed processes. Call once, at the start.
 void remove_abandoned_files();
 
-/// Removes the unfinished files (net/files/unfinished_file.h) that killed processes left in the folder of `file`. Does
-/// nothing if `file` is empty.
+/// Removes the unfinished files (net/files/unfinished_file.h) of killed processes in the folder of `file`. Does nothing
+/// if `file` is empty.
 void remove_unfinished_beside(const std::string& file);
 
 }  // namespace gs::app

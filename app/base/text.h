@@ -8,12 +8,12 @@
 
 namespace gs::app {
 
-/// Bytes as text; nothing is checked, nothing copied.
+/// Returns bytes as text, without checks or copies.
 [[nodiscard]] inline std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// ASCII letters in lower case; other bytes as they are.
+/// Returns text with ASCII letters in lower case; other bytes do not change.
 [[nodiscard]] inline std::string lower_case(std::string_view text) {
   std::string result(text);
   for (char& c : result)
@@ -21,16 +21,16 @@ namespace gs::app {
   return result;
 }
 
-/// The last part of a path.
+/// Returns the last part of a path.
 [[nodiscard]] inline std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
-/// `text` cut to about `length` bytes at a character's edge, control characters made blanks: worlds name things as they
-/// like.
+/// Returns text cut to about `length` bytes at a character boundary. Control characters become blanks, because names of
+/// worlds are untrusted.
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t length);
 
-/// "1.5 MB".
+/// Returns a size such as "1.5 MB".
 [[nodiscard]] std::string readable_size(std::uint64_t bytes);
-/// "1.4 of 2.3 MB", "45.2 kB of 2.3 MB".
+/// Returns progress such as "1.4 of 2.3 MB" or "45.2 kB of 2.3 MB".
 [[nodiscard]] std::string readable_part(std::uint64_t bytes, std::uint64_t of);
 
 }  // namespace gs::app

@@ -6,10 +6,10 @@
 
 namespace gs::app {
 
-/// What everything that belongs to one world draws from; never null.
+/// Budget that all parts of one world share; never null.
 using WorldBudget = std::shared_ptr<vrml::Budget>;
 
-/// For what is read alone.
+/// Returns a budget for a file that is read alone.
 [[nodiscard]] inline WorldBudget own_budget() { return std::make_shared<vrml::Budget>(); }
 
 }  // namespace gs::app

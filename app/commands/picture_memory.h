@@ -6,15 +6,15 @@ class SceneGraph;
 
 namespace gs::app {
 
-// What a program that makes one picture does with its memory.
+// Memory settings for processes that draw one picture.
 
-/// A picture's program ends when it is written: memory that is given back to the system, and taken again page by page,
-/// is a third of its time. So blocks are kept. Where the system has large pages for who asks, they come from one heap
-/// for all threads, whose addresses are taken here, at the beginning; elsewhere threads would only wait for each other.
+/// Makes the allocator keep freed memory. Returning pages to the system and faulting them in again takes a third of the
+/// time of a picture. If the system has large pages on request, all threads use one heap of them, and its addresses are
+/// reserved here. Otherwise a single heap would only make threads wait. Call at the start.
 void keep_memory();
 
-/// Geometries are meshes by now, and nobody reads the lists of numbers that they were made of again: large ones give
-/// their memory back before the driver makes copies of its own.
+/// Frees the large number lists of geometries after their meshes are made, before the driver makes own copies. Nothing
+/// may read the lists afterwards.
 void release_lists(vrml::SceneGraph& scene);
 
 }  // namespace gs::app

@@ -16,21 +16,21 @@ struct View;
 struct ViewStyle;
 struct VolumeWishes;
 
-/// What pictures of a world are drawn with, by the options; of their size.
+/// Returns the draw options for pictures of a world: those of the command line, for the size that they give.
 [[nodiscard]] render::DrawOptions picture_draw(const Options& options, const View& seen);
 
-/// How files are seen, by the options.
+/// Returns the view style of the options.
 [[nodiscard]] ViewStyle view_style(const Options& options);
-/// The camera of --camera or --orbit, which follows --up where that is given; none where neither is asked for.
+/// Returns the camera of --camera or --orbit, using --up if given. Returns nullopt if neither is given.
 [[nodiscard]] std::optional<render::Camera> camera_of_options(const Options& options, const render::RenderList& list);
-/// What is wrong with options of the camera that are right one by one.
+/// Checks combinations of camera options that are valid one by one. Returns the problem, or nullopt.
 [[nodiscard]] std::optional<std::string> check_camera(const Options& options);
 
-/// The options with the size in pixels of what is printed. What is wrong, if anything.
+/// Sets the size in pixels from the paper size and resolution. Returns the problem, or nullopt.
 [[nodiscard]] std::optional<std::string> settle_size(Options& options);
 
-/// Of the series that a path names, the file that shows at a time; the path itself where it names none. A message where
-/// the series has no file.
+/// Replaces the name of a series in `path` by its file for `time`. Leaves any other path. Returns a message if the
+/// series has no files.
 [[nodiscard]] std::optional<std::string> settle_series(const Options& options, double time, std::string& path);
 
 [[nodiscard]] VolumeWishes volume_wishes(const Options& options);

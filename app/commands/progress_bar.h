@@ -6,8 +6,8 @@
 
 namespace gs::app {
 
-/// What a long piece of work shows on stderr when that is a terminal: stage and percent. As long as it lives, Ctrl-C
-/// cancels the work; a second one ends the program. One at a time.
+/// Progress display of a long operation on standard error, if that is a terminal: stage and percent. While it exists,
+/// Ctrl-C cancels the operation; a second Ctrl-C ends the program. Only one at a time.
 class ProgressBar {
  public:
   ProgressBar();
@@ -15,9 +15,9 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// For the work as a whole.
+  /// Returns the progress of the whole operation.
   [[nodiscard]] qnv::Progress& whole() { return whole_; }
-  /// For work that the whole has done for it; cancelled with it.
+  /// Returns the progress of a part of the operation; cancelled together with it.
   [[nodiscard]] qnv::Progress& part() { return part_; }
   [[nodiscard]] bool cancelled() const { return whole_.cancelled; }
 
@@ -25,7 +25,7 @@ class ProgressBar {
   void draw();
 
   qnv::Progress whole_, part_;
-  std::jthread thread_;  // last: joined before what it uses goes
+  std::jthread thread_;  // last member: joined before the members that it uses are destroyed
 };
 
 }  // namespace gs::app

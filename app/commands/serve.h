@@ -4,9 +4,8 @@
 
 namespace gs::app {
 
-/// Serves a folder until SIGINT or SIGTERM, then lets running transfers end for
-/// up to ten seconds (a second signal: at once). Prints where; returns the exit
-/// status.
+/// Serves a folder until SIGINT or SIGTERM, then lets running transfers finish for up to ten seconds; a second signal
+/// ends them at once. Prints the addresses; returns the exit status.
 int serve(const ArchiveOptions& options);
 
 }  // namespace gs::app

@@ -17,50 +17,51 @@
 
 namespace gs::app {
 
-/// A world's surfaces, ready to be encoded.
+/// Surfaces of a world, ready to be encoded.
 struct OpenedSurface {
   OpenedWorld world;
   render::MeshCache meshes;
   render::RenderList list;
 };
 
-/// What a file is to `encode`, `export` and `info`.
+/// Content of a file for `encode`, `export` and `info`.
 using Opened = std::variant<qnv::VolumeSource, qnv::Cloud, std::unique_ptr<OpenedSurface>, MeshStream>;
 
-/// What is in a file, and what it is called.
+/// Opened file with its content, type and title.
 struct OpenedInput {
   Opened content;
-  std::string type;   // the content type's name
-  std::string title;  // of a world, else the file's name
+  std::string type;   // name of the content type
+  std::string title;  // of a world; otherwise the file's name
   std::size_t bytes = 0;
-  Upright upright{};                            // by its format, where the file itself does not say
-  std::shared_ptr<const net::MappedFile> file;  // of which a MeshStream is read
+  Upright upright{};                            // from the format, if the file itself gives none
+  std::shared_ptr<const net::MappedFile> file;  // source of a MeshStream
 };
 
-/// The most triangles that may be held while they are encoded as displacements: more are thinned to so many.
+/// Returns the maximum number of triangles held while a displaced payload is encoded. Larger meshes are simplified to
+/// it.
 [[nodiscard]] std::size_t most_encoded_triangles(const vrml::Limits& limits);
 
-/// Opens a file of any type; as headerless volume where the options have dimensions. Prints what is wrong; nothing
-/// when there is nothing to work with.
+/// Opens a file of any type, or a volume without header if the options give dimensions. Prints errors; returns nullopt
+/// if there is nothing to encode.
 [[nodiscard]] std::optional<OpenedInput> open_input(const Options& options, const std::string& path);
 
-/// How what is made of it stands: as the options say, else as the file does.
+/// Returns the up axis of the result: that of the options, else that of the file.
 [[nodiscard]] Upright wanted_upright(const Options& options, const OpenedInput& input);
 
-/// Encodes an input as the options say; surfaces packed unless `records`.
+/// Encodes an input as the options say. Surfaces use the octree payload unless `records` is set.
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const Options& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress);
 
-/// Memory that a triangle takes while outline groups are made.
+/// Memory per triangle while outline groups are made.
 inline constexpr std::uint64_t kOutlineTriangleBytes = 400;
 
-/// The isosurface of a volume as polygons; what went wrong.
+/// Returns the isosurface of a volume as polygons, or an error.
 [[nodiscard]] std::variant<OutlineModel, std::string> isosurface_outlines(const Options& options,
                                                                           const qnv::VolumeSource& volume,
                                                                           ProgressBar& progress);
 
-/// The vectors of an input: those it has, a volume's gradients, or those that its surface is encoded as.
+/// Returns the vectors of an input: its own, the gradients of a volume, or those of its encoded surface.
 [[nodiscard]] std::variant<qnv::Cloud, qnv::EncodeError> cloud_of_input(const Options& options, OpenedInput input,
                                                                         ProgressBar& progress);
 

@@ -17,17 +17,17 @@
 
 namespace gs::app {
 
-/// Lets clients outside of the program control the worlds of a session: the services of ISO/IEC 14772-2 as JSON-RPC 2.0
-/// (docs/control.md). One thread, that of the session, in whose steps it acts: what has come is done behind the step of
-/// time and before what the user does.
+/// Server of control clients for the worlds of a session: the services of ISO/IEC 14772-2 as JSON-RPC 2.0
+/// (docs/control.md). Used by the session's thread. In each step it acts after time has advanced and before the user's
+/// input.
 class Control final : public SessionGuest {
  public:
-  /// A picture of a view, of so many pixels, as a file of PNG; or why there is none.
+  /// Function that draws a view with the given size in pixels. Returns a PNG file or an error.
   using Painter =
       std::function<std::variant<std::vector<std::byte>, std::string>(const View& view, int width, int height)>;
 
-  /// The channel must outlive it. `wake`: another step is to follow at once, since messages of this one took longer
-  /// than `most_of_step`.
+  /// Creates the server on a channel, which must outlive it. `wake` requests another step at once, because the messages
+  /// of this one took longer than `most_of_step`.
   Control(ControlChannel& channel, std::function<void()> wake,
           std::chrono::steady_clock::duration most_of_step = std::chrono::milliseconds(10));
   ~Control() override;
@@ -35,7 +35,7 @@ class Control final : public SessionGuest {
   Control& operator=(const Control&) = delete;
 
   void set_painter(Painter painter) { painter_ = std::move(painter); }
-  /// A client has asked that the program ends.
+  /// Returns true if a client has requested the end of the program.
   [[nodiscard]] bool wants_to_end() const { return ends_; }
 
   bool act(Session& session) override;
@@ -43,7 +43,7 @@ class Control final : public SessionGuest {
 
   // For services.
 
-  /// The number that stands for a node from now on; it is held.
+  /// Returns the number by which a client refers to a node. The node is kept alive.
   [[nodiscard]] std::uint64_t number_of(ControlClient& client, vrml::SceneGraph& scene, vrml::NodeId node);
   void dispose(ControlClient& client, std::uint64_t node);
   [[nodiscard]] vrml::NodeId find_name(ControlClient& client, std::string_view name);
@@ -52,9 +52,9 @@ class Control final : public SessionGuest {
   [[nodiscard]] bool unwatch(ControlClient& client, std::uint64_t watch);
   [[nodiscard]] const Painter& painter() const { return painter_; }
   void end() { ends_ = true; }
-  /// It goes to its world as it is in that viewport.
+  /// Moves a client to the world that its viewport shows now.
   void follow_viewport(Session& session, ControlClient& client);
-  /// Events that have come so far are told before what comes next.
+  /// Sends the collected events before anything else is sent.
   void tell_events();
 
  private:
@@ -68,7 +68,7 @@ class Control final : public SessionGuest {
   void observe(ControlledWorld& world);
   void prune();
 
-  /// An event that somebody watches.
+  /// Watched event that is not sent yet.
   struct Seen {
     std::uint64_t client, watch;
     double time;

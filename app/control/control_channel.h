@@ -8,7 +8,7 @@
 
 namespace gs::app {
 
-/// Messages of clients and to them; see net::ControlServer, which is one.
+/// Interface for messages from and to clients; net::ControlServer implements it.
 class ControlChannel {
  public:
   virtual ~ControlChannel() = default;

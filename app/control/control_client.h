@@ -17,13 +17,13 @@
 
 namespace gs::app {
 
-/// A node of a world, and in which of its scenes.
+/// Node with its scene, which is that of the world or of an Inline.
 struct PlacedNode {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId id;
 };
 
-/// An eventOut of a node of a world.
+/// eventOut of a node of a world.
 struct WatchedEvent {
   vrml::NodeId node;
   const vrml::InterfaceDeclaration* event = nullptr;
@@ -36,45 +36,45 @@ struct HashWatchedEvent {
   }
 };
 
-/// What clients do in one world.
+/// State of the clients of one world.
 struct ControlledWorld {
   std::weak_ptr<Document> document;
-  std::unique_ptr<vrml::NodeNames> names;  // null: nobody has asked for one
-  /// Who is told, by number of the client and of what it watches.
+  std::unique_ptr<vrml::NodeNames> names;  // null until a client looks up a name
+  /// Numbers of the client and of its watch, by watched event.
   std::unordered_map<WatchedEvent, std::vector<std::pair<std::uint64_t, std::uint64_t>>, HashWatchedEvent> watched;
 };
 
-/// An eventOut that a client is told of.
+/// eventOut that a client watches.
 struct Watch {
   vrml::SceneGraph* scene = nullptr;
   WatchedEvent event;
-  std::optional<vrml::FieldValue> latest;  // that it was not told of, since it has much to read
-  double time = 0;                         // of that
-  std::uint64_t missed = 0;                // events before that which it is never told of
+  std::optional<vrml::FieldValue> latest;  // not sent yet, because the client reads slowly
+  double time = 0;                         // timestamp of `latest`
+  std::uint64_t missed = 0;                // number of events that were dropped before `latest`
 };
 
-/// An event that a client sends.
+/// Event that a client sends.
 struct ClientEvent {
   PlacedNode node;
   const vrml::InterfaceDeclaration* event_in = nullptr;
   vrml::FieldValue value;
 };
 
-/// A client, and what it has of a world: numbers stand for nodes, which are held for it.
+/// Client with its nodes of a world. Numbers refer to nodes, which are kept alive for it.
 struct ControlClient {
   std::uint64_t number = 0;
-  std::size_t viewport = 0;                                      // in sight, whose world it is about
-  ControlledWorld* world = nullptr;                              // null: none has come there, yet
+  std::size_t viewport = 0;                                      // visible viewport with the client's world
+  ControlledWorld* world = nullptr;                              // null while the viewport shows no world
   std::unordered_map<std::uint64_t, PlacedNode> nodes;           // by number
-  std::unordered_map<std::uint64_t, std::uint64_t> known_nodes;  // numbers, by generation and index
+  std::unordered_map<std::uint64_t, std::uint64_t> known_nodes;  // numbers of nodes, by generation and index
   std::uint64_t last_node = 0, last_watch = 0;
   std::map<std::uint64_t, Watch> watches;
   std::vector<std::uint64_t> late;  // watches with a `latest`
   bool updates = false;             // between beginUpdate and endUpdate
   std::vector<ClientEvent> update;
-  std::size_t update_bytes = 0;              // of the messages that made it
-  bool wants_browser_events = false;         // adviseBrowser
-  std::vector<std::string> waits_for_world;  // ids of calls of awaitWorld
+  std::size_t update_bytes = 0;              // size of the messages of the update
+  bool wants_browser_events = false;         // adviseBrowser was called
+  std::vector<std::string> waits_for_world;  // ids of awaitWorld calls
 };
 
 }  // namespace gs::app

@@ -11,19 +11,20 @@
 
 namespace gs::app {
 
-/// Where clients come to, as the command line says it.
+/// Addresses for clients, from the command line.
 struct ControlPlaces {
   std::vector<std::string> paths;    // Unix sockets
-  std::vector<std::uint16_t> ports;  // WebSockets on 127.0.0.1; 0: any free port
-  std::string token_file;            // empty: the token is told on standard error
+  std::vector<std::uint16_t> ports;  // WebSockets on 127.0.0.1; 0 means any free port
+  std::string token_file;            // if empty, the token is printed on standard error
 
   [[nodiscard]] bool any() const { return !paths.empty() || !ports.empty(); }
 };
 
-/// A Control, and the server whose clients it serves.
+/// Control with its server.
 class ControlService {
  public:
-  /// Tells on standard error where clients may come to. `wake`: as of net::ControlServer. The error names the place.
+  /// Starts the server and prints the addresses on standard error. `wake` is that of net::ControlServer. The error
+  /// names the address.
   [[nodiscard]] static std::variant<std::unique_ptr<ControlService>, std::string> start(const ControlPlaces& places,
                                                                                         std::function<void()> wake);
   ~ControlService();

@@ -8,40 +8,41 @@
 
 namespace gs::app {
 
-/// What is wrong with a text that is no JSON (RFC 8259), and where, in bytes from its beginning.
+/// Syntax error of a JSON text (RFC 8259), with its offset in bytes.
 struct JsonProblem {
   std::size_t place = 0;
   std::string why;
 };
-/// Nothing where the text is one value of JSON. Lists and objects lie at most 64 deep in each other. Work and memory
-/// follow the length of the text. Whether strings are UTF-8 is for others to see.
+/// Checks that a text is one JSON value. Lists and objects nest at most 64 levels. Returns nullopt for valid JSON. Time
+/// and memory are linear in the length. Does not check that strings are UTF-8. Safe for untrusted texts.
 [[nodiscard]] std::optional<JsonProblem> check_json(std::string_view text);
 
 enum class JsonKind : std::uint8_t { null, boolean, number, string, list, object };
 
-/// Reads a text that check_json has found right, from its beginning on, and makes nothing of what is not asked for:
-/// thousands of numbers go straight to where they are wanted. A copy goes on from where it was made. Pure.
+/// Forward cursor over a text that check_json() has accepted. It builds no tree, so thousands of numbers are read
+/// directly into their destination. A copy continues at its position. Pure.
 class JsonCursor {
  public:
   explicit JsonCursor(std::string_view text) : at_(text.data()), end_(at_ + text.size()) {}
 
-  /// Of the value that it stands before.
+  /// Returns the kind of the next value.
   [[nodiscard]] JsonKind kind();
 
-  // Each expects a value of its kind, and goes behind it.
+  // Each of these expects a value of its kind and moves past it.
   [[nodiscard]] bool boolean();
-  /// The nearest double; infinite where the text has a larger one.
+  /// Returns the nearest double; infinity if the number is too large.
   [[nodiscard]] double number();
-  /// With what is escaped in its place. The bytes lie in the text, or in `made`.
+  /// Returns the string with escapes resolved. The bytes are in the text or in `made`.
   [[nodiscard]] std::string_view string(std::string& made);
-  /// Goes into a list or an object.
+  /// Enters a list or an object.
   void open();
-  /// Inside one: true before the next value, or the name of a member; false behind its end.
+  /// Returns true before the next value or member name; moves past the end of the list or object and returns false
+  /// there.
   [[nodiscard]] bool more();
-  /// The name of a member; its value comes next.
+  /// Returns the name of a member; its value is next.
   [[nodiscard]] std::string_view name(std::string& made);
 
-  /// Goes behind the value, whatever it is; its text.
+  /// Moves past a value of any kind and returns its text.
   std::string_view skip();
 
  private:
@@ -49,10 +50,10 @@ class JsonCursor {
   const char *at_, *end_;
 };
 
-/// Appends text as a string of JSON; what is no UTF-8 becomes U+FFFD.
+/// Appends a JSON string. Invalid UTF-8 becomes U+FFFD.
 void append_json_string(std::string& out, std::string_view text);
-/// Appends a number with the fewest digits that give the same one; NaN and infinities, which JSON has not, as the
-/// strings "NaN", "Infinity" and "-Infinity".
+/// Appends the shortest decimal number that reads back as the same value. NaN and infinities, which JSON lacks, become
+/// the strings "NaN", "Infinity" and "-Infinity".
 void append_json_number(std::string& out, double number);
 void append_json_number(std::string& out, float number);
 

@@ -9,27 +9,25 @@
 
 namespace gs::app {
 
-/// The type that a file's name tells, `.gz` at its end not counted; null for
-/// none.
+/// Returns the content type of a file name, ignoring a trailing `.gz`, or null if the name has none.
 [[nodiscard]] const ContentType* content_type_by_name(std::string_view name);
 
-/// The MIME type that a server gives a file, by its name: that of our content
-/// types, those of the web, else application/octet-stream; and whether gzip
-/// pays.
+/// Returns the MIME type that a server sends for a file name, and whether gzip saves bytes. Looks in our content types,
+/// then in those of the web; otherwise returns application/octet-stream.
 [[nodiscard]] net::ServedType served_type_of(std::string_view name);
 
-/// Whether a file can be encoded as a QNV stream, as far as its name tells.
+/// Returns true if a file of this name can be encoded as a QNV stream.
 [[nodiscard]] bool can_be_encoded(std::string_view name);
 
-/// The page of a folder for people (HTML, without scripts) or programs (JSON).
-/// With `made`: with pictures of what opens as a world, and the streams that
-/// can be asked for. Names are any bytes.
-/// `request.query` may have fields of a form: search (part of a name) and sort (name, size or date, with a - before it
-/// the other way round).
+/// Returns the page of a folder, as HTML without scripts or as JSON. `made` adds thumbnails of worlds and links to made
+/// streams. Names may contain any bytes.
+///
+/// `request.query` may have the form fields `search` (part of a name) and `sort` (name, size or date; a leading -
+/// reverses the order).
 [[nodiscard]] net::FolderPage archive_index(const net::FolderListing& listing, const net::FolderRequest& request,
                                             bool made);
-/// The link (see SceneLink) by which a click on a page opens a scene: of a name "x.wrl.gslink" to x.wrl, as the client
-/// knows the folder. Nothing: it is no such name.
+/// Returns the link file (see SceneLink) that opens a scene from a web page. The name "x.wrl.gslink" gives a link to
+/// x.wrl, with the folder's URL as the client uses it. Returns nullopt for other names.
 [[nodiscard]] std::optional<net::FolderPage> scene_link_page(const std::string& name, const net::FolderRequest& request,
                                                              bool made);
 

@@ -10,16 +10,14 @@
 
 namespace gs::app {
 
-/// The QNV streams of a folder, as cells. A stream is one stream of cells: its
-/// chunks in their order, behind the base: its header and its first chunks, the
-/// start of the file as it is. A chunk of records has as head its chunk header
-/// and the 48 bytes before the records; other chunks go as they stand in the
-/// file, with their header.
+/// Library that sends the QNV streams of a folder as cells. The header and the first chunks, which are the start of the
+/// file, form the protected base. The other chunks follow in their order. The head of a records chunk is its chunk
+/// header and the 48 bytes before the records. Other chunks are sent as in the file, with their header.
 class CellArchive : public net::CellLibrary {
  public:
   [[nodiscard]] static std::variant<std::shared_ptr<CellArchive>, std::string> of_folder(const std::string& folder);
-  /// As the path of a request over HTTP, a slash before it or not. One source
-  /// for all who want the same version.
+  /// Opens the file at the path of an HTTP request, with or without a leading slash. All clients of one version share
+  /// the source.
   [[nodiscard]] std::variant<std::shared_ptr<net::CellSource>, std::string> open(const std::string& path) override;
 
  private:

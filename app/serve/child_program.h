@@ -9,17 +9,17 @@
 
 namespace gs::app {
 
-/// What a child may take.
+/// Limits of a child process.
 struct ChildLimits {
   std::chrono::seconds time{60};
-  std::uint64_t memory = std::uint64_t{4} << 30;       // bytes of its own, without files that it maps (RLIMIT_DATA)
+  std::uint64_t memory = std::uint64_t{4} << 30;       // bytes of its data, without mapped files (RLIMIT_DATA)
   std::uint64_t file_bytes = std::uint64_t{16} << 30;  // of each file that it writes
 };
 
-/// Why a child did not do its work.
+/// Reason of the failure of a child process.
 struct ChildFailure {
-  std::string message;  // the last line that it wrote to stderr, where there is one
-  bool lasting = true;  // it would be so again; else it was for want of something in this machine
+  std::string message;  // last line on standard error, if there is one
+  bool lasting = true;  // a retry would fail, too; false if this machine lacked a resource
 };
 
 /// Runs a program with these arguments, without input, with its output discarded and with the kept part of the

@@ -7,15 +7,15 @@
 
 namespace gs::app {
 
-/// A log on disk: a line an entry, with its time. Bounded: when it is full it becomes `path`.old, in the place of the
-/// one before, and begins anew. Several programs may write to the same one. One thread.
+/// Log on disk with one line per entry and its time. A full log is renamed to `path`.old, replacing the previous one.
+/// Several programs may write to the same log. One thread.
 class LogFile {
  public:
-  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // of each of the two
+  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // of each of the two files
 
-  /// Empty: nothing is written.
+  /// Creates a log. An empty path disables it.
   explicit LogFile(std::string path = {}) : path_(std::move(path)) {}
-  /// `text` is made printable, so that it stays a line. Who cannot write is silent: nothing else depends on it.
+  /// Appends an entry. `text` is made printable, so that it stays on one line. Ignores write errors.
   void add(std::string_view text, std::size_t most = kMostBytes);
   [[nodiscard]] const std::string& path() const { return path_; }
 

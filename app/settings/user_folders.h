@@ -7,30 +7,31 @@
 
 namespace gs::app {
 
-/// Where what the user wants kept is kept (XDG Base Directory Specification). Empty: nothing is, and nothing is read.
+/// Paths of persistent user data (XDG Base Directory Specification). If empty, nothing is read or written.
 struct UserFolders {
-  std::string settings_file;   // of settings; a path
-  std::string bookmarks_file;  // a path
-  std::string state;           // folder of what the program remembers by itself
+  std::string settings_file;   // path of the settings
+  std::string bookmarks_file;  // path of the bookmarks
+  std::string state;           // folder for state that the program stores by itself
 
   [[nodiscard]] bool any() const { return !settings_file.empty(); }
 };
 
-/// By $XDG_CONFIG_HOME and $XDG_STATE_HOME, below $HOME where these are not set. `settings_file`: another file of
-/// settings, in the place of that (--config); empty: none. Nowhere where there is no home.
+/// Returns the folders below $XDG_CONFIG_HOME and $XDG_STATE_HOME, or their defaults below $HOME. `settings_file`
+/// overrides the settings file (--config). Returns empty paths if there is no home folder.
 [[nodiscard]] UserFolders user_folders(const std::string& settings_file = {});
 
-/// "~" and "~/..." as the user's home.
+/// Replaces a leading "~" by the user's home folder.
 [[nodiscard]] std::string with_home(std::string_view path);
-/// The other way: how a path is shown.
+/// Replaces the user's home folder by "~", to show a path.
 [[nodiscard]] std::string without_home(std::string_view path);
 
-/// The bytes of a small file of the user's; nothing: there is none, it is longer than `most`, or cannot be read: then
-/// `problem` says why.
+/// Reads a small file of the user. Returns nullopt if the file is missing, too large or unreadable; `problem` is the
+/// reason, unless it is missing.
 [[nodiscard]] std::optional<std::string> read_user_file(const std::string& path, std::string& problem);
-/// Writes it as a whole or not at all, and makes its folder where that is missing, for the user alone. What went wrong.
+/// Writes a file atomically. Creates its folder, readable only by the user, if it is missing. Returns the error, or
+/// nullopt.
 [[nodiscard]] std::optional<std::string> write_user_file(const std::string& path, std::string_view text);
-/// Keeps what could not be made out as `path`.bad, in the place of what was kept so before.
+/// Saves text that could not be parsed as `path`.bad, replacing an earlier one.
 void keep_bad_file(const std::string& path, std::string_view text);
 
 }  // namespace gs::app

@@ -11,16 +11,16 @@
 
 namespace gs::app {
 
-/// What the program remembered last, as far as it can be read; says nothing.
+/// Returns the stored state of the program, as far as it is readable. Reports no errors.
 [[nodiscard]] UserMemory remembered(const UserFolders& folders);
 
-/// What is kept of the user's from one window to the next: settings, bookmarks, and what the program remembers. Written
-/// when it changes, each file as a whole or not at all. What cannot be read is told once, kept as FILE.bad, and stops
-/// nothing. Without folders it reads and writes nothing. One thread.
+/// Store of the user's settings, bookmarks and state between windows. Each change writes its file atomically. An
+/// unreadable file is reported once, saved as FILE.bad, and otherwise ignored. Without folders, nothing is read or
+/// written. One thread.
 class UserKeeper {
  public:
   explicit UserKeeper(UserFolders folders);
-  /// A clean end: there is nothing to restore.
+  /// Removes the session's file, because a clean end leaves nothing to restore.
   ~UserKeeper();
   UserKeeper(const UserKeeper&) = delete;
   UserKeeper& operator=(const UserKeeper&) = delete;
@@ -32,14 +32,14 @@ class UserKeeper {
   [[nodiscard]] const std::vector<Bookmark>& bookmarks() const { return bookmarks_; }
   void set(const std::vector<Bookmark>& bookmarks);
 
-  /// What this window shows, for the one after it if it ends by itself.
+  /// Stores the files of this window, to restore them if the program ends unexpectedly.
   void note_session(const SessionMemory& session);
-  /// What windows showed that ended by themselves; asked once, then they are forgotten.
+  /// Returns the sessions that ended unexpectedly, and forgets them.
   [[nodiscard]] SessionMemory take_lost_sessions();
 
-  /// What went wrong since the last call, a line each: `FILE:LINE: error: ...`.
+  /// Returns the problems since the last call, one line each: `FILE:LINE: error: ...`.
   [[nodiscard]] std::vector<std::string> take_problems();
-  /// Writes a line into the log on disk, if the settings say so.
+  /// Writes a line to the log on disk, if the settings allow it.
   void log(std::string_view line);
 
  private:
@@ -50,7 +50,7 @@ class UserKeeper {
   UserSettings settings_;
   UserMemory memory_;
   std::vector<Bookmark> bookmarks_;
-  std::optional<SessionMemory> session_;  // as it was written last
+  std::optional<SessionMemory> session_;  // as last written
   std::string session_file_;
   std::vector<std::string> problems_;
   LogFile log_;

@@ -9,21 +9,21 @@
 
 namespace gs::app {
 
-/// A place to come back to.
+/// Saved camera position in a world.
 struct Bookmark {
   static constexpr std::size_t kCameraNumbers = 7, kParallelNumbers = 8;
 
   std::string place;      // path or URL
-  std::string viewpoint;  // by its name in that world; empty: none
-  std::string title;      // how it is shown
-  /// x, y, z, and the orientation's x, y, z, w; by parallel rays also the height of the picture in world units. Empty:
-  /// the viewpoint's own.
+  std::string viewpoint;  // name of the Viewpoint in that world; empty means none
+  std::string title;      // title in the menu
+  /// x, y, z, and the orientation's x, y, z, w; for an orthographic camera also the height of the picture in world
+  /// units. Empty means the Viewpoint's own camera.
   std::vector<double> camera;
 
   bool operator==(const Bookmark&) const = default;
 };
 
-/// Where a panel stood.
+/// Position of a panel.
 struct PanelMemory {
   std::string panel;  // id
   std::string side;
@@ -32,38 +32,38 @@ struct PanelMemory {
   bool operator==(const PanelMemory&) const = default;
 };
 
-/// What the program remembers by itself from one window to the next.
+/// State that the program stores by itself between windows.
 struct UserMemory {
   static constexpr std::size_t kMostRecent = 50;
 
-  std::vector<std::string> recent;          // paths and URLs, the newest first
-  int width = 0, height = 0;                // of the window; 0: not known
-  std::optional<std::array<int, 2>> place;  // likewise, its upper left corner on the desktop; none: not known
-  std::array<double, 3> areas{};            // of the dock: left, right, bottom; 0: not known
+  std::vector<std::string> recent;          // paths and URLs, newest first
+  int width = 0, height = 0;                // of the window; 0 means unknown
+  std::optional<std::array<int, 2>> place;  // upper left corner of the window on the desktop; nullopt means unknown
+  std::array<double, 3> areas{};            // of the dock: left, right, bottom; 0 means unknown
   std::vector<PanelMemory> panels;          // in the order of their tabs
 
   bool operator==(const UserMemory&) const = default;
 };
-/// The newest place comes first; what is listed already is not listed twice.
+/// Moves a path or URL to the front of the recent list, without duplicates.
 void note_recent(UserMemory& memory, const std::string& place);
 
-/// The files of a window, as it is: what is offered where it ends by itself.
+/// Files of a window, stored so that they can be restored if the program ends unexpectedly.
 struct SessionMemory {
-  /// What one of its viewports shows.
+  /// One viewport of the window.
   struct Viewport {
     std::size_t number = 0;  // from 1, as in `split`
-    std::string file;        // empty: none
-    double weight = 1;       // of its shares; 0: not known
+    std::string file;        // empty means none
+    double weight = 1;       // of its shares; 0 means unknown
     bool operator==(const Viewport&) const = default;
   };
   std::vector<std::string> files;
-  std::string split{};  // how it is split into viewports, see split_text; empty: not known
+  std::string split{};  // split into viewports, see split_text(); empty means unknown
   std::vector<Viewport> viewports{};
   bool operator==(const SessionMemory&) const = default;
 };
 
-/// JSON of them, and back. Anything may stand in the text: what is not as expected is left out; nothing: it is no JSON
-/// of this kind at all.
+/// Convert these structs to JSON and back. Readers omit unexpected values, and return nullopt if the text is not JSON
+/// of this kind. Safe for untrusted text.
 [[nodiscard]] std::string memory_text(const UserMemory& memory);
 [[nodiscard]] std::optional<UserMemory> read_memory(std::string_view text);
 [[nodiscard]] std::string bookmarks_text(const std::vector<Bookmark>& bookmarks);

@@ -13,13 +13,14 @@
 
 namespace gs::app {
 
-/// The pointing-device sensors and Anchors of a world and its Inlines, or the ProximitySensors (`pointing` false).
+/// Returns the pointing-device sensors and Anchors of a world and its Inlines, or its ProximitySensors if `pointing` is
+/// false.
 [[nodiscard]] std::vector<vrml::NodePlace> sensors_of(const vrml::SceneGraph& world, bool pointing);
 
-/// Somebody who tries everything in a world: presses each pointing-device sensor (VRML97 4.6.7.3) and each Anchor,
-/// drags and releases it, wherever it is and whatever lies before it, and goes to the middle of each ProximitySensor
-/// (6.38) and back; those first that he has pressed least often, so that what comes late has its turn. Does the same in
-/// the same world each time. One thread, that of the session, which must outlive it.
+/// Simulated user that tries all sensors of a world. It presses, drags and releases each pointing-device sensor (VRML97
+/// 4.6.7.3) and each Anchor, ignoring obstacles. It visits the centre of each ProximitySensor (6.38) and returns.
+/// Least-pressed sensors come first, so that late additions get their turn. Deterministic. Used by the session's
+/// thread; the session must outlive it.
 class SensorTour {
  public:
   struct Counts {
@@ -29,9 +30,9 @@ class SensorTour {
 
   explicit SensorTour(Session& session) : session_(session) {}
 
-  /// The next thing that he does, in the world of the active viewport. To be called behind each step of the session.
+  /// Does the next action in the world of the active viewport. Call after each step of the session.
   void step();
-  /// Of the world as it is now.
+  /// Returns the counts for the world as it is now.
   [[nodiscard]] Counts counts();
 
  private:
@@ -41,11 +42,11 @@ class SensorTour {
 
   Session& session_;
   int phase_ = 0;
-  std::uint64_t round_ = 0;  // presses
-  bool drags_ = false;       // the one that is pressed
+  std::uint64_t round_ = 0;  // number of presses
+  bool drags_ = false;       // the pressed sensor is dragged
   std::unordered_map<const vrml::Node*, std::uint32_t> presses_;
   std::unordered_map<const vrml::Node*, std::uint32_t> visits_;
-  std::optional<glm::dvec3> came_from_;  // before the visit
+  std::optional<glm::dvec3> came_from_;  // viewer position before the visit
 };
 
 }  // namespace gs::app

@@ -22,72 +22,71 @@ namespace gs::app {
 
 class WorldLoading;
 
-/// The simulated clock begins at 2000-01-01T00:00:00Z, and goes on in steps of at most this, in seconds.
+/// Simulated time starts at 2000-01-01T00:00:00Z and advances in steps of at most kSimulationStep seconds.
 inline constexpr double kSimulatedStart = 946684800;
 inline constexpr double kSimulationStep = 1.0 / 60;
 
-/// A session of one world in simulated time, which depends on nothing else: the same input gives the same events, bit
-/// for bit. `trace` and `--snapshot` are callers. One thread.
+/// Session of one world in simulated time. The same input gives the same events, bit for bit. `trace` and `--snapshot`
+/// use it. One thread.
 class Simulation {
  public:
-  /// `size`: of the picture that the pointing device points at, in pixels. The world has a scene.
+  /// Starts a simulation of a world, which must have a scene. `size` is the picture for the pointing device, in pixels.
   Simulation(OpenedWorld world, const glm::ivec2& size, const ViewStyle& style = {});
 
-  /// Takes in what somebody does. False where rows name what the world does not have; `diagnostics` say which.
+  /// Plans input rows. Returns false if rows name things that the world lacks; `diagnostics` lists them.
   [[nodiscard]] bool plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics);
-  /// Binds the Viewpoint of this name (see find_viewpoint) at the start, in the place of the first one. What is wrong,
-  /// if anything.
+  /// Starts at the Viewpoint of this name (see find_viewpoint()) instead of the first one. Returns the problem, or
+  /// nullopt.
   [[nodiscard]] std::optional<std::string> begin_at(const std::string& viewpoint);
-  /// Somebody tries all sensors while time goes by.
+  /// Presses all sensors while time passes.
   void press_sensors() { tour_.emplace(session_); }
-  /// What has become of that.
+  /// Returns the results of press_sensors().
   [[nodiscard]] SensorTour::Counts pressed_sensors() { return tour_ ? tour_->counts() : SensorTour::Counts{}; }
-  /// What of the plan could not be done when its time came.
+  /// Returns the planned actions that failed when they were due.
   [[nodiscard]] const vrml::Diagnostics& troubles() const { return troubles_; }
-  /// Lets time go on until `seconds` after the start, and does all that is planned until then. Ends early where `go_on`
-  /// says so. The times of several calls grow.
+  /// Advances time to `seconds` after the start and runs the actions planned until then. Stops early if `go_on` returns
+  /// false. Later calls need later times.
   void run(double seconds, const std::function<bool()>& go_on = {});
 
-  /// Urls that are set from now on are read by this, which has read the world, before time goes on.
+  /// Reads urls that are set from now on with the loader of the world, before time advances.
   void fetch_with(WorldLoading& loading) { loading_ = &loading; }
 
-  /// What is heard goes to `sink`, pairs left and right of kMixRate a second, in pieces, from now on: each step's is
-  /// mixed as the step has left the world.
+  /// Sends the sound to `sink` in pieces, as left and right pairs at kMixRate. Each step is mixed from the state after
+  /// it.
   void hear(std::function<void(std::span<const float>)> sink) { sink_ = std::move(sink); }
 
-  /// Who measures what time goes to, which must outlive it.
+  /// Measures the time of phases with `phases`, which must outlive the simulation.
   void measure(render::PhaseClock* phases) { document_->meshes.phases = phases; }
 
   [[nodiscard]] OpenedWorld& world() { return document_->world; }
   [[nodiscard]] vrml::Execution& execution() { return document_->living->execution(); }
-  /// Of its Scripts; see LivingWorld::observe_scripts.
+  /// Sets the receiver of script messages; see LivingWorld::observe_scripts().
   void observe_scripts(std::function<void(const ScriptMessage&)> observer) {
     document_->living->observe_scripts(std::move(observer));
   }
-  /// The world as it is after `run`, and who looks at it.
+  /// Returns the view of the world after `run`.
   [[nodiscard]] const View& look();
-  /// What a picture of it is drawn with: of `look`.
+  /// Returns the camera for a picture of `look`.
   [[nodiscard]] render::Camera camera();
-  /// The viewer is where a picture is taken from: sensors that he meets there, and what is fixed to him, follow at
-  /// once. Where he is there already, nothing happens.
+  /// Moves the viewer to the camera of a picture. Sensors there, and objects that follow the viewer, are updated at
+  /// once. Does nothing if the viewer is there already.
   void stand_at(const render::Camera& camera);
-  /// The same world from somewhere else.
+  /// Returns the render list of the world for another viewer position.
   const render::RenderList& look_from(const glm::dvec3& viewer, const glm::dvec3& up = {0, 1, 0});
 
  private:
-  /// What happens at a time: an event for a node, a Viewpoint that is chosen, what is done with a sensor or the viewer,
-  /// or an event of the window.
+  /// Planned action: an event for a node, a Viewpoint change, an action on a sensor or the viewer, or a window event.
   struct Action {
     double time = 0;
     InputRow::Kind kind = InputRow::Kind::move;
     const vrml::SceneGraph* scene = nullptr;
     vrml::NodeId node;
-    const vrml::InterfaceDeclaration* event = nullptr;  // of Kind::set
+    const vrml::InterfaceDeclaration* event = nullptr;  // for Kind::set
     vrml::FieldValue value;
     glm::dvec2 pointer{0};
     glm::dvec3 place{0};
     WindowEvent input;
-    vrml::Diagnostic trouble;  // if it cannot be done
+    vrml::Diagnostic trouble;  // reported if the action fails
   };
   std::optional<std::string> bind_action(const std::string& viewpoint, Action& action);
   std::optional<std::string> sensor_action(const InputRow& row, Action& action);
@@ -100,23 +99,23 @@ class Simulation {
   void listen(double time);
 
   std::shared_ptr<Document> document_;
-  SessionInput input_;  // of the steps
+  SessionInput input_;  // input of the next steps
   Session session_;
   std::optional<SensorTour> tour_;
   vrml::Diagnostics troubles_;
-  std::unique_ptr<vrml::NodeNames> names_;  // null: no row has named a node
+  std::unique_ptr<vrml::NodeNames> names_;  // null until a row names a node
   std::vector<render::ViewpointState> viewpoints_;
-  std::vector<Action> actions_;  // in the order of time
+  std::vector<Action> actions_;  // ordered by time
   std::size_t next_action_ = 0;
-  bool begins_elsewhere_ = false;  // at a Viewpoint that is not the first one
+  bool begins_elsewhere_ = false;  // at a Viewpoint other than the first
   double time_ = 0;
-  std::uint64_t steps_ = 0;  // 1 / kSimulationStep of a second, of which the next one ends; 0: time has not begun
-  // As the rows have left them.
+  std::uint64_t steps_ = 0;  // steps of kSimulationStep that ended with the current one; 0 before the start
+  // State of the input after the last row.
   glm::vec2 pointer_{0};
   bool shift_ = false, control_ = false;
   WorldLoading* loading_ = nullptr;
   std::function<void(std::span<const float>)> sink_;
-  std::int64_t heard_ = 0;  // pairs
+  std::int64_t heard_ = 0;  // pairs of samples
 };
 
 }  // namespace gs::app

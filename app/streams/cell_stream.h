@@ -14,40 +14,41 @@
 
 namespace gs::app {
 
-/// How a stream of cells is asked for.
+/// Options of a cell stream.
 struct CellStreamOptions {
-  std::uint64_t rate = 0;  // bits a second; 0: as many as the server grants
-  double loss = 0;         // this share of its datagrams is dropped as they come, as if they had never come
+  std::uint64_t rate = 0;  // bits per second; 0 means the server's limit
+  double loss = 0;         // fraction of the received datagrams to drop, to simulate loss
   std::uint64_t loss_seed = 1;
-  std::uint64_t budget = 0;                              // bytes; 0: no limit
-  bool repair = false;                                   // what was lost is asked for again once all was sent
-  net::AddressSpace reach = net::AddressSpace::special;  // the most private space in which the server may be
+  std::uint64_t budget = 0;                              // bytes; 0 means unlimited
+  bool repair = false;                                   // requests lost data again after everything was sent
+  net::AddressSpace reach = net::AddressSpace::special;  // most private address space that the server may be in
 };
 
-/// A stream that a server sends as cells: its base, then chunks in any order, of which some never come. Whoever looks
-/// at it says through its feed where, and what is there comes first. Belongs to the reading thread.
+/// Stream that a server sends as cells: its protected base, then chunks in any order, some of which may be lost. The
+/// views of its feed choose which chunks are sent first. Used by the reader thread.
 class CellStream {
  public:
-  /// What takes the bytes.
+  /// Receiver of the stream.
   struct Sink {
-    std::function<void()> granted;                                 // the server has it, and sends
-    std::function<void(std::vector<std::byte>)> base;              // the start of the file
-    std::function<void(const net::CellEvent&)> piece;              // a chunk, or some of its records
-    std::function<void(const std::optional<std::string>&)> ended;  // all was sent; or why no more comes
+    std::function<void()> granted;                     // the server accepts the request and sends
+    std::function<void(std::vector<std::byte>)> base;  // start of the file
+    std::function<void(const net::CellEvent&)> piece;  // a chunk, or some of its records
+    /// Everything was sent, or the reason why no more follows.
+    std::function<void(const std::optional<std::string>&)> ended;
   };
-  /// `url`: cells://host:port/path. `wake`: something has come; called on another thread.
+  /// Requests the stream at `url`, cells://host:port/path. `wake` is called on another thread when data was received.
   CellStream(const net::Url& url, const CellStreamOptions& options, Sink sink, std::function<void()> wake);
 
-  /// Takes in what has come. True when there was something.
+  /// Handles received data. Returns true if there was any.
   bool step();
-  /// From now on the views of this feed say what comes first.
+  /// Lets the views of this feed set the priorities from now on.
   void follow(std::shared_ptr<StreamFeed> feed) { feed_ = std::move(feed); }
-  /// How many bits a second the server is asked for from now on; 0: as many as it grants.
+  /// Sets the requested rate in bits per second; 0 means the server's limit.
   void set_rate(std::uint64_t rate);
-  /// The server has said anything.
+  /// Returns true if the server has sent anything.
   [[nodiscard]] bool answered() const { return answered_; }
   [[nodiscard]] bool over() const { return over_; }
-  /// Datagrams, and those that were lost.
+  /// Returns the number of received and lost datagrams.
   [[nodiscard]] net::CellClientStatistics statistics() const;
 
  private:
@@ -58,13 +59,13 @@ class CellStream {
   std::string name_;  // for messages
   Sink sink_;
   std::unique_ptr<net::CellClientDriver> driver_;
-  net::CellClientStatistics last_;  // when the driver had ended
+  net::CellClientStatistics last_;  // statistics at the end of the driver
   std::shared_ptr<StreamFeed> feed_;
-  std::string problem_;     // of the start
-  std::uint64_t rate_ = 0;  // bits a second: wanted, or, where nobody says, what the server granted first
-  double weight_ = 1;       // of the feed, as the server was told last
+  std::string problem_;     // error at the start
+  std::uint64_t rate_ = 0;  // bits per second: requested, or else the first grant of the server
+  double weight_ = 1;       // weight of the feed, as last sent to the server
   std::optional<std::uint32_t> version_;
-  std::vector<net::CellEvent> early_;  // pieces that came before the base
+  std::vector<net::CellEvent> early_;  // pieces received before the base
   std::size_t early_bytes_ = 0;
   bool granted_ = false, base_ = false, answered_ = false, over_ = false;
 };

@@ -15,34 +15,35 @@
 
 namespace gs::app {
 
-/// Reads a long packed stream from a server that can seek: first its directory, and beside a long one what follows the
-/// front; then chunk by chunk what views want, as long as anyone looks. Belongs to the reading thread.
+/// Reader of a long packed stream from a server with HTTP Range. It reads the directory first, and the bytes after the
+/// front meanwhile if the directory is long. Then it reads the chunks that views want, one by one. Used by the reader
+/// thread.
 class RangedStream {
  public:
   struct Place {
     std::string url;
     net::Origin from;
     net::Validator validator;
-    std::uint64_t front = 0;      // bytes that the stream has already
-    std::uint64_t directory = 0;  // its offset
+    std::uint64_t front = 0;      // bytes that the stream already has
+    std::uint64_t directory = 0;  // offset of the directory
     std::uint64_t total = 0;
-    std::shared_ptr<LoadLedger> ledger;  // that is told how far it is, as this row; never null
+    std::shared_ptr<LoadLedger> ledger;  // receives the progress in `row`; never null
     std::uint64_t row = 0;
   };
   RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place);
 
-  /// Asks for what views want now. True when something was asked for.
+  /// Requests the chunks that views want now. Returns true if it made a request.
   bool ask_for_more();
-  /// Takes an event of one of its requests; false: it is of another's.
+  /// Handles an event of one of its requests. Returns false if the event belongs to another stream.
   bool take(net::LoadEvent& event);
   [[nodiscard]] std::uint64_t row() const { return place_.row; }
-  /// Nobody wants more of it.
+  /// Stops reading.
   void cancel();
-  /// Nothing more can be read.
+  /// Returns true if nothing more can be read.
   [[nodiscard]] bool over() const { return over_; }
 
  private:
-  /// Bytes of one request that are not whole chunks yet, by the offset behind them.
+  /// Incomplete chunks of one request, by their end offset.
   struct Batch {
     std::map<std::uint64_t, std::vector<std::byte>> runs;
     std::vector<qnv::ChunkRange> chunks;
@@ -61,7 +62,7 @@ class RangedStream {
   std::vector<qnv::ChunkRange> wanted_;
   std::unordered_set<std::uint64_t> asked_;  // offsets of chunks
   std::map<std::uint64_t, Batch> open_;      // by request
-  unsigned failures_ = 0;                    // without a success between
+  unsigned failures_ = 0;                    // consecutive failures
   bool over_ = false;
 };
 

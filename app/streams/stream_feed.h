@@ -14,47 +14,47 @@
 
 namespace gs::app {
 
-/// Carries what arrives of a stream from the thread that reads to the one that draws, and back what the views there
-/// want. The stream itself is the drawing thread's alone.
+/// Hand-over of one stream: passes received bytes from the reader thread to the drawing thread, and wanted chunks back.
+/// Only the drawing thread uses the stream itself.
 class StreamFeed {
  public:
-  /// `wake` tells the reading thread that other bytes are wanted; called on the drawing thread.
+  /// Creates a feed. `wake` is called on the drawing thread when other bytes are wanted.
   StreamFeed(std::shared_ptr<qnv::LodStream> stream, std::function<void()> wake);
 
-  // The reading thread.
-  /// The next bytes of a stream that comes from front to back.
+  // For the reader thread.
+  /// Adds the next bytes of a stream that is read front to back.
   void push(std::span<const std::byte> bytes);
-  /// All directory chunks of the stream.
+  /// Sets all directory chunks of the stream.
   void set_directory(std::vector<std::byte> chunks);
-  /// A whole chunk and its place in the stream.
+  /// Adds a complete chunk with its offset in the stream.
   void add(std::uint64_t offset, std::vector<std::byte> chunk);
-  /// A whole chunk of which only its number is known.
+  /// Adds a complete chunk that is identified only by its number.
   void add_loose(std::uint32_t number, std::vector<std::byte> chunk);
-  /// No more comes.
+  /// Marks the stream as complete.
   void finish();
-  /// Nothing more can be had.
+  /// Marks the rest of the stream as unavailable.
   void fail(std::string why);
-  /// What views want now, most wanted first; nothing when that is what it was the last time.
+  /// Returns the chunks that views want, most wanted first. Returns false if they have not changed.
   [[nodiscard]] bool take_wanted(std::vector<qnv::ChunkRange>& ranges);
-  /// How much of the line it gets beside other streams, as `set_weight` said last.
+  /// Returns the last value of `set_weight`.
   [[nodiscard]] double weight() const { return weight_; }
-  /// From where the stream is looked at now; nothing when that is what it was the last time.
+  /// Returns the views that see the stream. Returns false if they have not changed.
   [[nodiscard]] bool take_views(std::vector<qnv::LodView>& views);
 
-  // The drawing thread.
-  /// Gives the stream what has come. True when there was something.
+  // For the drawing thread.
+  /// Passes received data to the stream. Returns true if there was any.
   bool apply();
-  /// How often there was.
+  /// Returns the number of calls of `apply` that had data.
   [[nodiscard]] std::uint64_t applied() const { return applied_; }
-  /// Why no more can be had; once.
+  /// Returns the reason why no more can be read, once.
   [[nodiscard]] std::string take_problem();
-  /// To be called after a picture: what its cuts lacked is what will be read.
+  /// Requests the chunks that the last cuts lacked. Call after each picture.
   void ask();
-  /// A viewport that does not look any more: what it lacked is not wanted for it.
+  /// Forgets the wanted chunks of a viewport that no longer shows the stream.
   void forget(std::uint32_t viewport) { stream_->forget(viewport); }
-  /// Of what is read for several viewports it gets so much, times what the most favoured one does: above 0, to 1.
+  /// Sets the bandwidth share relative to the most favoured stream, above 0 and up to 1.
   void set_weight(double weight) { weight_ = weight; }
-  /// Views lack something of it that may still come.
+  /// Returns true if views lack parts that may still be received.
   [[nodiscard]] bool reading() const { return !asked_.empty() && !over_; }
 
   [[nodiscard]] const qnv::LodStream* stream() const { return stream_.get(); }
@@ -66,13 +66,13 @@ class StreamFeed {
   };
   std::shared_ptr<qnv::LodStream> stream_;
   std::function<void()> wake_;
-  std::vector<qnv::ChunkRange> asked_;  // the drawing thread's
-  std::vector<qnv::LodView> told_;      // likewise
-  std::uint64_t applied_ = 0;           // likewise
+  std::vector<qnv::ChunkRange> asked_;  // drawing thread only
+  std::vector<qnv::LodView> told_;      // drawing thread only
+  std::uint64_t applied_ = 0;           // drawing thread only
   std::atomic<double> weight_ = 1;
-  std::atomic<bool> over_ = false;  // nothing more comes, or can be had
+  std::atomic<bool> over_ = false;  // no more data can be received
 
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards all members below
   std::vector<std::byte> front_, directory_;
   std::vector<Chunk> chunks_;
   std::vector<qnv::ChunkRange> wanted_;

@@ -4,7 +4,7 @@
 
 namespace gs::app {
 
-/// The manual page (roff, section 1), made of the tables of options and commands.
+/// Returns the manual page (roff, section 1), made from the tables of options and commands.
 [[nodiscard]] std::string manual_page();
 
 /// Parses a command line and runs its command. Prints usage errors; returns the exit status.

@@ -7,7 +7,7 @@ namespace gs::app {
 
 struct Options;
 
-// The commands of the table in options.cpp, a file each. They print and return the exit status.
+// Commands of the table in options.cpp, one file each. They print and return the exit status.
 int run_open(const Options& options);
 int run_animate(const Options& options);
 std::optional<std::string> check_animate(const Options& options);
@@ -19,7 +19,7 @@ int run_desktop(const Options& options);
 std::optional<std::string> check_desktop(const Options& options);
 int run_info(const Options& options);
 int run_encode(const Options& options);
-/// Polygons as outline groups (`encode --outlines`).
+/// Encodes polygons as outline groups (`encode --outlines`).
 int encode_outlines(const Options& options);
 int run_export(const Options& options);
 int run_serve(const Options& options);

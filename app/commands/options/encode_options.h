@@ -4,10 +4,10 @@
 
 #include <span>
 
-/// Options of what is encoded and exported, and of volumes without a header.
+/// Options for encoding and exporting, and for volumes without a header.
 namespace gs::app {
 
-/// A part of option_rows().
+/// Returns these rows of option_rows().
 [[nodiscard]] std::span<const OptionRow> encode_option_rows();
 
 }  // namespace gs::app

@@ -26,19 +26,19 @@
 
 namespace gs::app {
 
-/// What the command line asks for.
+/// Values of all command line options.
 struct Options {
   std::vector<std::string> files;
-  std::string snapshot;  // picture to write; empty: open a window
+  std::string snapshot;  // image to write; if empty, a window opens
   int width = 1024, height = 768, samples = 4;
   std::string viewpoint;
-  std::optional<SplitTree> layout;                 // of the window; nothing: by how many files there are
-  double time = 0;                                 // simulated seconds before a picture is drawn
-  std::optional<double> until;                     // of a trace
-  bool press_sensors = false;                      // somebody tries all sensors meanwhile
-  std::string input;                               // file of what somebody does meanwhile; empty: none
-  std::optional<std::pair<double, double>> orbit;  // azimuth, elevation in degrees
-  std::optional<UpAxis> up;                        // none: as the settings say, or the file
+  std::optional<SplitTree> layout;                 // of the window; nullopt derives it from the number of files
+  double time = 0;                                 // simulated seconds before the picture
+  std::optional<double> until;                     // end time of a trace
+  bool press_sensors = false;                      // presses all sensors while time passes
+  std::string input;                               // file of simulated input; empty means none
+  std::optional<std::pair<double, double>> orbit;  // azimuth and elevation in degrees
+  std::optional<UpAxis> up;                        // nullopt means the setting or that of the file
   bool orthographic = false;
   std::optional<Pose> camera;
   render::DisplayMode display = render::DisplayMode::surface;
@@ -46,21 +46,21 @@ struct Options {
   std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
   std::string backend = "auto";
   std::string splats = "auto";
-  std::size_t budget = 0;  // vectors; 0: no limit
+  std::size_t budget = 0;  // vectors; 0 means unlimited
   double loss = 0;
   std::uint64_t loss_seed = 1;
   std::string stats;
-  std::string sound;   // WAV of what is heard in simulated time; empty: none
+  std::string sound;   // WAV file for the sound of the simulated time; empty means none
   bool muted = false;  // in a window
-  bool reuse = false;  // of a window that is there already
+  bool reuse = false;  // passes the files to an open window
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;
-  PictureRequest picture;  // but for what is above
+  PictureRequest picture;  // without the members above
   AnimationRequest animation;
-  // How volumes are shown.
-  std::string transfer;  // the name of a colour map, or a file of a transfer function; empty: their own
+  // Display of volumes.
+  std::string transfer;  // name of a colour map, or file of a transfer function; if empty, the volume's own is used
   std::vector<SliceWish> slices;
-  VolumeSlices slice_look;  // but for which, and where
+  VolumeSlices slice_look;  // without the number and positions of slices
   vrml::Limits limits;
   double timeout_seconds = 30;
   bool timeout_given = false;
@@ -69,57 +69,57 @@ struct Options {
   std::string bind = "127.0.0.1", cache, log = "-";
   std::vector<std::string> host_names, origins;
   std::vector<net::AddressBlock> proxies;
-  std::uint64_t rate = 0;  // bits a second; 0: no limit
+  std::uint64_t rate = 0;  // bits per second; 0 means unlimited
   net::CongestionResponse congestion = net::CongestionResponse::equation;
   bool offline = false;
-  bool allow_network = false;        // for Scripts that have read private files
+  bool allow_network = false;        // also for Scripts that have read private files
   std::vector<std::string> allowed;  // files and folders that worlds may read besides their own folders
-  std::string confine;               // folder beneath which is all that may be read; empty: as the system allows
+  std::string confine;               // only files below this folder may be read; empty means no restriction
   bool markdown = false, wrl = false, json = false, vrml97 = false, scripts = false;
-  std::size_t vectors = 0;       // 0: not asked for
-  double fraction = 0;           // 0: not asked for
-  bool max_bytes_given = false;  // `max_bytes` bounds what is written, too
+  std::size_t vectors = 0;       // 0 means not given
+  double fraction = 0;           // 0 means not given
+  bool max_bytes_given = false;  // `max_bytes` also limits the output
   std::optional<double> isovalue;
   bool packed = false, records = false, displaced = false;
-  int exact_bits = -1;  // of the mesh at the end of the stream; 0: without it, -1: where it pays
+  int exact_bits = -1;  // of the exact mesh in the tail; 0 means no tail, -1 adds one if it saves bytes
   bool outlines = false;
-  std::optional<double> tolerance;  // of outline groups, units; none: by the model's size
-  double merge = 0;                 // of their polygons, units
-  std::size_t groups = 0;           // about; 0: as few as the tolerance allows
+  std::optional<double> tolerance;  // of outline groups, in units; nullopt derives it from the model's size
+  double merge = 0;                 // of their polygons, in units
+  std::size_t groups = 0;           // approximate; 0 means as few as the tolerance allows
   int position_bits = 16;
   std::uint64_t seed = 1;
-  RawVolume raw;                             // dimensions 0: the file has a header
-  std::vector<std::string> control_paths;    // Unix sockets for those who control the program
-  std::vector<std::uint16_t> control_ports;  // and ports of this machine
-  std::string control_token;                 // file for the token; empty: on standard error
+  RawVolume raw;                             // all dimensions 0 if the file has a header
+  std::vector<std::string> control_paths;    // Unix sockets for clients
+  std::vector<std::uint16_t> control_ports;  // TCP ports on this machine for clients
+  std::string control_token;                 // file for the token; if empty, it is printed on standard error
   bool size_given = false;
-  std::string config;  // file of settings; empty: the user's own
+  std::string config;  // settings file; empty means the user's
   bool no_config = false;
 };
 
-/// One option: the row from which parsing, --help and the manual page are made.
+/// Option. Parsing, --help and the manual page are made from these rows.
 struct OptionRow {
   std::string_view name;      // "--size"
-  std::string_view argument;  // "WxH"; empty for a flag; "[=BITS]": may be left out
-  std::string_view standard;  // default, for the help; may be empty
+  std::string_view argument;  // "WxH"; empty for a flag; "[=BITS]" if it is optional
+  std::string_view standard;  // default value for the help; may be empty
   std::string_view help;
-  std::string_view commands;  // where it may stand, a blank behind each: "open check "
-  /// Takes the value; what was expected when it is wrong.
+  std::string_view commands;  // commands that accept it, each followed by a blank: "open check "
+  /// Sets the value. Returns the expected form if it is wrong.
   std::optional<std::string> (*set)(Options& options, const std::string& value);
   bool repeats = false;  // may be given several times
 };
 [[nodiscard]] std::span<const OptionRow> option_rows();
-/// Whether its argument may be left out; then its value is empty.
+/// Returns true if the argument is optional; its value is empty if it is omitted.
 [[nodiscard]] constexpr bool has_optional_value(const OptionRow& row) { return row.argument.starts_with("[="); }
 
-/// One command. The first, "open", is what a command line without the name of one means.
+/// Command. The first row, "open", is used if the command line names no command.
 struct CommandRow {
   std::string_view name;
   std::string_view arguments;  // "FILE..."
   std::string_view help;
   std::size_t least_files, most_files;
   int (*run)(const Options& options);
-  /// What is wrong with options that are right one by one; null: nothing can be.
+  /// Checks combinations of options that are valid one by one. Null if there is nothing to check.
   std::optional<std::string> (*check)(const Options& options) = nullptr;
 };
 [[nodiscard]] std::span<const CommandRow> command_rows();

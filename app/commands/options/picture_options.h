@@ -14,19 +14,19 @@
 /// Options of pictures and animations, and their values.
 namespace gs::app {
 
-/// A part of option_rows().
+/// Returns these rows of option_rows().
 [[nodiscard]] std::span<const OptionRow> picture_option_rows();
 
-/// "210x297mm", "10x15cm", "8.5x11in" as millimetres.
+/// Parses a paper size such as "210x297mm", "10x15cm" or "8.5x11in". Returns millimetres, or nullopt.
 [[nodiscard]] std::optional<glm::dvec2> read_paper(std::string_view text);
-/// "#rrggbb", or "R,G,B" from 0 to 1.
+/// Parses a colour: "#rrggbb", or "R,G,B" from 0 to 1.
 [[nodiscard]] std::optional<glm::vec3> read_color(std::string_view text);
-/// These return what was expected where a value is wrong.
+/// These functions set a value in `request`. They return the expected form if the text is wrong.
 [[nodiscard]] std::optional<std::string> read_stereo(std::string_view text, PictureRequest& request);
 [[nodiscard]] std::optional<std::string> read_eye_distance(std::string_view text, PictureRequest& request);
 [[nodiscard]] std::optional<std::string> read_dots(std::string_view text, PictureRequest& request);
 
-/// "2..10", seconds: from 0 on, the second one larger.
+/// Parses a time range such as "2..10", in seconds. Neither number is negative, and the second is larger.
 [[nodiscard]] std::optional<std::pair<double, double>> read_times(std::string_view text);
 
 }  // namespace gs::app

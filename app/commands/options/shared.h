@@ -20,44 +20,45 @@ class WaveFile;
 struct LoadOptions;
 struct Options;
 
-// What several commands do.
+// Functions that several commands use.
 
-/// Writes what was heard in a run of simulated time, where that is wanted: kDone, or kFailed and why is printed.
+/// Writes the sound of a simulation, if requested. Returns kDone, or prints the reason and returns kFailed.
 [[nodiscard]] int write_sound(const Options& options, const WaveFile& sound);
-/// Reads the file of `--input`, if there is one, into what `simulation` does; prints what is wrong with it.
+/// Reads the file of `--input`, if given, and plans its rows in `simulation`. Prints its errors and returns false if it
+/// has any.
 [[nodiscard]] bool plan_input(const Options& options, Simulation& simulation);
-/// Programs of worlds in simulated time know no other time zone than that of the simulated clock. Call it first of all.
+/// Sets the time zone to UTC, so that programs of worlds depend only on the simulated clock. Call before everything
+/// else.
 void use_universal_time();
-/// Prints what is to be told of it once time has gone by.
+/// Prints the messages of a simulation after it has run.
 void tell_of_simulation(const Options& options, Simulation& simulation);
 
-/// Which path draws vectors, by the value of `--splats`.
+/// Returns the path that draws splats, from the value of `--splats`.
 [[nodiscard]] render::SplatPath splat_path(const std::string& name);
 
-/// Prints diagnostics to stderr, a line each.
+/// Prints diagnostics to standard error, one per line.
 void print_diagnostics(const vrml::Diagnostics& diagnostics);
-/// Writes the measurements of a run (`--stats`), a JSON object, complaining on stderr; the exit status of that. To
-/// standard output where the path is "-". A file that is there is only written over if it holds such measurements: a
-/// mistyped name must not cost a world.
+/// Writes the measurements of a run (`--stats`), a JSON object, to a file; "-" means standard output. Prints errors and
+/// returns the exit status. Replaces an existing file only if it holds such measurements, so that a mistyped name does
+/// not destroy a world.
 [[nodiscard]] int write_stats(const std::string& path, const std::string& json);
-/// "ghostspace: error: WHAT" on stderr; kFailed.
+/// Prints "ghostspace: error: WHAT" to standard error and returns kFailed.
 int fail(const std::string& what);
-/// The same with kNotWritten.
+/// Prints "ghostspace: error: WHAT" to standard error and returns kNotWritten.
 int fail_to_write(const std::string& what);
-/// What to say when `bytes` made from the file `in` must not be written to `out`: there is another kind of file, or
-/// `in` itself. Nothing when they may: a mistyped name must not cost a world.
+/// Returns the reason why `bytes`, made from the file `in`, must not replace `out`: it is another kind of file, or `in`
+/// itself. Returns nullopt if they may. Protects worlds from mistyped names.
 [[nodiscard]] std::optional<std::string> refuse_to_replace(const std::string& out, const std::string& in,
                                                            std::span<const std::byte> bytes);
-/// ".ply (PLY points), .glb (...), ...": what export writes.
+/// Returns the list of export formats: ".ply (PLY points), .glb (...), ...".
 [[nodiscard]] std::string export_format_list();
-/// What the command line says of the reading of files, of which those it names may be read by any world of this
-/// machine.
+/// Returns the options for reading files. Local worlds may also read the files that --allow names.
 [[nodiscard]] LoadOptions load_options(const Options& options);
-/// Where answers of servers are kept between runs: in $XDG_CACHE_HOME, else ~/.cache; empty when there is neither.
+/// Returns the folder of the HTTP cache: in $XDG_CACHE_HOME, else ~/.cache; empty if there is neither.
 [[nodiscard]] std::string http_cache_folder();
-/// The largest memory this process has held, in bytes.
+/// Returns the peak memory of this process, in bytes.
 [[nodiscard]] std::size_t peak_memory();
-/// The demo world: beside the program where it was installed, else in the source tree.
+/// Returns the path of the demo world: beside the installed program, else in the source tree.
 [[nodiscard]] std::string demo_world();
 
 }  // namespace gs::app
