@@ -60,7 +60,7 @@ bool Panes::cancel(std::size_t pane) {
   if (pane >= kMostViewports || !loading(pane)) return false;
   const std::string path = panes_[pane].wanted;
   if (documents_.arriving(path) && !documents_.awaited(path)) {
-    documents_.document(path)->reader->cancel();  // what has come stays
+    documents_.document(path)->reader->cancel();  // keeps the parts received so far
     return true;
   }
   documents_.give_up(path);
@@ -78,7 +78,7 @@ void Panes::set_split(SplitTree split) {
   const std::size_t model = active_;
   const std::vector<std::size_t> sight = visible();
   if (std::find(sight.begin(), sight.end(), active_) == sight.end()) active_ = sight.front();
-  // Not where a file has failed: the viewport says so.
+  // Skips viewports that report a failed file.
   for (const std::size_t i : sight)
     if (panes_[i].wanted.empty() && !panes_[i].failure) fill(i, model);
 }
@@ -95,7 +95,7 @@ bool Panes::split_pane(std::size_t pane, SplitAxis axis) {
   return true;
 }
 
-// One that has nothing to show; else one out of sight, whose files stay listed.
+// Returns an empty hidden viewport, else any hidden viewport; the files of the latter stay listed.
 std::optional<std::size_t> Panes::free_pane() const {
   for (const bool with_file : {false, true})
     for (std::size_t i = 0; i < kMostViewports; ++i)
@@ -183,8 +183,8 @@ void Panes::grow(const Document& document) {
   for (Pane& pane : panes_)
     for (auto& [path, view] : pane.views)
       if (view.document.get() == &document) {
-        // Its viewpoint counts now for LODs and the like: a list of its own, if another view has this one, too.
-        constexpr long kOwnUsers = 2;  // this view, and the document for those to come
+        // The LOD distances now depend on this viewer, so a shared list must be replaced by an own one.
+        constexpr long kOwnUsers = 2;  // this view, and the document's reference for later views
         if (document.viewer_dependent && view.scene.use_count() > kOwnUsers) {
           view.scene = document.living->look(view.navigation.pose.position, true);
           view.list = view.scene->scene.shared_list();
@@ -192,7 +192,7 @@ void Panes::grow(const Document& document) {
         const bool stays = at_home(view);
         (void)follow_world(view);
         if (!stays) continue;
-        // What has come is seen at once, and not as what leaves the picture is.
+        // New parts are visible at once. They do not start the animation that re-frames moving objects.
         if (std::exchange(view.navigation.transition, std::nullopt)) view.navigation.pose = view.home;
         view = grown(view, view.document, view.home_size);
       }

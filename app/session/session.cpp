@@ -8,9 +8,9 @@
 namespace gs::app {
 namespace {
 
-constexpr double kLifeStep = 1.0 / 60;  // seconds: how often time goes on in worlds
+constexpr double kLifeStep = 1.0 / 60;  // seconds between time steps of the worlds
 constexpr double kLongLife = 0.05;
-constexpr std::size_t kMostMet = 20'000;                       // triangles around one who moves
+constexpr std::size_t kMostMet = 20'000;                       // triangles around a moving viewer
 constexpr std::size_t kMostRemembered = std::size_t{1} << 24;  // triangles
 
 }  // namespace
@@ -29,7 +29,7 @@ Session::Session(SessionOptions options, LoadOptions load, std::function<void()>
 }
 
 Session::~Session() {
-  // All at once, so that none is waited for while another has not been told.
+  // Cancel all readers before waiting for one, so that they end concurrently.
   for (const Reader& one : readers_) one.reader->cancel();
   panes_.cancel_all();
 }
@@ -74,7 +74,7 @@ void Session::show(std::shared_ptr<Document> document) {
 
 // Time --------------------------------------------------------------------------------------------
 
-// Of the worlds in sight, each once.
+// Returns the visible running worlds, each once.
 std::vector<Document*> Session::living() const {
   std::vector<Document*> result;
   for (const std::size_t i : panes_.visible()) {
@@ -89,15 +89,15 @@ std::optional<double> Session::next_life() const {
   std::optional<double> next;
   for (const Document* document : living())
     if (const auto time = document->living->next_time()) next = std::min(next.value_or(*time), *time);
-  // What a guest has done leads to events, and to files that are wanted.
+  // Actions of an extension cause events and requests for files.
   if (acted_) next = life_due_;
   if (next) next = std::max(*next, life_due_);
   if (const auto due = series_.next_due()) next = std::min(next.value_or(*due), *due);
   return next;
 }
 
-// Where its sensors find the viewer of a world. Who stands at the bound Viewpoint is where that is at each timestamp;
-// who is on the way to where he jumps is there (VRML97 6.53).
+// Sets the viewer position for the sensors of a world. A viewer at the bound Viewpoint follows it at each timestamp. A
+// viewer that jumps to a Viewpoint is at its destination already (VRML97 6.53).
 void Session::place_viewer(Document& document, const View& leader) const {
   vrml::Execution& execution = document.living->execution();
   if (const Viewport place = place_of(leader); place.height > 0)
@@ -111,7 +111,7 @@ void Session::place_viewer(Document& document, const View& leader) const {
     execution.set_viewer(world_from_viewer(way ? way->to : leader.navigation.pose));
 }
 
-// Lets time go on in the worlds that are seen. True when there is something else to be seen.
+// Advances the visible worlds. Returns true if the picture changed.
 bool Session::let_live(bool look) {
   if (now_ < life_due_) return false;
   acted_ = false;
@@ -119,14 +119,14 @@ bool Session::let_live(bool look) {
   bool any = false;
   sounds_.begin();
   for (Document* document : living()) {
-    // The world has one viewer: who is in the active viewport, if he looks at it.
+    // The world has one viewer: that of the active viewport, if it shows this world.
     View* leader = view() && view()->document.get() == document ? view() : nullptr;
     std::vector<View*> views;
     for (const std::size_t i : panes_.visible())
       if (View* seen = panes_.at(i).view(); seen && seen->document.get() == document) views.push_back(seen);
     if (!leader) leader = views.front();
     vrml::Execution& execution = document->living->execution();
-    // Another viewport is another place: nobody has walked there.
+    // Changing the viewport moves the viewer without walking.
     const void* before = std::exchange(document->viewer, leader);
     if (before && before != leader) execution.viewer_jumped();
     place_viewer(*document, *leader);
@@ -151,7 +151,7 @@ bool Session::let_live(bool look) {
   sounds_.end(now_);
   if (device_) device_->wake();
   if (options_.simulated) return any;
-  // Worlds whose events take long leave time for what the user does.
+  // Worlds with slow events leave time for the user's input.
   const double took = world_time() - started;
   life_due_ = now_ + std::max(kLifeStep, took > kLongLife ? 3 * took : 0);
   return any;
@@ -174,7 +174,7 @@ void Session::end_journey(View& seen) const {
   seen.navigation.transition.reset();
 }
 
-// To `after`, as far as what he meets lets him.
+// Moves the viewer to `after`, as far as collisions allow.
 void Session::move_viewer(View& seen, Navigation after, bool loading, float seconds) {
   const render::RenderList& list = *seen.list;
   Obstacles obstacles;
@@ -189,7 +189,7 @@ void Session::move_viewer(View& seen, Navigation after, bool loading, float seco
   avatar.radius *= seen.scale;
   avatar.height *= seen.scale;
   avatar.step *= seen.scale;
-  avatar.gravity = !loading;  // the ground may be still to come
+  avatar.gravity = !loading;  // the ground may not be loaded yet
   const std::optional<std::size_t> before = seen.navigation.body.item;
   seen.navigation = with_body(seen.navigation, std::move(after), avatar, obstacles, seconds);
   const std::optional<std::size_t> met = seen.navigation.body.item;
@@ -220,7 +220,7 @@ void Session::move_views(float seconds, bool look) {
     seen->history.moved(before, after, now_);
     moved.push_back(sight[i]);
     frame_.changed = true;
-    // The pointer is over something else from now on.
+    // The pointer is over another object now.
     if (pointed_pane_ == sight[i]) pointer_moved_ = true;
   }
   const auto has_moved = [&](std::size_t pane) { return std::find(moved.begin(), moved.end(), pane) != moved.end(); };

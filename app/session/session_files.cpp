@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <utility>
 
-// The files of a session, and what still comes for their worlds.
+// Files of a session, and updates for their worlds.
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostReaders = 2;  // files that are read at a time
+constexpr std::size_t kMostReaders = 2;  // max number of concurrent readings
 constexpr double kBetweenPriorities = 0.5;
-constexpr std::size_t kMostFailed = 16;  // worlds whose loads are remembered
+constexpr std::size_t kMostFailed = 16;  // max number of failed worlds with stored loads
 
-// For a viewport, which says itself which file it is about.
+// Formats a diagnostic for a viewport, which shows the file name itself.
 std::string problem_text(const vrml::Diagnostic& diagnostic, const std::string& path) {
   if (diagnostic.file != path) return diagnostic.text();
   if (diagnostic.location.line == 0) return diagnostic.message;
@@ -53,7 +53,7 @@ void Session::show_of_series(std::size_t file) {
 
 void Session::set_series_rate(double rate) { series_.set_rate(panes_.at(panes_.active()).wanted, rate); }
 
-// True when something that shows has changed.
+// Applies the news of all readers. Returns true if the picture or the progress changed.
 bool Session::take_news() {
   bool any = false;
   for (std::size_t i = 0; i < readers_.size();) {
@@ -83,7 +83,7 @@ bool Session::take_news() {
   return any;
 }
 
-// True when what comes from now on is the document's own affair.
+// Applies news of a reading. Returns true if the reading is over; later news go to the document.
 bool Session::take_document(const Reader& from, WorldReader::News& news) {
   log_.note(from.reading.path, news.document->world.diagnostics);
   if (news.document->is_preview) {
@@ -103,7 +103,7 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
     document->living->assume_private(opener->second);
   if (document->living && mesh_worker_) document->living->set_mesh_worker(mesh_worker_);
   if (document->living && !document->living->has_started()) begin_world(*document, world_time());
-  log_.note(from.reading.path, document->world.diagnostics);  // with what was left out
+  log_.note(from.reading.path, document->world.diagnostics);  // includes the objects that limits removed
   places_behind_.erase(from.reading.path);
   questions_.ask(from.reading.path, document->world.outside);
   document->reader = from.reader;
@@ -113,7 +113,7 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
   return true;
 }
 
-// Of all worlds, so that none is kept for one who looks elsewhere.
+// Takes the finished meshes of all worlds, so that none wait for a view.
 bool Session::take_meshes() {
   bool any = false;
   for (const DocumentList::Entry& entry : panes_.documents().entries())
@@ -121,11 +121,11 @@ bool Session::take_meshes() {
   return any;
 }
 
-// Of a world that lives already.
+// Applies updates to a running world.
 bool Session::take_arrivals(Document& document, const std::string& path, WorldReader::News news) {
   const LoadingState state = news.over ? LoadingState{} : news.state;
   if (news.over) note_empty(document, path);
-  // What the reader said last says nothing any more when all has come: nobody would rest.
+  // Ignores the reader's last state when everything is loaded, so that the session can become idle.
   const bool progress = !document.all_came && !(state == document.arriving);
   const bool any = news.streams_grew || news.over || progress || !news.arrivals.empty();
   if (!document.all_came) document.arriving = state;
@@ -138,14 +138,14 @@ bool Session::take_arrivals(Document& document, const std::string& path, WorldRe
   return true;
 }
 
-// A world of which nothing can be shown, because of what is wrong with it: its viewports say so.
+// Reports a world without visible objects in its viewports, if it has errors.
 void Session::note_empty(const Document& document, const std::string& path) {
   if (!document.list || !document.list->items.empty() || !document.list->splats.empty()) return;
   for (const vrml::Diagnostic& diagnostic : document.world.diagnostics.entries())
     if (diagnostic.severity == vrml::Severity::error) return panes_.note_failure(path, problem_text(diagnostic, path));
 }
 
-// What is seen largest in the active viewport comes first.
+// Gives nodes that look large in the active viewport the highest priority.
 void Session::prioritize() {
   const View* seen = view();
   if (!seen || !seen->document->reader || seen->document->arriving.waiting == 0) return;
@@ -158,7 +158,7 @@ void Session::prioritize() {
   next_priorities_ = now_ + std::max(kBetweenPriorities, 20 * (world_time() - started));
 }
 
-// What has come of streams becomes finer vectors, what views lack is asked for.
+// Passes received bytes to the streams, and requests the chunks that views lack.
 bool Session::feed_streams() {
   bool any = false;
   for (const std::size_t i : panes_.visible())
@@ -188,7 +188,7 @@ void Session::show_failed(std::uint64_t reading, const std::string& path, const 
   const std::vector<std::size_t> waited = panes_.fail(reading, error);
   if (waited.empty()) return;
   frame_.failed.push_back({path, reason});
-  // A viewport in sight says so itself, until somebody has read it, or a link leads on.
+  // A visible viewport shows the error itself, until the user dismisses it or a link continues with the next URL.
   const std::vector<std::size_t> sight = panes_.visible();
   const auto next = places_behind_.find(path);
   const bool leads_on = next != places_behind_.end() && !next->second.places.empty();
@@ -196,7 +196,7 @@ void Session::show_failed(std::uint64_t reading, const std::string& path, const 
     tell("Could not open " + file_label(path) + ": " + reason, true);
   frame_.news = true;
   entries_.erase(path);
-  // The first URL that can be read (VRML97 6.2).
+  // Tries the next URL of the link (VRML97 6.2).
   if (auto behind = places_behind_.extract(path)) follow_link(waited.front(), behind.mapped());
 }
 

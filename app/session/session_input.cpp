@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-// What the user does in the viewports of a session.
+// Input of the user in the viewports of a session.
 namespace gs::app {
 namespace {
 
@@ -20,7 +20,7 @@ void Session::handle(const SessionInput::Event& input) {
   if (event.kind == Kind::key_down || event.kind == Kind::button_down) pressed_at_ = now_;
   switch (event.kind) {
     case Kind::key_down: {
-      // In simulated time there are no other files, and nothing is read again.
+      // Simulated time runs only the actions of a world: no other files, no reload.
       if (const ActionRow* row = action_of(event); row && (row->of_world || !options_.simulated) && run(row->action))
         return;
       Pane& pane = panes_.at(panes_.active());
@@ -28,7 +28,7 @@ void Session::handle(const SessionInput::Event& input) {
       return;
     }
     case Kind::axes: {
-      // Held like a key; where the devices lead is taken back everywhere, whichever viewport has them now.
+      // The axes act like held keys. Their motion is cleared in all viewports, because the active one may have changed.
       Pane& pane = panes_.at(panes_.active());
       WindowEvent rest = event;
       rest.move = glm::vec3(0);
@@ -38,7 +38,7 @@ void Session::handle(const SessionInput::Event& input) {
       return;
     }
     case Kind::key_up:
-    case Kind::focus_lost:  // whatever was held, and wherever
+    case Kind::focus_lost:  // releases all keys and drags in all viewports
       for (std::size_t i = 0; i < kMostViewports; ++i) (void)panes_.at(i).input.take(event, NavigationMode::none);
       if (event.kind == Kind::focus_lost) {
         router_.release();
@@ -212,7 +212,7 @@ void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
   leader_ = pane;
 }
 
-// To the Shape under the pointer.
+// Moves to the Shape under the pointer.
 void Session::approach(View& seen, const Ray& ray, const glm::vec2& size) {
   const std::optional<Hit> hit = picker_.pick(*seen.list, ray, pick_options(seen, size));
   if (!hit) return;
@@ -250,7 +250,7 @@ void Session::go_to_viewpoint(View& seen, std::size_t index) {
   end_journey(seen);
 }
 
-// Where a link leads, the viewer goes on a way of his own only if the author says ANY (6.29).
+// Moves to the Viewpoint of a link: with an animation only if the NavigationInfo type list has ANY (VRML97 6.29).
 void Session::jump_to_viewpoint(View& seen, std::size_t index) {
   go_to_viewpoint(seen, index);
   if (seen.rules.any || !seen.navigation.transition) return;
@@ -357,13 +357,13 @@ void Session::change_speed(float factor) {
 
 void Session::open_files(const std::vector<std::string>& paths) {
   frame_.files_chosen = true;
-  // What the user gives may be read by what he gives, as on the command line.
+  // Files that the user opens may be read by worlds that the user opens, as on the command line.
   const std::vector<std::string> places = places_of(paths);
   load_.allowed.insert(load_.allowed.end(), places.begin(), places.end());
   panes_.open(places);
 }
 
-// Without the Viewpoints that they name, which are gone to when the worlds are there.
+// Returns the paths without their Viewpoints, which are stored until the worlds are loaded.
 std::vector<std::string> Session::places_of(const std::vector<std::string>& given) {
   std::vector<std::string> places;
   for (const std::string& one : given) {

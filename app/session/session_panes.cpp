@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-// The viewports of a session: how they share the window, and what else they share.
+// Viewports of a session: how they share the window, memory and bandwidth.
 namespace gs::app {
 
 std::vector<Viewport> Session::places() const { return arrange(panes_.split(), area_); }
@@ -75,7 +75,7 @@ void Session::close_viewport(std::size_t pane) {
   change_split(panes_.split());
 }
 
-// Of who had this number before.
+// Removes the state of the former viewport with this number.
 void Session::forget(std::size_t pane) {
   histories_[pane] = {};
   returning_.erase(pane);
@@ -115,7 +115,7 @@ double Session::reading_share(std::size_t pane) const {
 
 std::uint64_t Session::rate_of(std::size_t pane) const { return panes_.at(pane).rate.value_or(load_.rate); }
 
-// What several viewports show comes as fast as it may for the one of them with the highest rate.
+// Limits the bandwidth of each world to the highest limit of the viewports that show it.
 void Session::limit_reading() {
   for (const Loads& one : loads()) {
     std::optional<std::uint64_t> rate;
@@ -137,13 +137,13 @@ std::uint64_t Session::received(std::size_t pane) const {
   return bytes;
 }
 
-// Streams that are read for viewports of less weight get less of the line.
+// Gives streams a bandwidth share by the weight of their viewports.
 void Session::weigh_streams() {
   double most = 0;
   for (const std::size_t i : panes_.visible())
     if (reads(i)) most = std::max(most, panes_.at(i).weight);
   if (most <= 0) return;
-  std::map<const Document*, double> weights;  // one that several look at has that of the heaviest
+  std::map<const Document*, double> weights;  // max weight of the viewports that show it
   for (const std::size_t i : panes_.visible())
     if (const View* seen = panes_.at(i).view()) {
       double& weight = weights[seen->document.get()];
@@ -153,7 +153,7 @@ void Session::weigh_streams() {
     for (const auto& feed : document->world.feeds) feed->set_weight(weight);
 }
 
-// Whether something comes over the network for a viewport, or may still.
+// Returns true if a viewport receives data over the network, or may still do so.
 bool Session::reads(std::size_t pane) const {
   if (panes_.loading(pane)) return true;
   const View* seen = panes_.at(pane).view();
@@ -161,7 +161,7 @@ bool Session::reads(std::size_t pane) const {
                              [](const auto& feed) { return feed->reading(); });
 }
 
-// True where an action is about viewports.
+// Runs an action about viewports. Returns false for all other actions.
 bool Session::run_in_panes(Action action) {
   using Kind = PaneRequest::Kind;
   const std::size_t active = panes_.active();

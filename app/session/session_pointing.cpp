@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-// The pointing device in worlds that live: their sensors, and the Anchors that lead elsewhere.
+// Pointing device in running worlds: their sensors, and Anchors.
 namespace gs::app {
 
 PickOptions pick_options(const View& seen, const glm::vec2& size) {
@@ -16,7 +16,7 @@ PickOptions pick_options(const View& seen, const glm::vec2& size) {
   return options;
 }
 
-// True when a sensor has the pointer, so that it moves nobody.
+// Points at the world of a viewport. Returns true if a sensor grabs the pointer, so that it does not move the viewer.
 bool Session::point_world(std::size_t pane, bool down) {
   View* seen = panes_.at(pane).view();
   if (!seen || !seen->document->living) return false;
@@ -32,7 +32,7 @@ bool Session::point_world(std::size_t pane, bool down) {
   return execution.pointed_at().active;
 }
 
-// The pointer is somewhere else.
+// Tells the sensors that the pointer has left the world.
 void Session::leave_world() {
   if (!pointed_pane_) return;
   View* seen = panes_.at(*std::exchange(pointed_pane_, std::nullopt)).view();
@@ -47,7 +47,7 @@ Session::Pointed Session::pointed() const {
   return {at.sensor || at.active, at.description};
 }
 
-// What the pointer is over changes as the world moves below it, too.
+// Repeats the last pointer position, because the world has moved under the pointer.
 void Session::point_again() {
   if (!pointed_pane_) return;
   const std::vector<std::size_t> sight = panes_.visible();
@@ -55,7 +55,7 @@ void Session::point_again() {
   if (!panes_.at(*pointed_pane_).input.holding()) (void)point_world(*pointed_pane_, sensor_has_pointer_);
 }
 
-// True when the event was for the sensors of the world.
+// Passes an event to the sensors of the world. Returns true if they handle it.
 bool Session::point_with(const WindowEvent& event, std::size_t pane) {
   using Kind = WindowEvent::Kind;
   pointer_ = event.pointer;
@@ -97,7 +97,7 @@ std::optional<Session::Picked> Session::pick_at(const glm::vec2& pixel) {
   return std::nullopt;
 }
 
-// Sensors by themselves -------------------------------------------------------------------------------
+// Pressing sensors without a pointer -------------------------------------------------------------------------
 
 bool Session::point_at_sensor(bool down) {
   View& seen = *view();
@@ -121,7 +121,7 @@ bool Session::press_sensor(const vrml::NodePlace& sensor) {
     if (one.sensor.scene != sensor.scene || !(one.sensor.node == sensor.node)) continue;
     const auto line = line_that_meets(only(*seen->list, one.items), seen->navigation.pose.position);
     if (!line) return false;
-    pointed_pane_.reset();  // the pointer is there no more
+    pointed_pane_.reset();  // the pointer is no longer in a world
     held_sensor_ = {sensor, *line};
     (void)point_at_sensor(true);
     return true;
@@ -166,17 +166,17 @@ void Session::open_links(std::size_t pane) {
       return;
     const Link link = link_of(*anchor.scene, anchor.node);
     follow_link(pane, link);
-    return;  // one at a time: what comes behind it is another place
+    return;  // one link only, because it leaves this world
   }
 }
 
-// To the Viewpoint that led here, once the world lives.
+// Moves to the Viewpoint of the link that led here, once the world is running.
 void Session::enter_by_link(Pane& pane) {
   View* seen = pane.view();
   const auto entry = entries_.find(pane.shown);
   if (entry == entries_.end() || !seen || !seen->document->living) return;
   if (const auto index = find_viewpoint(seen->list->viewpoints, entry->second)) {
-    // As if it were the first of the file (6.53).
+    // Acts as if it were the first Viewpoint of the file (VRML97 6.53).
     go_to_viewpoint(*seen, *index);
     if (seen->navigation.transition) seen->navigation.pose = seen->navigation.transition->to;
     seen->navigation.transition.reset();
@@ -204,7 +204,7 @@ void Session::follow_link(std::size_t pane, const Link& link) {
         tell("There is no Viewpoint \"" + place.viewpoint + "\" in this world", true);
       return;
     }
-    if (options_.simulated) return;  // other worlds, and pages, are another time
+    if (options_.simulated) return;  // simulated time opens no other worlds and no pages
     if (place.for_browser) {
       frame_.web_pages.push_back(place.target);
       return;
@@ -219,10 +219,10 @@ void Session::follow_link(std::size_t pane, const Link& link) {
     }
     if (!place.viewpoint.empty()) entries_[place.target] = place.viewpoint;
     Link behind = link;
-    behind.other_window = false;  // it is there
+    behind.other_window = false;  // this file already has its window
     behind.places.erase(behind.places.begin(), behind.places.begin() + static_cast<std::ptrdiff_t>(i + 1));
     places_behind_[place.target] = std::move(behind);
-    // A world may lead anywhere, but it does not say what the user allows.
+    // Opens the file without allowing it: only the user grants permission to read files.
     panes_.open(std::vector<std::string>{place.target});
     return;
   }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-// What programs of Scripts want of the session (VRML97 4.12.10).
+// Requests of Script programs to the session (VRML97 4.12.10).
 namespace gs::app {
 
 void Session::take_script_news(Document& document) {
@@ -19,7 +19,7 @@ void Session::take_script_news(Document& document) {
   for (const ScriptRequest& request : document.living->take_script_requests()) serve(document, request);
 }
 
-// The name of a file that a Script opens may tell what the Script has read. So its world is under the same rule.
+// Marks the worlds that a Script opens as private, if it has read a private file. Their names may reveal its content.
 void Session::keep_private(const Document& document, const Link& link) {
   if (!document.living || document.living->private_file().empty()) return;
   for (const Link::Place& place : link.places) {
@@ -30,7 +30,7 @@ void Session::keep_private(const Document& document, const Link& link) {
   }
 }
 
-// In the viewport that shows the world, the active one if there are several.
+// Serves a request in the viewport that shows the world; the active one if several do.
 std::optional<std::string> Session::serve(const Document& document, const ScriptRequest& request) {
   const auto shows = [&](std::size_t pane) {
     const View* const seen = panes_.at(pane).view();
@@ -51,7 +51,7 @@ std::optional<std::string> Session::serve(const Document& document, const Script
       return std::nullopt;
     case ScriptRequest::Kind::load_url: {
       Link link = link_of(request.urls, request.parameters, *request.origin, request.source);
-      // Nobody has asked for a page that opens by itself.
+      // Without a recent press, the user did not ask for a web page.
       constexpr double kAfterPress = 3;
       if (now_ - pressed_at_ > kAfterPress)
         for (Link::Place& place : link.places)
@@ -65,7 +65,7 @@ std::optional<std::string> Session::serve(const Document& document, const Script
     }
     case ScriptRequest::Kind::program:
     case ScriptRequest::Kind::create_from_url:
-      return std::nullopt;  // the world's own affair
+      return std::nullopt;  // handled by the world itself
   }
   return std::nullopt;
 }

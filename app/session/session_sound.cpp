@@ -3,7 +3,7 @@
 
 #include <string>
 
-// What is heard of the worlds of a session (VRML97 6.42).
+// Sounds of the worlds of a session (VRML97 6.42).
 namespace gs::app {
 
 void Session::listen(Document& document, const View& leader) {

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-// Where the user has been with each viewport, and how he comes back there.
+// Histories of the viewports: visits, back and forward.
 namespace gs::app {
 
-// What has come into sight without his going back or forward is another place.
+// Records a visit for each visible file that was opened other than by back or forward.
 void Session::note_visits() {
   for (const std::size_t i : panes_.visible()) {
     Pane& pane = panes_.at(i);
@@ -50,7 +50,7 @@ void Session::travel(int direction) {
   }
 }
 
-// A file that is listed is not read again.
+// Shows a file at a pose. A listed file is not read again.
 void Session::show_at(const std::string& path, const std::optional<Pose>& pose) {
   frame_.files_chosen = true;
   returning_[panes_.active()] = {path, pose};

@@ -14,11 +14,11 @@ bool usable(const render::WorldBounds& bounds) {
   return size > 0 && std::isfinite(size);
 }
 
-constexpr std::size_t kMostLeft = 1000;  // Viewpoints that are remembered
+constexpr std::size_t kMostLeft = 1000;  // max number of stored Viewpoints
 
 bool same(const vrml::NodePlace& a, const vrml::NodePlace& b) { return a.scene == b.scene && a.node == b.node; }
 
-/// The jump field of the Viewpoint that is bound, or was as long as it was there.
+/// Stores the jump field of the bound Viewpoint. Keeps the last value if the Viewpoint was removed.
 void note_jump(View& view) {
   const auto [scene, node] = view.bound_place;
   if (scene && view.document->living->execution().has_scene(scene) && scene->contains(node))
@@ -33,7 +33,7 @@ void note_bound(View& view) {
   note_jump(view);
 }
 
-/// Where the viewer stands relative to the Viewpoint that he is bound to is stored with it (6.53).
+/// Stores the pose of the viewer relative to the bound Viewpoint (VRML97 6.53).
 void leave_viewpoint(View& view) {
   if (!view.bound_place.scene || !view.viewpoint) return;
   const Pose& stands = view.navigation.transition ? view.navigation.transition->to : view.navigation.pose;
@@ -42,7 +42,7 @@ void leave_viewpoint(View& view) {
   view.left.push_back({view.bound_place, glm::inverse(world_from_viewer(view.home)) * world_from_viewer(stands)});
 }
 
-/// What was stored, which is for one return.
+/// Returns the stored pose and removes it, because it is valid for one return.
 glm::dmat4 take_left(View& view) {
   for (auto one = view.left.begin(); one != view.left.end(); ++one)
     if (same(one->viewpoint, view.bound_place)) {
@@ -59,7 +59,7 @@ std::optional<std::size_t> index_of(const render::RenderList& list, const vrml::
   return std::nullopt;
 }
 
-/// A pose of the author's, or of the whole, by the rays that the user wants.
+/// Applies the user's projection to a pose of the author or of the initial view.
 Pose seen_as_chosen(const View& view, const Pose& pose) {
   if (!view.style.parallel) return pose;
   const render::WorldBounds& bounds = view.list->bounds;
@@ -72,13 +72,13 @@ Pose home_of(const View& view, const render::ViewpointState& viewpoint) {
   return seen_as_chosen(view, pose_of(viewpoint.world_from_camera, viewpoint.field_of_view));
 }
 
-/// What is up for the viewer and how long his metre is, he has from the Viewpoint that he is bound to (6.29).
+/// Takes the up vector and the scale of the bound Viewpoint (VRML97 6.29).
 void take_measures(View& view, const render::ViewpointState& viewpoint) {
   if (view.style.up == UpAxis::automatic) view.navigation.up = glm::vec3(viewpoint.up);
   view.navigation.speed *= static_cast<float>(viewpoint.scale / std::exchange(view.scale, viewpoint.scale));
 }
 
-/// Another NavigationInfo is bound, or it says something else (4.6.10, 6.29): what has changed in it counts anew.
+/// Applies changed fields if another NavigationInfo is bound or the bound one has changed (VRML97 4.6.10, 6.29).
 void follow_navigation_info(View& view) {
   const render::NavigationState& now = view.list->navigation;
   if (now == view.navigation_info) return;
@@ -89,23 +89,25 @@ void follow_navigation_info(View& view) {
   if (now.types != before.types) view.navigation = with_mode(view.navigation, view.rules.start);
 }
 
-/// As the whole that is in sight is first seen.
+/// Sets the home pose to the initial view of `whole`.
 void choose_home(View& view, const render::WorldBounds& whole, const glm::vec2& viewport) {
   view.home = seen_as_chosen(view, first_pose(whole, viewport, upright_of(view)));
   view.home_size = viewport;
   view.framed = whole;
 }
 
-/// Where nobody has said from where a world is to be seen, its first moment did; things move later. So whoever is still
-/// there goes where he has in view what has been there until now, and some of what is to be expected.
+/// Re-frames a world without a Viewpoint after objects have moved out of the picture. The new picture contains the
+/// initial bounds, all bounds since then, and a margin. Does nothing once the user has moved.
 void follow_growth(View& view) {
-  constexpr float kMostGrowth = 32;  // of the diagonal: one thing that flies away does not make a dot of all others
-  constexpr float kAir = 0.05f;      // of the diagonal, and half of the growth: so that he does not go with each step
+  /// Max growth of the diagonal, so that one object that flies away does not shrink the others to a dot.
+  constexpr float kMostGrowth = 32;
+  /// Margin relative to the diagonal and to half of the growth, so that not each step re-frames.
+  constexpr float kAir = 0.05f;
   const render::WorldBounds& now = view.list->bounds;
   if (view.viewpoint || !view.list->viewpoints.empty() || view.home_size.x <= 0 || !usable(now) || !at_home(view) ||
       render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
     return;
-  // Who holds something in the world needs a picture that stays.
+  // While the user drags an object, the camera must not move.
   if (view.document->living->execution().pointed_at().active) return;
   render::WorldBounds whole = view.framed;
   whole.add(now);
@@ -186,11 +188,11 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   View view;
   view.document = document;
   view.style = style;
-  view.color_bar = document->world.color_key.has_value();  // without it such colours say nothing
+  view.color_bar = document->world.color_key.has_value();  // such colours have no meaning without it
   view.list = document->list;
   if (document->living) {
     note_bound(view);
-    // Who looks first sees what was made for the first look.
+    // The first view reuses the document's initial render scene.
     view.scene = document->viewer_dependent && document->first_scene.use_count() > 1
                      ? document->living->look({0, 0, 10}, true)
                      : document->first_scene;
@@ -229,7 +231,7 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
   if (!before.document->is_preview) view.color_bar = before.color_bar;
   view.headlight = before.headlight;
   view.budget = before.budget;
-  // Who reads a file again has changed something and wants to see it, from where he is.
+  // After a reload, the viewer stays at its pose, because the user wants to see the changes there.
   if (view.rules.allows(before.navigation.mode)) {
     view.navigation.pose = before.navigation.pose;
     view.navigation.mode = before.navigation.mode;
@@ -300,7 +302,7 @@ bool follow_world(View& view) {
     carry(view.navigation.transition->to);
   }
   view.home = home_of(view, viewpoint);
-  if (stays) view.navigation.pose = view.home;  // without what rounding adds up to
+  if (stays) view.navigation.pose = view.home;  // avoids accumulated rounding errors
   return true;
 }
 
@@ -335,7 +337,7 @@ bool follow_bound_viewpoint(View& view) {
   view.world_from_viewpoint = viewpoint.world_from_camera;
   view.home = home_of(view, viewpoint);
   take_measures(view, viewpoint);
-  // Where one that jumped is popped, the viewer goes back to where he stood.
+  // If the popped Viewpoint had `jump` set, the viewer returns to the pose before it.
   const glm::dmat4 left = take_left(view);
   if (popped && popped_jump)
     view.navigation =
@@ -358,13 +360,13 @@ Pose linked_pose(const Pose& pose, const render::WorldBounds& from, const render
 
 void link_view(View& view, const View& leader) {
   if (!view.document || !leader.document || view.navigation.mode == NavigationMode::none) return;
-  // Of the documents: what a view has gathered for itself may differ from place to place.
+  // Uses the documents' bounds, because those of views may differ between positions.
   const render::WorldBounds &from = leader.document->list->bounds, &to = view.document->list->bounds;
   view.navigation = with_mode(view.navigation, view.navigation.mode);
   view.navigation.transition.reset();
   view.navigation.pose = linked_pose(leader.navigation.pose, from, to);
   view.style.parallel = leader.style.parallel;
-  Pose center;  // what EXAMINE turns about lies in the same place, too
+  Pose center;  // the centre of EXAMINE is mapped in the same way
   center.position = leader.navigation.center;
   view.navigation.center = linked_pose(center, from, to).position;
 }

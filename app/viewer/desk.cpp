@@ -15,9 +15,9 @@ namespace gs::app {
 namespace {
 
 constexpr double kTextStep = 0.1;
-constexpr double kSameCamera = 1e-4;  // of the numbers of a bookmark's camera
+constexpr double kSameCamera = 1e-4;  // max difference of the numbers of equal cameras
 
-// Of a window: what the author calls the world, and where it is from.
+// Returns the title of the window: the world's title and its file.
 std::string title_of(const std::string& title, const std::string& file) {
   constexpr std::size_t kMost = 100;  // bytes
   if (title.empty() || title == file) return file;
@@ -42,7 +42,7 @@ bool are_alike(const std::vector<double>& one, const std::vector<double>& other)
                     [](double a, double b) { return std::abs(a - b) <= kSameCamera * (1 + std::abs(a)); });
 }
 
-// With the field of view of who looks now.
+// Returns the pose of a camera with the current field of view.
 std::optional<Pose> pose_of_camera(const std::vector<double>& camera, const Pose& before) {
   if (camera.size() != Bookmark::kCameraNumbers && camera.size() != Bookmark::kParallelNumbers) return std::nullopt;
   for (const double number : camera)
@@ -123,7 +123,8 @@ std::vector<SessionInput::Event> Desk::take(const std::vector<WindowEvent>& even
   return result;
 }
 
-// True when it was a click that chooses a node of the world (Alt+click, or behind Action::pick).
+// Handles a click that selects a node of the world (Alt+click, or the click after Action::pick). Returns true if it
+// did.
 bool Desk::picks(const WindowEvent& event) {
   if (event.kind != WindowEvent::Kind::button_down || event.button != MouseButton::left || ui_.wants_pointer() ||
       !(event.alt || inspection_.picking()))
@@ -135,7 +136,7 @@ bool Desk::picks(const WindowEvent& event) {
   return true;
 }
 
-// True where it is the interface's, the user's or the window's alone.
+// Runs an action of the interface, the settings or the window. Returns false if the session must run it.
 bool Desk::run(Action action) {
   UserSettings settings = keeper_.settings();
   switch (action) {
@@ -153,13 +154,13 @@ bool Desk::run(Action action) {
       if (inspection_.picking()) ui_.show_notice("Click what is to be chosen in the scene tree", false);
       return true;
     case Action::close:
-      if (session_.seeking()) return false;  // the session ends that
+      if (session_.seeking()) return false;  // the session ends seeking
       if (inspection_.picking()) {
         inspection_.set_picking(false);
         return true;
       }
       if (ui_.close_over() || window_.run_tool(action)) return true;
-      if (session_.panes().loading(session_.panes().active())) return false;  // the session stops it
+      if (session_.panes().loading(session_.panes().active())) return false;  // the session cancels loading
       return ui_.close_beside();
     case Action::larger_text:
       settings.text_size += kTextStep;
@@ -196,7 +197,7 @@ bool Desk::run(Action action) {
   return true;
 }
 
-// Where others of the kind that is shown may be.
+// Returns the folder of the visible file, as the initial folder of dialogs.
 std::string Desk::folder_of_file() const {
   const Pane& pane = session_.panes().at(session_.panes().active());
   std::error_code error;
@@ -205,7 +206,7 @@ std::string Desk::folder_of_file() const {
   return folder.empty() ? "." : folder.string();
 }
 
-// Over the clipboard.
+// Copies or pastes the camera through the clipboard.
 void Desk::exchange_camera(Action action) {
   const View* seen = session_.view();
   if (!seen) return;
@@ -272,7 +273,7 @@ void Desk::apply(const UiActions& actions) {
 
 // Bookmarks ---------------------------------------------------------------------------------------
 
-// Of what the active viewport shows: its Viewpoint, and where the viewer stands if he has moved from there.
+// Returns a bookmark of the active viewport: its Viewpoint, and the pose of a viewer that has moved away from it.
 std::optional<Bookmark> Desk::bookmark_of_view() {
   const Pane& pane = session_.panes().at(session_.panes().active());
   const View* seen = pane.view();
@@ -315,14 +316,14 @@ void Desk::open_bookmark(std::size_t index) {
   if (index >= keeper_.bookmarks().size()) return;
   const Bookmark bookmark = keeper_.bookmarks()[index];
   const View* seen = session_.view();
-  // A file that is open already may have been given in other words.
+  // The file may be open already under another spelling of its path.
   std::string place = bookmark.place;
   for (const DocumentList::Entry& entry : session_.panes().documents().entries())
     if (absolute_place(entry.path) == place) place = entry.path;
   session_.open_at(place, bookmark.viewpoint, pose_of_camera(bookmark.camera, seen ? seen->navigation.pose : Pose{}));
 }
 
-// What is told ------------------------------------------------------------------------------------
+// Messages ----------------------------------------------------------------------------------------
 
 bool Desk::tell(const Frame& frame) {
   bool any = false;

@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-// What a desk shows: its session, as the interface is told of it.
+// Model of the interface, made from the session of a desk.
 namespace gs::app {
 namespace {
 
-constexpr double kWeightSteps = 64;  // of a weight of 1
+constexpr double kWeightSteps = 64;  // steps of a weight of 1
 
 }  // namespace
 
@@ -30,7 +30,7 @@ std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std:
   return shares_of(budget, weights);
 }
 
-// "city.wrl: 3.1 of 12.0 MB, 4 files to come"
+// Returns a text such as "city.wrl: 3.1 of 12.0 MB, 4 files to come".
 std::string Desk::progress_of(const std::string& path) const {
   std::string text = file_label(path);
   for (const LoadingState& state : session_.progress_of(path)) {

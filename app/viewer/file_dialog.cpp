@@ -22,7 +22,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMostOutput = std::size_t{1} << 20;
-constexpr int kChosenNone = 1;  // exit status of all of them when the user cancels
+constexpr int kChosenNone = 1;  // exit status of all programs when the user cancels
 
 bool has_desktop() {
   for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"})
@@ -55,8 +55,8 @@ struct FileDialog::Running {
   pid_t child = 0;
   net::Descriptor output;
   std::mutex mutex;
-  std::optional<Answer> answer;  // guarded
-  std::thread reader;            // behind what it uses
+  std::optional<Answer> answer;  // guarded by the mutex
+  std::thread reader;            // declared after the members that it uses
 };
 
 FileDialog::FileDialog(std::function<void()> wake, std::span<const DialogProgram> programs)
@@ -82,7 +82,7 @@ bool FileDialog::show(const std::string& folder) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input.get(), STDOUT_FILENO);
-  // What toolkits have to say of the desktop is nothing of ours.
+  // Discards messages of toolkits about the desktop.
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   bool started = false;
   for (const DialogProgram& program : programs_) {
@@ -99,7 +99,7 @@ bool FileDialog::show(const std::string& folder) {
   posix_spawn_file_actions_destroy(&actions);
   if (!started) return false;
   running_ = std::move(running);
-  // `input` closes with this scope, so that the child's end is the only one.
+  // `input` closes with this scope, so that only the child keeps its end open.
   running_->reader = std::thread([run = running_.get(), wake = wake_] {
     std::string text;
     char buffer[4096];
@@ -114,7 +114,7 @@ bool FileDialog::show(const std::string& folder) {
     }
     Answer answer;
     {
-      // Whoever kills the child does so before it is reaped: its number may be another's afterwards.
+      // The child may be killed only until it is reaped; afterwards its process ID may be reused.
       const std::lock_guard lock(run->mutex);
       int status = 0;
       (void)::waitpid(run->child, &status, 0);

@@ -13,9 +13,9 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;     // the interface needs a second look after a change
+constexpr int kSettlingFrames = 3;     // the interface needs further frames after a change
 constexpr double kIdleWait = 30;       // seconds; any event ends it
-constexpr double kLongPicture = 0.3;   // seconds: somebody notices
+constexpr double kLongPicture = 0.3;   // seconds; a delay that users notice
 constexpr double kLoadingWait = 0.25;  // between pictures of the progress line
 
 DeskOptions desk_options(const ViewerOptions& options, float scale) {
@@ -29,7 +29,7 @@ DeskOptions desk_options(const ViewerOptions& options, float scale) {
   return result;
 }
 
-// As the last window was, unless the user says how.
+// Returns the size of the last window, unless the options give one.
 glm::ivec2 first_size(const ViewerOptions& options) {
   if (!options.size_given && options.folders.any()) {
     const UserMemory memory = remembered(options.folders);
@@ -113,20 +113,20 @@ void Viewer::run() {
     if (in_sight) input.area = ui_.picture_area(size);
     if (!events.empty()) {
       frames_wanted_ = kSettlingFrames;
-      ui_.begin_frame(now, events);  // the interface comes first
+      ui_.begin_frame(now, events);  // the interface handles events first
       input.events = desk_.take(events);
     }
     frame_ = session_.step(world_time(), input);
     tell(frame_);
     if (desk_.inspection().busy() || desk_.inspection().take_news(now)) frames_wanted_ = std::max(frames_wanted_, 1);
     if (!in_sight) continue;
-    // Where pictures of the worlds take long, what is read, opened or typed shows before them.
+    // If pictures of the worlds take long, the interface shows finished loading and typed text before them.
     const bool typed = std::any_of(events.begin(), events.end(), [](const WindowEvent& event) {
       return event.kind == WindowEvent::Kind::key_down || event.kind == WindowEvent::Kind::character;
     });
     const bool was_read = std::exchange(was_loading_, frame_.loading) && !frame_.loading;
     interface_first_ = picture_seconds_ > kLongPicture && (was_read || (typed && !frame_.moving));
-    // Nothing has happened: what is on the screen is right.
+    // Without changes, the picture on the screen stays valid.
     if (frames_wanted_ == 0 && !frame_.moving && !wants_finer() && !frame_.loading) {
       was_in_motion_ = false;
       continue;
@@ -169,16 +169,17 @@ void Viewer::wait_idle() {
   double wait = frame_.loading || tools_.reads_values() ? kLoadingWait : kIdleWait;
   if (desk_.shows_rates()) {
     wait = std::min(wait, kLoadingWait);
-    frames_wanted_ = std::max(frames_wanted_, 2);  // what appears or goes is measured first
+    frames_wanted_ = std::max(frames_wanted_, 2);  // items that appear or disappear are measured one frame earlier
   }
   if (frame_.next_life) wait = std::clamp(*frame_.next_life - world_time(), 0.0, wait);
   if (const auto next = desk_.inspection().next_change()) wait = std::min(wait, *next);
   const bool interface_first = change && *change <= wait;
   window_->wait(interface_first ? *change : wait);
-  if (interface_first) frames_wanted_ = std::max(frames_wanted_, 2);  // what appears is measured first, then shown
+  /// New items are measured in one frame and shown in the next.
+  if (interface_first) frames_wanted_ = std::max(frames_wanted_, 2);
 }
 
-// What the session has to say.
+// Handles the results of a step.
 void Viewer::tell(const Frame& frame) {
   if (frame.news) frames_wanted_ = kSettlingFrames;
   if (frame.changed) frames_wanted_ = std::max(frames_wanted_, 1);
@@ -231,7 +232,7 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
       error = "cannot be controlled: " + *problem;
       return 1;
     }
-  // Who logs out has not lost anything: the window closes as if by its button.
+  // A logout closes the window as its button does, so that nothing needs to be restored.
   const EndWatch signals([] { Window::wake(); });
   const CloseWatch closing;
   const EndOverdueScripts overdue([&] { return EndOnSignals::told() || closing.is_asked_to_close(); });

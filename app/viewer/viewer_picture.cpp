@@ -6,14 +6,14 @@
 namespace gs::app {
 namespace {
 
-// Discs of streams that may be decoded for one frame of all viewports: some 20 ms of one core.
+// Max number of vectors of streams that are decoded per frame for all viewports: about 20 ms of one core.
 constexpr std::size_t kMostDecoded = 250'000;
-constexpr double kMostUninterrupted = 0.4;  // seconds of drawing before events are looked for
+constexpr double kMostUninterrupted = 0.4;  // seconds of drawing before events are polled
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
 }  // namespace
 
-// That of the command line comes before that of the settings.
+// Returns the vector budget: that of the command line, else that of the settings.
 std::size_t Viewer::budget() const {
   if (options_.budget > 0) return options_.budget;
   return desk_.kept().settings().budget > 0 ? desk_.kept().settings().budget : kWindowBudget;
@@ -43,7 +43,7 @@ void Viewer::draw_viewports() {
   }
 }
 
-// Another frame, and nothing else, makes a picture in sight better.
+// Returns true if drawing again would refine a visible picture.
 bool Viewer::wants_finer() const {
   return std::any_of(frame_.pictures.begin(), frame_.pictures.end(),
                      [this](const Frame::Picture& picture) { return pictures_.wants_more(picture.pane); });
@@ -74,7 +74,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (seen.document->living) source.grown += seen.document->living->movie_pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
   if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;
-  // However long a picture takes, who does something is answered; all pixels come when nobody does.
+  // Long pictures are interrupted by events; without events, all pixels are drawn.
   PictureDetail& detail = details_[picture.pane];
   const double begin = Window::now();
   draw.coarseness = detail.coarseness(busy && !same);
@@ -90,7 +90,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   pane.statistics = renderer_->draw(list, camera, draw);
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
-  // What was given up for the sake of progress says nothing about who moves.
+  // A picture that was interrupted to show progress does not measure the detail for motion.
   const bool given_up = pane.statistics.given_up;
   if (given_up)
     pictures_.note_given_up(picture.pane, pane.statistics);
@@ -100,7 +100,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (!given_up || !(frame_.loading || interface_first_)) detail.note(draw.coarseness, given_up, end - begin);
 }
 
-// What is measured, looked at more closely, or kept ------------------------------------------------
+// Tools: measuring, values and slices, saving ------------------------------------------------------
 
 Viewport Viewer::active_place() const {
   for (const Frame::Picture& picture : frame_.pictures)

@@ -23,8 +23,8 @@
 namespace gs::app {
 namespace {
 
-constexpr float kClick = 4;      // pixels that the pointer may move between press and release of a click
-constexpr float kSliceEdge = 6;  // pixels from the edge of a slice where it can be taken
+constexpr float kClick = 4;      // max pointer movement of a click, in pixels
+constexpr float kSliceEdge = 6;  // max distance from the edge of a slice to drag it, in pixels
 
 double seconds_since_1970() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -125,7 +125,7 @@ std::optional<SliceGrip> ViewerTools::slice_under_pointer(const View& seen, cons
                        pointer_ - glm::vec2(place.left, place.top), kSliceEdge);
 }
 
-// The one whose edge is under the pointer, so that it shows what can be drawn.
+// Describes the slice with its edge under the pointer, so that the interface can highlight it.
 void ViewerTools::describe_slices(UiTools& tools, const View& seen, const Viewport& place) {
   tools.slices = seen.slices;
   const std::optional<SliceGrip> grip = grip_ ? grip_ : slice_under_pointer(seen, place);
@@ -155,7 +155,7 @@ std::shared_ptr<const render::RenderList> ViewerTools::guides(const View& view) 
   return view.style.grid ? grids_.of(view.list->bounds, upright_of(view)) : nullptr;
 }
 
-// Once for each volume that is opened; then it is the user's.
+// Applies the initial display of the command line, once for each opened volume.
 void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   const VolumeWishes& wishes = options_.volume;
   const qnv::Description* const volume = wishes.any() ? first_volume(*seen.list) : nullptr;
@@ -185,8 +185,8 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
 }
 
-// The value of a volume where it is seen, or where a plane or surface in it is; of a stream, that of the nearest
-// vector; of a surface, what its colours stand for.
+// Reads the value under the pointer: of a volume at its visible depth, plane or surface; of a stream, that of the
+// nearest vector; of a surface, the meaning of its colour.
 void ViewerTools::probe(const View& seen, const Viewport& place) {
   value_.clear();
   const glm::vec2 at = pointer_ - glm::vec2(place.left, place.top), size(place.size());
@@ -242,7 +242,7 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
       tools.legs.push_back(readable_value(ruler_.length_of(i)));
     tools.measured_text = ruler_.text();
   }
-  // The points of another world are none of this one.
+  // The points of the ruler are valid only in their own world.
   tools.measured = (ruled_.lock() == seen->document ? ruler_ : Ruler()).summary();
   tools.tour = toured_.lock() == seen->document ? tour_.size() : 0;
   describe_slices(tools, *seen, place);
@@ -454,7 +454,7 @@ void ViewerTools::save_transfer(const std::string& path, const Transfer& shown, 
   }
   const Transfer transfer = shown.empty() ? own_transfer(volume) : shown;
   const std::string text = transfer_text(transfer, volume.value_range, value_unit(volume));
-  // The folder that the panel proposes need not be there yet; one that somebody types is.
+  // Creates the folder that the panel proposes; a folder that the user types must exist.
   if (std::filesystem::path(path).parent_path() == folder_) std::filesystem::create_directories(folder_, error);
   remove_unfinished_beside(path);
   if (const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(text))))

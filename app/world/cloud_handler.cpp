@@ -9,7 +9,7 @@
 #include <utility>
 #include <variant>
 
-// Bytes of streams, volumes and other programs' splats become vectors.
+// Decoding of streams, volumes and splat files to vectors.
 namespace gs::app {
 namespace {
 
@@ -98,13 +98,13 @@ void CloudHandler::receive(std::span<const std::byte> bytes) {
   if (way_ == Way::unknown) choose_way();
 }
 
-// A stream of QNV shows from its first bytes on. Everything else is read when it is there as a whole.
+// Selects the decoder. QNV streams are shown from the first bytes on; other files are read when they are complete.
 void CloudHandler::choose_way() {
   if (!qnv::is_stream(bytes_)) {
     if (bytes_.size() >= kTypeBytes) way_ = Way::whole;
     return;
   }
-  // Of cells the loss is that of the line.
+  // For cells, the transport simulates the loss.
   if (world_.options.loss > 0 && !place_.is_node && found_.url.scheme != "cells") {
     way_ = Way::whole;
     return;
@@ -114,13 +114,13 @@ void CloudHandler::choose_way() {
   const auto header = qnv::decode_header(bytes_, header_bytes, need_more);
   if (need_more) return;
   if (!std::holds_alternative<qnv::StreamHeader>(header)) {
-    way_ = Way::whole;  // whose reader says best what is wrong
+    way_ = Way::whole;  // its reader reports the best error
     return;
   }
   const auto& known = std::get<qnv::StreamHeader>(header);
   const qnv::PayloadReader reader = qnv::row_of(known.payload).reader;
   if (reader == qnv::PayloadReader::polygons) {
-    way_ = Way::whole;  // whose reader says what they are
+    way_ = Way::whole;  // its reader reports the payload
     return;
   }
   if (reader == qnv::PayloadReader::levels) {
@@ -149,8 +149,8 @@ void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
   show_(std::make_shared<const qnv::Cloud>(std::move(cloud)));
 }
 
-// Again whenever a quarter more has come: making a cloud takes time in proportion to it. Of a surface, vectors move as
-// much as they become more.
+// Shows the vectors again when their number has grown by a quarter, because making a point set takes linear time.
+// Vectors of a surface move as their number grows.
 void CloudHandler::show_records(bool last) {
   // Meshes are counted when they are made.
   const bool mesh = decoder_->exact().whole() || decoder_->progressive().begun() || decoder_->exact().cover();
@@ -194,7 +194,7 @@ void CloudHandler::read_bytes() {
   if (type.content != ContentClass::volume || found_.local) {
     read_whole(bytes_, name);
   } else {
-    // Volumes are read by slices from a file.
+    // Slices of volumes are read from a file.
     const TemporaryFile file(name, bytes_);
     if (file.problem().empty())
       read_whole(bytes_, file.path());
@@ -216,7 +216,7 @@ void CloudHandler::receive_cells(const net::CellEvent& event) {
   if (way_ == Way::pushed) {
     feed_->add_loose(event.name.chunk, event.bytes);
   } else if (way_ == Way::decoded && event.records) {
-    // The records stand where they do in the chunk; what is before them comes another time, or never.
+    // The records keep their position in the chunk. Records before them may follow later or be lost.
     const auto head = std::span(event.head).subspan(std::min(event.head.size(), qnv::kChunkHeaderBytes));
     std::vector<std::byte> payload(head.begin(), head.end());
     payload.resize(head.size() + event.offset);
@@ -225,7 +225,7 @@ void CloudHandler::receive_cells(const net::CellEvent& event) {
     decoder_->add(qnv::ChunkType::records, payload, std::span(&missing, event.offset > 0 ? 1 : 0));
     show_records(false);
   } else if (way_ == Way::decoded) {
-    // A chunk that is of use only as a whole.
+    // This chunk is useful only as a whole.
     const auto chunk = qnv::sound_chunk(event.bytes);
     if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_->add(sound->type, sound->payload);
     show_records(false);

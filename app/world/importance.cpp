@@ -15,7 +15,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMostVisits = 200'000, kMostLookedDepth = 256;
-constexpr float kUnknown = 0.25f;  // of what says nothing of its size
+constexpr float kUnknown = 0.25f;  // for nodes without a known size
 
 class Surveyor {
  public:

@@ -4,12 +4,12 @@
 
 #include <utility>
 
-// Sounds and movies that AudioClips and MovieTextures name (VRML97 6.4, 6.28).
+// Sounds and movies of AudioClips and MovieTextures (VRML97 6.4, 6.28).
 namespace gs::app {
 
 using vrml::Severity;
 
-/// A sound or movie that several nodes may play.
+/// Content handler for a sound or movie that several nodes may play.
 struct WorldLoading::State::SharedMedia final : ContentHandler {
   SharedMedia(State& state, vrml::UrlContent of, std::string type_name, std::string text, vrml::SourceLocation location,
               vrml::MFString list)
@@ -28,7 +28,7 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
     closed = false;
     return true;
   }
-  // A long one is mapped, and takes no memory.
+  // Takes a file. Long files stay mapped and need no memory.
   bool take_file(net::MappedFile& from) override {
     closed = true;
     const std::size_t copied = from.bytes().size() < net::MappedFile::kMappedSize ? from.bytes().size() : 0;
@@ -53,7 +53,7 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
     examine(std::make_shared<MediaFile>(std::exchange(bytes, {}),
                                         std::exchange(held, {world.budget, vrml::Resource::files})));
   }
-  // The next of the urls may be of a kind that can be read (4.5.2).
+  // Rejects an unreadable file, so that the next url is tried (VRML97 4.5.2).
   std::optional<std::string> wants_next() override { return stage == Stage::coming ? refused : std::nullopt; }
   void missing(const std::string& why) override {
     stage = Stage::none;
@@ -75,7 +75,7 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
     auto info = render::examine_media(found->bytes(), stopped);
     std::shared_ptr<const render::Image> first;
     if (content == vrml::UrlContent::movie) {
-      // Its first picture, or the only one of a file that is no movie.
+      // Decodes the first frame, or the only image of a file that is not a movie.
       auto decoded = decode_texture(found->bytes(), world.budget);
       if (auto* texture = std::get_if<Texture>(&decoded)) {
         if (!texture->note.empty())
@@ -114,12 +114,12 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
 
   State& world;
   vrml::UrlContent content;
-  std::string type, file, name;  // of the node that asked first; of its text; of the file
+  std::string type, file, name;  // type of the first node, file of its text, name of the media file
   vrml::SourceLocation place;
   vrml::MFString urls;
   std::vector<std::byte> bytes;
-  vrml::Share held;     // of these
-  bool closed = false;  // no more bytes are taken
+  vrml::Share held;     // of `bytes`
+  bool closed = false;  // more bytes are ignored
   std::optional<std::string> refused;
   std::vector<Arrivals::Place> players;
   std::weak_ptr<const MediaFile> media;

@@ -6,7 +6,8 @@
 namespace gs::app {
 namespace {
 
-// Its polygons stand in lists that only the browser and the file set; that they are all there, in an exposedField.
+// Returns true for the fields with polygons: lists that only the browser and the file set, and the exposedField that
+// marks them as complete.
 bool is_of_polygons(const vrml::InterfaceDeclaration& field) {
   return field.slot >= 0 && (field.access == vrml::AccessType::field ? vrml::is_multiple(field.type)
                                                                      : field.type == vrml::FieldType::SFBool);
@@ -55,10 +56,10 @@ void OutlineHandler::end(const std::optional<std::string>& problem) {
 
 void OutlineHandler::missing(const std::string& why) {
   if (!told) world_.report(vrml::Severity::warning, file_, location_, "OutlineGroup: " + why_missing(urls_, why));
-  if (group_.request > 0) give();  // none, in the place of what the former url named
+  if (group_.request > 0) give();  // removes the polygons of the former url
 }
 
-// Given on when somebody looks: each time the lists are copied as soon as more comes.
+// Marks new polygons. They are passed on when they are needed, because the lists are copied if they grow later.
 void OutlineHandler::has_come() {
   if (reader_.take_changed().empty()) return;
   auto& waiting = world_.outlines;

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <utility>
 
-// Bytes of scenes become nodes; what the nodes refer to is in scene_references.cpp.
+// Decoding of scenes to nodes. scene_references.cpp handles the references of the nodes.
 namespace gs::app {
 namespace {
 
@@ -80,14 +80,14 @@ void SceneHandler::receive(std::span<const std::byte> bytes) {
   read_rest(bytes);
 }
 
-// What the world has of the kind of its file.
+// Sets the world's properties that depend on the file type.
 void SceneHandler::note_type() {
   if (role != Role::root) return;
   world_.world.up = type_->up;
   world_.world.authored = type_->content == ContentClass::vrml;
 }
 
-// By the first bytes, the name, or what the server says. False while more bytes are needed to tell.
+// Detects the type from the first bytes, the name, or the server's answer. Returns false if it needs more bytes.
 bool SceneHandler::choose_type(bool last) {
   if (!last && waiting_.size() < kTypeBytes) return false;
   const std::string name = found_.local ? found_.path : found_.url.path;
@@ -225,7 +225,7 @@ void SceneHandler::end_text(bool had_problem) {
   if (!had_problem && !cut) complete_outlines();
 }
 
-// Polygons that have not come now never will.
+// Marks all outline groups as complete, because the file has ended.
 void SceneHandler::complete_outlines() {
   for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
     const vrml::NodeId id = scene->id_at(i);
@@ -267,7 +267,7 @@ void SceneHandler::missing(const std::string& why) {
   finished_reading();
 }
 
-// Nothing more comes of the file itself.
+// Ends the reading of the file itself.
 void SceneHandler::finished_reading() {
   stage_ = std::max(stage_, Stage::ended);
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - world_.started).count();
@@ -279,13 +279,13 @@ void SceneHandler::finished_reading() {
   settle();
 }
 
-// An Inline's content shows as soon as there is any.
+// Attaches an Inline's content as soon as it has nodes.
 void SceneHandler::attach() {
   if (role != Role::inlined || given_to || !own_ || refused() || own_->roots().empty()) return;
   outer->scene->attach_inline(inline_node, std::move(own_));
 }
 
-// A library is of use when all that it uses itself is there.
+// Hands a library to its user once the libraries that it uses are loaded.
 void SceneHandler::settle() {
   if (stage_ == Stage::settled || !nothing_more_comes() || awaited_libraries_ > 0) return;
   stage_ = Stage::settled;
@@ -293,7 +293,7 @@ void SceneHandler::settle() {
   outer->take_library(*this);
 }
 
-// Those that were open the last time may have grown since, and be complete now.
+// Forgets the meshes of nodes that were incomplete when they were shown.
 void SceneHandler::forget_open(render::MeshCache& meshes) {
   if (!scene) return;
   for (const vrml::Node* node : shown_open_) meshes.forget(node);
@@ -302,7 +302,7 @@ void SceneHandler::forget_open(render::MeshCache& meshes) {
     for (const vrml::NodeId id : parser_->open_nodes()) {
       shown_open_.push_back(&scene->node(id));
       meshes.forget(shown_open_.back());
-      // What it refines changes with it.
+      // The group that it refines changes with it.
       if (shown_open_.back()->type->url_content != vrml::UrlContent::outlines) continue;
       const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), vrml::NodeKind::outline_group);
       if (!refined) continue;
@@ -327,7 +327,7 @@ std::shared_ptr<vrml::SceneGraph> SceneHandler::give_content() {
   return given;
 }
 
-// With the Inlines that are read; the others follow.
+// Hands over the scene with all complete Inlines; the others follow.
 void SceneHandler::give_away() {
   owner_ = Owner::living_world;
   if (!scene || refused()) return;

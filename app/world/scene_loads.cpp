@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-// Urls that are set in a living world: what the node shows so far stays until there is something else, or nothing.
+// Urls that are set in a running world. The node keeps its present content until new content is available or missing.
 namespace gs::app {
 
 void SceneHandler::load(const UrlRequest& request) {
@@ -55,7 +55,7 @@ void SceneHandler::load(const UrlRequest& request) {
 }
 
 void SceneHandler::load_inline(const UrlRequest& request, Reference reference) {
-  // Of the former url nothing is wanted any more.
+  // The results of the former url are not needed any more.
   const auto is_former = [&](const std::shared_ptr<SceneHandler>& one) {
     return one->inline_node == request.place.node;
   };

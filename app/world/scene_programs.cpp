@@ -3,12 +3,12 @@
 
 #include <utility>
 
-// Programs of Scripts in files of their own (VRML97 4.12.1), and texts that programs ask for.
+// Programs of Scripts in own files (VRML97 4.12.1), and texts that programs request.
 namespace gs::app {
 
 using vrml::Severity;
 
-/// A text of VRML or of a program, packed by gzip or not.
+/// Content handler for a text of VRML or of a program, optionally gzip-compressed.
 struct WorldLoading::State::TextHandler final : ContentHandler {
   TextHandler(State& state, const SceneHandler* waits, const UrlRequest& request)
       : world(state), waits_for(waits), what(request), held(state.budget, vrml::Resource::files) {}
@@ -54,7 +54,7 @@ struct WorldLoading::State::TextHandler final : ContentHandler {
   UrlRequest what;
   Found found;
   std::vector<std::byte> bytes;
-  vrml::Share held;  // of these
+  vrml::Share held;  // of the bytes
   bool full = false;
 };
 
@@ -65,7 +65,7 @@ void WorldLoading::State::text_arrived(Arrivals::Text text) {
     world.programs.push_back({text.place.scene, text.place.node, std::move(text.text), std::move(text.url)});
 }
 
-// Files that stand in front of the first program that the Script holds itself.
+// Fetches the files of the url list before the first inline program.
 void SceneHandler::visit_script(vrml::NodeId id) {
   const vrml::Node& node = scene->node(id);
   const vrml::InterfaceDeclaration* const url = node.type->find_field("url");

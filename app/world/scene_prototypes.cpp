@@ -6,13 +6,13 @@
 #include <optional>
 #include <utility>
 
-// Where the PROTOs of a scene's EXTERNPROTOs come from.
+// PROTOs for the EXTERNPROTOs of a scene.
 namespace gs::app {
 namespace {
 
 using vrml::Severity;
 
-// Whether a url names a file, or a part of it.
+// Returns true if a url refers to this file or to a part of it.
 bool names_file(net::Url url, const std::string& file) {
   url.fragment.clear();
   url.has_fragment = false;
@@ -35,10 +35,11 @@ void SceneHandler::look_for_prototypes() {
   take_own_prototypes();
 }
 
-// False: first of all it is one of the text itself, whose name is in `wanted`, and nothing is fetched.
+// Fetches the library of an EXTERNPROTO. Returns false without fetching if its first url refers to its own text;
+// `wanted` then has the name of the PROTO.
 bool SceneHandler::ask_for_prototype(AwaitedPrototype& wanted, Reference reference, const PrototypePlace& named,
                                      Libraries& fresh) {
-  // What names this file itself is not fetched. First of all it is the one; behind others, where these cannot be had.
+  // A url of this file is not fetched. As the first url it is used at once, otherwise if the other urls fail.
   const std::string& own_url = found_.origin.url;
   const bool own_first = !reference.places.empty() && names_file(reference.places.front(), own_url);
   std::erase_if(reference.places, [&](const net::Url& url) {
@@ -67,7 +68,8 @@ bool SceneHandler::ask_for_prototype(AwaitedPrototype& wanted, Reference referen
   return true;
 }
 
-// Of a text that was read into the living world, whose types are not looked at here.
+// Requests the library of an EXTERNPROTO in a text that was read into the running world. Its types belong to that
+// world.
 void SceneHandler::load_prototype(const UrlRequest& request) {
   Libraries fresh;
   AwaitedPrototype wanted{request.prototype, {}, {}};
@@ -76,7 +78,7 @@ void SceneHandler::load_prototype(const UrlRequest& request) {
     give_prototypes({wanted}, nullptr, std::nullopt);
 }
 
-// Those whose EXTERNPROTO names the file that it stands in (4.9.2): when they are complete.
+// Resolves EXTERNPROTOs that refer to a PROTO of their own file (VRML97 4.9.2), once it is complete.
 void SceneHandler::take_own_prototypes() {
   const std::size_t before = to_resolve_.size(), waiting = own_types_.size();
   std::erase_if(own_types_, [&](const auto& one) {
@@ -90,12 +92,12 @@ void SceneHandler::take_own_prototypes() {
              "EXTERNPROTO " + type->name + " stands inside its own PROTO " + source->name + "; left out");
     } else {
       to_resolve_.emplace_back(type, source);
-      resolve_types();  // so that the next one is looked for in the body of this one
+      resolve_types();  // so that the next one is searched in the body of this one
     }
     return true;
   });
   if (to_resolve_.size() != before) resolve_types();
-  if (own_types_.size() != waiting) look_for_references();  // of what has come in
+  if (own_types_.size() != waiting) look_for_references();  // handles the nodes of the new bodies
 }
 
 bool SceneHandler::stand_in(vrml::NodeType& type) {
@@ -104,7 +106,7 @@ bool SceneHandler::stand_in(vrml::NodeType& type) {
   return source != nullptr;
 }
 
-// A library that cannot be had, because of `why`; nothing: that has been said.
+// Handles a missing library. `why` is the reason, or nullopt if it was already reported.
 void SceneHandler::miss_prototypes(const SceneHandler& library, const std::optional<std::string>& why) {
   if (owner_ == Owner::living_world) return give_prototypes(library.awaiting, nullptr, why);
   for (const AwaitedPrototype& one : library.awaiting) {
@@ -140,20 +142,20 @@ void SceneHandler::take_library(SceneHandler& library) {
   settle();
 }
 
-// To the living world, whose types these are.
+// Passes prototypes to the running world, which owns the types.
 void SceneHandler::give_prototypes(std::vector<AwaitedPrototype> awaited, std::unique_ptr<vrml::SceneGraph> library,
                                    std::optional<std::string> why) {
   Arrivals::Prototypes arrival;
   arrival.scene = scene;
   arrival.scene_held = given_.lock();
-  if (role != Role::root && !arrival.scene_held) return;  // the Inline is gone
+  if (role != Role::root && !arrival.scene_held) return;  // the Inline was removed
   arrival.awaited = std::move(awaited);
   arrival.library = std::move(library);
   arrival.why = std::move(why);
   world_.arrivals.prototypes.push_back(std::move(arrival));
 }
 
-// Instances whose own fields are still being read must wait for them.
+// Resolves EXTERNPROTOs, except those with instances whose fields are still being read.
 void SceneHandler::resolve_types() {
   std::unordered_set<const vrml::NodeType*> open_types;
   if (parser_)
@@ -167,7 +169,8 @@ void SceneHandler::resolve_types() {
   });
 }
 
-// Instances of a library's PROTOs stand in other scenes; what they are made of is to be had here.
+// Marks the EXTERNPROTOs that the library's PROTOs use. Their instances are in other scenes, but their bodies must be
+// loaded here.
 void SceneHandler::use_types_inside() {
   std::vector<const vrml::NodeType*> waiting;
   std::unordered_set<const vrml::NodeType*> seen;

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-// What the nodes of a scene refer to.
+// References of the nodes of a scene.
 namespace gs::app {
 namespace {
 
@@ -28,7 +28,7 @@ std::string why_missing(const vrml::MFString& urls, const std::string& why) {
   return why.empty() ? text : text + " (" + why.substr(0, 300) + ")";
 }
 
-/// Vectors that QNV nodes show.
+/// Vectors that several QNV nodes show.
 struct WorldLoading::State::SharedCloud {
   std::shared_ptr<const qnv::Cloud> cloud;
   std::vector<std::pair<std::shared_ptr<SceneHandler>, NodeId>> nodes;
@@ -40,7 +40,7 @@ SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list,
   Reference reference{
       {}, origin_of(source), list.empty() ? std::string() : std::string(list.front().view().substr(0, 200))};
   std::vector<net::Url> bases;
-  // A text from a network gets no URLs of files.
+  // A text from the network must not get base URLs of files.
   const net::Origin& own = found_.origin;
   if (!own.is_user() && (!own.is_file() || reference.from.is_file())) bases.push_back(net::parse_url(own.url));
   if (reference.from != own || bases.empty())
@@ -48,7 +48,7 @@ SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list,
   std::unordered_set<std::string> seen;
   for (const vrml::SFString& url : list) {
     const std::string tidy = net::tidy_url(url.view());
-    if (tidy.empty()) continue;  // names nothing
+    if (tidy.empty()) continue;  // no reference
     const net::Url parsed = net::parse_url(tidy);
     const auto add = [&](net::Url candidate) {
       if (seen.insert(candidate.text()).second) reference.places.push_back(std::move(candidate));
@@ -63,8 +63,8 @@ SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list,
   return reference;
 }
 
-// "/pictures/a.png" was meant for the root of a server: of files, any folder above may have been that, as far as the
-// text may look there.
+// Returns the candidates for a path such as "/pictures/a.png", which was meant for the root of a server. For files,
+// each parent folder that the text may read could be that root.
 std::vector<net::Url> SceneHandler::below_folders(const net::Url& base, const net::Url& rooted,
                                                   const net::Origin& from) const {
   constexpr int kMostFolders = 32;
@@ -103,7 +103,7 @@ void SceneHandler::look_for_references() {
     open_.clear();
   }
   for (const NodeId id : std::exchange(later_, {})) visit(id);
-  // Looking may make nodes: those of PROTO instances.
+  // Visiting may create nodes, those of PROTO instances.
   while (looked_at_ < scene->node_count()) visit(scene->id_at(++looked_at_));
   if (role == Role::library && nothing_more_comes()) use_types_inside();
   look_for_prototypes();
@@ -118,7 +118,7 @@ void SceneHandler::visit(NodeId id) {
   }
   if (node.type->prototype || node.type->kind == vrml::NodeType::Kind::external_prototype) {
     used_types_.insert(node.type);
-    // A PROTO of the name of our own node.
+    // The PROTO has the name of a node of ours.
     const vrml::NodeType* native = vrml::built_in_node_type(node.type->name);
     if (native && native->url_content == vrml::UrlContent::vectors) replace_fallback(id, *native);
     return;
@@ -175,8 +175,8 @@ void SceneHandler::visit_image(NodeId id) {
   }
 }
 
-// From its own records, else from the first file of its url list; the node's transfer function goes before the
-// stream's.
+// Reads the vectors of a QNV node from its own records, else from the first available url. The node's transfer function
+// overrides that of the stream.
 void SceneHandler::visit_cloud(NodeId id) {
   const vrml::Node& node = scene->node(id);
   if (world_.world.clouds.contains(&node)) return;
@@ -248,8 +248,8 @@ bool SceneHandler::is_inside(const SceneHandler& top) const {
   return one != nullptr;
 }
 
-// A PROTO of the name of our own node is how a world looks in browsers that do not know it. Where its vectors are
-// there, they are shown in the place of its body.
+// Replaces an instance of a PROTO with the name of a node of ours. The PROTO body is the fallback for other browsers;
+// the vectors are shown instead of it.
 void SceneHandler::replace_fallback(NodeId id, const vrml::NodeType& native) {
   const NodeId made = scene->create(native, scene->node(id).location);
   if (!made) return;
@@ -261,7 +261,7 @@ void SceneHandler::replace_fallback(NodeId id, const vrml::NodeType& native) {
     node.values[declaration.slot] = instance.values[own->slot];
     scene->set_text(made, declaration.slot, vrml::text_of_field(*scene, id, *own));
   }
-  fallbacks_[made.index] = id;  // the new node is looked at like any other
+  fallbacks_[made.index] = id;  // the new node is visited like any other
 }
 
 }  // namespace gs::app

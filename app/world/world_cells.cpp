@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-// What comes as cells.
+// Resources that are received as cells.
 namespace gs::app {
 namespace {
 
@@ -22,9 +22,9 @@ void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) 
   sum.server_rate += more.server_rate;
 }
 
-// A text may have anyone sent datagrams, so they are few: 16 greetings of 256 bytes for each server that does not
-// answer.
-constexpr std::size_t kMostUnanswered = 4;      // at once
+// Limits for unanswered requests, because a text could make this program send datagrams to any host: 16 greetings of
+// 256 bytes per silent server.
+constexpr std::size_t kMostUnanswered = 4;      // at the same time
 constexpr std::size_t kMostSilentServers = 16;  // of one world
 
 }  // namespace
@@ -32,12 +32,12 @@ constexpr std::size_t kMostSilentServers = 16;  // of one world
 struct WorldLoading::State::Cells {
   std::unique_ptr<CellStream> stream;
   std::string server;
-  Fetch* fetch = nullptr;            // null: it is not waited for
-  std::shared_ptr<StreamFeed> feed;  // of the views that see to the rest
+  Fetch* fetch = nullptr;            // null if no fetch waits for it
+  std::shared_ptr<StreamFeed> feed;  // of the views that request the rest
   std::uint64_t row = 0;             // of the ledger
 };
 
-// False: not for this text.
+// Begins a resource that is sent as cells. Returns false if the text must not request it.
 bool WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
   if (fetch.from.is_user()) {
     open_cells(fetch, url);
@@ -88,7 +88,7 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
     if (!at->feed) return;
     at->stream->follow(at->feed);
     ledger->follow(at->row, at->feed.get(), true);
-    at->fetch->handler->tell_progress(1);  // views see to the rest
+    at->fetch->handler->tell_progress(1);  // views request the rest
     ended.push_back(std::exchange(at->fetch, nullptr));
   };
   sink.piece = [this, at](const net::CellEvent& event) {
@@ -133,7 +133,7 @@ bool WorldLoading::State::step_cells() {
       begin_next_candidate(next);
     any = true;
   }
-  // What comes may lead to more of them.
+  // Received data may start further cell streams.
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::shared_ptr<Cells> one = cells[i];
     if (!one->stream->step()) continue;
@@ -155,7 +155,7 @@ void WorldLoading::State::stop_cells(const Fetch* fetch) {
     if (one->fetch == fetch) one->fetch = nullptr;
 }
 
-// Of one that views see to.
+// Sets the rate of all cell streams.
 void WorldLoading::State::set_cell_rate() {
   for (const auto& one : cells) one->stream->set_rate(options.rate);
 }

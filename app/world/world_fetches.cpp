@@ -7,17 +7,18 @@
 #include <algorithm>
 #include <utility>
 
-// A fetch from its first candidate to its end, and what lies in files and data: URLs.
+// Fetches from their first candidate to their end; local files and data: URLs.
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kLocalBytes = std::size_t{4} << 20;  // of a local file, between two looks at the clock
+/// Bytes of a local file between two checks of the time limit.
+constexpr std::size_t kLocalBytes = std::size_t{4} << 20;
 
 }  // namespace
 
 void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) {
   if (phase == Phase::too_many_files || phase == Phase::stopped) return;
-  // It is a fetch that asks for more, which stopping ends: the next step does so.
+  // A fetch asked for this one and must not be stopped here; the next step stops loading.
   phase = ++files > budget->limits().files ? Phase::too_many_files : Phase::loading;
   if (phase == Phase::too_many_files) return;
   wanted->priority = static_cast<int>(urgency) * kUrgencyStep;
@@ -29,7 +30,7 @@ void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) 
 void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
   while (fetch.next < fetch.candidates.size()) {
     net::Url& url = fetch.candidates[fetch.next++];
-    // Servers of cells are counted by this spelling.
+    // Silent cell servers are compared by this spelling.
     if (auto canonical = net::canonical_url(url)) url = std::move(*canonical);
     ledger->seek(fetch.row, net::url_for_messages(url.text()), url.scheme.empty() ? "file" : url.scheme);
     if (const auto refused = policy.refuse(fetch.from, url)) {
@@ -69,7 +70,7 @@ void WorldLoading::State::fail_candidate(Fetch& fetch, const std::string& why, c
   fetch.told = known;
 }
 
-// True when nobody has been told of this folder yet.
+// Records a refused folder. Returns true if it was not reported before.
 bool WorldLoading::State::refuse_folder(const std::string& folder, const std::string& reference) {
   constexpr std::size_t kMostFolders = 64;
   const auto same = [&](const OutsideFolder& one) { return one.folder == folder; };
@@ -94,7 +95,7 @@ bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
     fetch.data = std::move(decoded->bytes);
     fetch.rest = fetch.data;
     found.path = "data: URL";
-    // A text inside another has its origin; one that the user was given by a URL may be anyone's.
+    // A text inside another has its origin. A data: URL from the user may contain text of anyone, so it is not trusted.
     found.origin = fetch.from.is_user() ? net::Origin{"data:", net::AddressSpace::global} : fetch.from;
   } else {
     found.local = true;
@@ -150,7 +151,7 @@ void WorldLoading::State::local_step() {
   finish(fetch, fetch.file ? fetch.file->changed() : std::nullopt);
 }
 
-// What has come
+// Received bytes
 
 void WorldLoading::State::begin_taking(Fetch& fetch, const Found& found) {
   fetch.stage = fetch.handler->begin(found) ? Fetch::Stage::receiving : Fetch::Stage::refused;

@@ -55,7 +55,7 @@ void WorldLoading::State::start() {
   if (asked.scheme.empty() || asked.scheme == "file") {
     const std::string path = asked.scheme.empty() ? world.path : net::path_of_url(asked);
     std::error_code error;
-    // What a text on standard input refers to lies where the program was started.
+    // A text on standard input refers to files in the working directory.
     const std::string place = path == net::kStandardInputPath ? "stdin" : path;
     const std::filesystem::path absolute = std::filesystem::absolute(place, error);
     first->candidates = {net::url_of_path(error ? place : absolute.lexically_normal().string())};
@@ -76,7 +76,7 @@ void WorldLoading::State::stop(const std::string& why) {
   for (const auto& [id, fetch] : by_request) loader->cancel(fetch->request);
   by_request.clear();
   local.clear();
-  // What has come of each is kept. What is begun meanwhile is refused, since this has stopped.
+  // Keeps the received part of each fetch. New fetches are refused, because the phase is `stopped`.
   for (std::size_t i = 0; i < fetches.size(); ++i) {
     Fetch& fetch = *fetches[i];
     if (std::find(ended.begin(), ended.end(), &fetch) != ended.end()) continue;
@@ -100,7 +100,7 @@ void WorldLoading::State::cancel_rows() {
   }
 }
 
-// What has come of it is kept.
+// Stops a fetch and keeps its received part.
 void WorldLoading::State::cancel(Fetch& fetch) {
   std::erase(local, &fetch);
   stop_cells(&fetch);
@@ -119,7 +119,7 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
   bool busy = false;
   cancel_rows();
   follow_rate();
-  // First, so that however short the time is, something shows.
+  // Local files come first, so that something is visible even with a short time limit.
   if (!local.empty()) {
     local_step();
     busy = true;

@@ -8,11 +8,11 @@
 #include <utility>
 #include <variant>
 
-// What comes over the network, as the loader tells it.
+// Events of the loader for network resources.
 namespace gs::app {
 namespace {
 
-constexpr std::uint64_t kWorthChoosing = std::uint64_t{1} << 20;  // shorter streams are simply read
+constexpr std::uint64_t kWorthChoosing = std::uint64_t{1} << 20;  // shorter streams are read as a whole
 
 std::string without_fragment(net::Url url) {
   url.fragment.clear();
@@ -20,7 +20,7 @@ std::string without_fragment(net::Url url) {
   return url.text();
 }
 
-// Of a rate in bits; what is limited is not without limit because it is little.
+// Converts bits to bytes per second. Rounds up, because 0 means unlimited.
 std::uint64_t byte_rate_of(std::uint64_t bits) { return bits / 8 + (bits % 8 > 0 ? 1 : 0); }
 
 }  // namespace
@@ -37,7 +37,7 @@ net::Loader* WorldLoading::State::network() {
   return loader.get();
 }
 
-// As somebody who looks has said meanwhile.
+// Applies a bandwidth limit that the interface has changed.
 void WorldLoading::State::follow_rate() {
   const std::optional<std::uint64_t> asked = ledger->rate();
   if (!asked || *asked == options.rate) return;
@@ -135,7 +135,7 @@ void WorldLoading::State::take(Fetch& fetch, net::LoadEvent& event) {
   finish(fetch, std::nullopt);
 }
 
-// Of a long stream only the front is asked for at first. False: all of it was asked for instead.
+// Limits the request for a long stream to its front. Returns false if it has requested the whole resource instead.
 bool WorldLoading::State::take_front(Fetch& fetch, const net::LoadHead& head) {
   fetch.validator = head.validator;
   if (head.accepts_ranges && head.total && *head.total >= kWorthChoosing) return true;
@@ -159,7 +159,7 @@ void WorldLoading::State::take_rest(Fetch& fetch) {
   place.row = fetch.row;
   if (fetch.handler->seek(std::move(place))) {
     ended.push_back(&fetch);
-    fetch.handler->tell_progress(1);  // views see to the rest
+    fetch.handler->tell_progress(1);  // views request the rest
   } else
     ask(fetch, {{fetch.received, *fetch.total}});
 }
@@ -186,7 +186,7 @@ ReadFile WorldLoading::State::reader_of(const net::Origin& origin) {
   };
 }
 
-// An importer cannot go on without. What comes meanwhile for others waits.
+// Reads a resource that an importer needs to continue. Events of other requests are queued meanwhile.
 BytesResult WorldLoading::State::read_now(const std::string& url, const net::Origin& from) {
   net::Request wanted;
   wanted.url = url;

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-// Urls that are set in a living world. Its nodes are not looked at here.
+// Urls that are set in a running world. This code does not read the world's nodes.
 namespace gs::app {
 
 void WorldLoading::State::request(std::vector<UrlRequest> requests) {
@@ -14,7 +14,7 @@ void WorldLoading::State::request(std::vector<UrlRequest> requests) {
   limit = LoadLimit(
       std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(time),
       options.cancelled);
-  // A number of files of its own, where nothing of before goes on.
+  // Starts a new count of files if no earlier fetch continues.
   if (fetches.empty()) {
     files = 0;
     phase = Phase::done;
@@ -35,14 +35,14 @@ void WorldLoading::State::withdraw(const SceneHandler& handler) {
   std::erase_if(withheld, [&](const auto& one) { return one->is_inside(handler); });
 }
 
-// With all meshes, so that nobody who draws waits for them.
+// Hands over the content of an Inline with its meshes, so that the drawing thread need not make them.
 void WorldLoading::State::give_content(SceneHandler& handler) {
   Arrivals::Content arrival{*handler.given_to, handler.give_content(), {}};
   if (arrival.content) (void)render::collect(*arrival.content, {}, arrival.meshes, viewer, {});
   arrivals.contents.push_back(std::move(arrival));
 }
 
-// Contents of Inlines whose files are read, and whatever does not belong into others.
+// Returns the updates, with the contents of Inlines that are complete or not inside another incomplete one.
 Arrivals WorldLoading::State::take_arrivals() {
   give_outlines();
   const auto goes_on = [&](const SceneHandler& handler) {
@@ -50,7 +50,7 @@ Arrivals WorldLoading::State::take_arrivals() {
       return fetch->handler.get() == &handler && std::find(ended.begin(), ended.end(), fetch.get()) == ended.end();
     });
   };
-  // Those inside one that is given stand behind it from then on.
+  // Inlines inside of a returned one are queued after it.
   for (std::size_t i = 0; i < withheld.size();) {
     if (goes_on(*withheld[i])) {
       ++i;

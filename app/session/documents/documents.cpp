@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-/// Looks for what the render list does not tell, from the node `first` of a scene on, and in all its Inlines.
+/// Records properties that the render list lacks, from the node `first` of a scene on, and in all its Inlines.
 void inspect(Document& document, const vrml::SceneGraph& from, std::uint32_t first) {
   std::vector<const vrml::SceneGraph*> scenes{&from};
   while (!scenes.empty()) {
@@ -170,7 +170,7 @@ void DocumentList::cancel_all() {
 }
 
 void DocumentList::give_up(std::string_view path) {
-  const std::string name(path);  // `path` may be that of the entry itself
+  const std::string name(path);  // `path` may refer to the entry that is erased
   cancel(name);
   std::erase_if(entries_, [&](const Entry& entry) { return entry.path == name && !entry.document; });
   if (Entry* known = entry(name)) known->stale = false;

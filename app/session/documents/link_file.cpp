@@ -26,7 +26,7 @@ bool has_controls(std::string_view text) {
                      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
 }
 
-// What is wrong with a place that a link names, or nothing.
+// Returns the problem of a link's URL, or nullopt.
 std::optional<std::string> refuse_place(std::string_view text) {
   if (text.size() > kMostValue || has_controls(text)) return "its URL is no URL";
   const net::Url url = net::parse_url(std::string(text));
@@ -75,7 +75,7 @@ std::optional<std::variant<SceneLink, std::string>> read_link_url(std::string_vi
   if (!net::has_scheme(url, kLinkScheme)) return std::nullopt;
   std::string place(url.substr(kLinkScheme.size() + 1));
   if (place.starts_with("//")) place = "http:" + place;
-  // Browsers make "ghostspace:http//..." of what they take for a path.
+  // Browsers turn "ghostspace:http://..." into "ghostspace:http//..." if they treat it as a path.
   SceneLink link;
   if (const std::size_t mark = place.find('#'); mark != std::string::npos) {
     link.viewpoint = place.substr(mark + 1);

@@ -16,9 +16,9 @@
 namespace gs::app {
 namespace {
 
-// Number of remembered batches of changes. A list that is further behind is collected anew.
+// Number of stored batches of changes. A render list that lacks more batches is collected again.
 constexpr std::size_t kMostBatches = 8;
-constexpr std::size_t kMostMessages = 1000;  // that nobody takes
+constexpr std::size_t kMostMessages = 1000;  // more messages without a reader are dropped
 
 }  // namespace
 
@@ -42,13 +42,13 @@ LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
   execution_.observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
 }
 
-// While all that programs refer to is there.
+// Destroys the scripts first, because they refer to the other members.
 LivingWorld::~LivingWorld() {
   scripts_.reset();
   execution_.set_script_host(nullptr);
 }
 
-// Only where there is a Script: the engine is large.
+// Creates the script engine only if there is a Script, because it is large.
 void LivingWorld::want_scripts() {
   if (scripts_ || !execution_.has_scripts()) return;
   scripts_ = ScriptRunner::make(execution_, script_settings_);
@@ -86,7 +86,7 @@ ScriptRunner::Evaluation LivingWorld::evaluate(const vrml::SceneGraph& scene, vr
     script = console_;
   }
   execution_.begin_update();
-  execution_.end_update();  // Scripts that have come begin
+  execution_.end_update();  // starts the Scripts that were added
   if (!scripts_) return {"no programs run in this world", true};
   execution_.begin_update();
   ScriptRunner::Evaluation result = scripts_->evaluate(*of, script, line);
@@ -123,7 +123,7 @@ void LivingWorld::start(double now) {
   (void)take_changes();
 }
 
-// Speed and frame rate are those between the last two steps.
+// Computes speed and frame rate from the last two steps.
 void LivingWorld::tell_programs(double now) {
   if (scripts_) scripts_->begin_step();
   if (!scripts_ && !measures_viewer_) return;
@@ -152,7 +152,7 @@ bool LivingWorld::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::st
   return event && execution_.send(scene, node, *event, value);
 }
 
-// What has no room in the present timestamp waits for the next one.
+// Reports progress to the nodes. Reports that do not fit in this timestamp wait for the next one.
 void LivingWorld::tell_progress() {
   std::erase_if(progress_, [&](const UrlProgress& one) {
     return !execution_.has_scene(one.scene) || !one.scene->contains(one.node) ||
@@ -167,7 +167,7 @@ void LivingWorld::tell_durations() {
   });
 }
 
-// For nodes that are removed, of scenes that are, and of former urls nothing comes any more.
+// Reports whether an update is stale: its node, scene or URL no longer exists.
 bool LivingWorld::is_gone(const Arrivals::Place& place) const {
   if (!execution_.has_scene(place.scene) || !place.scene->contains(place.node)) return true;
   const auto number = url_numbers_.find({&place.scene->node(place.node), place.url});
@@ -200,7 +200,7 @@ void LivingWorld::take_prototypes(Arrivals::Prototypes&& arrival) {
   execution_.bind_what_came();
 }
 
-// The lists of polygons have no events: only the browser sets them.
+// Sets the polygon lists without events, because only the browser may set them.
 void LivingWorld::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::NodeChange>& changes) {
   vrml::SceneGraph& scene = *arrival.place.scene;
   const vrml::NodeId node = arrival.place.node;
@@ -213,7 +213,7 @@ void LivingWorld::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::
   set_outlines(world_, arrival);
   for (const auto& [field, value] : told) (void)execution_.send(scene, node, *field, value);
   changes.push_back({&scene, node, 0});
-  // What it refines is drawn with it.
+  // The group that it refines is drawn together with it.
   for (const vrml::InterfaceDeclaration& field : scene.node(node).type->interfaces)
     if (const auto* other = field.slot < 0 ? nullptr : std::get_if<vrml::SFNode>(&scene.node(node).values[field.slot]))
       if (const vrml::NodeId refined = scene.resolve(*other)) changes.push_back({&scene, refined, 0});
@@ -245,7 +245,7 @@ void LivingWorld::arrive(Arrivals&& arrivals) {
   if (!changes.empty()) add_changes(std::move(changes));
 }
 
-// Its image is one of its own from then on, whose pixels change in their place.
+// Gives a movie an own image, with pixels that change in place.
 void LivingWorld::open_movie(const MediaDuration& of) {
   const vrml::Node* node = &of.scene->node(of.node);
   std::erase_if(movies_, [&](const PlayedMovie& one) { return one.node == node; });
@@ -277,7 +277,7 @@ bool LivingWorld::show_movies(bool wait) {
   return any;
 }
 
-// A node that is removed, or all of a scene: its place in memory may become another's.
+// Forgets a removed node, or all nodes of a scene, because their addresses may be reused.
 void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
   const auto forget_one = [&](const vrml::Node& one) {
     for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i) {
@@ -328,7 +328,7 @@ bool LivingWorld::take_changes() {
   note_urls(changes);
   if (std::exchange(replaced_, execution_.replaced()) != execution_.replaced()) {
     batches_.clear();
-    ++version_;  // no batch leads to it: all lists are gathered anew
+    ++version_;  // no batch describes this change, so all lists are collected again
     render::forget_changed(meshes_, changes);
     return true;
   }

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <utility>
 
-// URLs and texts that a living world asks for, and the network gate in front of them.
+// URLs and texts that a running world requests, and the network gate for them.
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxRequests = 10'000;  // that nobody takes
+constexpr std::size_t kMaxRequests = 10'000;  // more requests without a reader are dropped
 
-// Of a QNV node of a text read at run time, or of a body that has come; they go before what its url names. False: it
-// has none of its own.
+// Takes the inline vectors of a QNV node from a text that was read at run time, or from a PROTO body that was received.
+// They override the url. Returns false if the node has none.
 bool take_own_vectors(OpenedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
   if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
   const vrml::Node& node = scene.node(id);
@@ -32,16 +32,16 @@ bool take_own_vectors(OpenedWorld& world, const vrml::SceneGraph& scene, vrml::N
   return true;
 }
 
-// Slot of a Script's url field.
+// Returns the slot of a Script's url field.
 int url_slot(const ScriptRequest& request) {
   const vrml::InterfaceDeclaration* const url = request.scene->node(request.node).type->find_field("url");
   return url ? url->slot : 0;
 }
 
-// Reports whether a text was read from a URL at run time.
+// Returns true if a text was read from a URL at run time.
 bool was_fetched(const vrml::SourceText& text) { return &text.origin() != &text && !text.is_computed(); }
 
-// Reports whether a Script may have computed the value of a slot: in the text of the node, or by an event for the node
+// Returns true if a Script may have computed the value of a slot: in the text of the node, or by an event for the node
 // or for a PROTO instance around it.
 bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
   if (scene.text_of(id, slot).is_computed()) return true;
@@ -52,7 +52,8 @@ bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
 
 }  // namespace
 
-// Requests for texts share the numbers of url fields: each has a number of its own, above those of fields.
+// Requests the texts of Scripts. Each request has an own number above those of url fields, because both share one
+// range.
 void LivingWorld::ask_for_texts() {
   if (!scripts_) return;
   for (ScriptRequest& one : scripts_->take_requests()) {
@@ -96,7 +97,7 @@ void LivingWorld::take_text(Arrivals::Text&& arrival) {
   const auto asked = asked_texts_.extract(arrival.place.url);
   const bool gone = is_gone(arrival.place);
   if (!asked) {
-    // Of a Script in an Inline, before it begins.
+    // A Script in an Inline may not have started yet.
     want_scripts();
     if (!gone && scripts_)
       scripts_->provide(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
@@ -145,7 +146,7 @@ void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
   }
 }
 
-// Of a text read at run time; those of files are fetched by who reads these.
+// Requests the body of an EXTERNPROTO in a text that was read at run time. The loader fetches those of files.
 void LivingWorld::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
   const vrml::Node& node = scene.node(instance);
   if (node.type->prototype || node.type->asked_for || url_requests_.size() >= kMaxRequests) return;

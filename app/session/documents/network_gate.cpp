@@ -35,7 +35,7 @@ std::optional<net::Url> first_network_url(const std::vector<std::string>& urls, 
   return std::nullopt;
 }
 
-// Images, sounds and vectors name nothing; scenes, programs and PROTOs may.
+// Returns true if the content may contain URLs: scenes, programs and PROTOs may; images, sounds and vectors cannot.
 bool may_refer(const UrlRequest& request) {
   return request.as_text || request.prototype || request.content == vrml::UrlContent::scene;
 }

@@ -37,7 +37,7 @@ bool SeriesList::arrived(const std::string& name, double now) {
   series->shown = series->wanted;
   if (!series->playing || series->files.size() < 2) return false;
   series->wanted = (series->shown + 1) % series->files.size();
-  // What came late does not make the next ones hurry.
+  // A late file does not shorten the time of the next ones.
   series->due = std::max(series->due + 1 / series->rate, now);
   return true;
 }

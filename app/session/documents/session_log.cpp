@@ -17,7 +17,7 @@ void SessionLog::note(std::string_view path, const vrml::Diagnostics& diagnostic
     if (files_.size() >= kMostFiles) files_.erase(files_.begin());
     file = files_.insert(files_.end(), File{std::string(path), {}, 0});
   }
-  // A reading says the same as before, and more; another reading may say something else.
+  // Diagnostics of the same reading only grow. If they differ, it is another reading, and all are reported again.
   const auto& now = diagnostics.entries();
   const auto& before = file->diagnostics.entries();
   const std::size_t told = std::min(file->told, now.size());

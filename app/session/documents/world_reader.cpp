@@ -12,11 +12,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kWait{50};          // so that progress shows
-constexpr std::chrono::milliseconds kStreamWait{1000};  // wishes of views end it
+constexpr std::chrono::milliseconds kWait{50};          // so that progress is visible
+constexpr std::chrono::milliseconds kStreamWait{1000};  // requests of views end it
 constexpr std::chrono::milliseconds kBetweenLists{80};
-constexpr std::chrono::milliseconds kForTheRest{150};  // what comes so soon shows with the first picture
-constexpr int kRest = 3;                               // times as long as gathering took, before the next time
+constexpr std::chrono::milliseconds kForTheRest{150};  // updates within this time are part of the first picture
+constexpr int kRest = 3;                               // pause until the next collection, as a multiple of its duration
 
 }  // namespace
 
@@ -90,7 +90,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   }
   bool lives = false;
   auto next = Clock::now() + kBetweenLists;
-  std::optional<Clock::time_point> complete;  // when all nodes of the file itself were there
+  std::optional<Clock::time_point> complete;  // time at which all nodes of the file itself were read
   LoadingState told;
   while (!loading.done()) {
     (void)loading.step(kWait);
@@ -147,7 +147,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   loading_ = nullptr;
 }
 
-// The world goes to the owner.
+// Hands the world over to the owner.
 void WorldReader::give_away(WorldLoading& loading) {
   render::MeshCache meshes;
   OpenedWorld world = loading.take(&meshes);
