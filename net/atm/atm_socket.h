@@ -12,15 +12,14 @@
 
 namespace gs::net {
 
-/// Why there is no ATM socket.
+/// Reason why an ATM socket is not available.
 struct AtmError {
   std::string message;
 };
 
-/// A permanent virtual channel of a native ATM interface, AAL5 (Linux:
-/// AF_ATMPVC): whole PDUs in, whole PDUs out; cells, checksums and order are
-/// the adapter's. Never blocks. Movable; one thread. On systems whose kernel or
-/// headers know no ATM `open` says so.
+/// Permanent virtual channel of a native ATM interface with AAL5 (Linux: AF_ATMPVC). Sends and receives whole PDUs; the
+/// adapter handles cells, checksums and order. Never blocks. Movable. One thread. `open` returns an error on systems
+/// without ATM support.
 class AtmSocket {
  public:
   AtmSocket() = default;
@@ -30,14 +29,13 @@ class AtmSocket {
   AtmSocket& operator=(const AtmSocket&) = delete;
   ~AtmSocket();
 
-  /// Channel `vc` of an interface; `cells_per_second` for sending, 0: as fast
-  /// as the line.
+  /// Opens channel `vc` of an interface. `cells_per_second` limits sending; 0 means line speed.
   [[nodiscard]] static std::variant<AtmSocket, AtmError> open(int interface, Vc vc, std::uint32_t cells_per_second);
-  /// Whether the kernel has such sockets at all.
+  /// Reports whether the kernel supports such sockets.
   [[nodiscard]] static bool available();
-  /// False when there is no room now, or the PDU is longer than 65535 bytes.
+  /// Sends a PDU. Returns false if the queue is full or the PDU is longer than 65535 bytes.
   bool send(std::span<const std::byte> pdu);
-  /// The user data of the next PDU; nothing when there is none now.
+  /// Returns the user data of the next PDU, or nullopt if none is waiting.
   [[nodiscard]] std::optional<std::vector<std::byte>> receive();
 
  private:

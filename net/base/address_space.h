@@ -11,36 +11,36 @@ struct sockaddr;
 
 namespace gs::net {
 
-/// An address of IPv6; one of IPv4 is mapped into it (RFC 4291 2.5.5.2).
+/// IPv6 address; IPv4 addresses are mapped into it (RFC 4291 2.5.5.2).
 using IpAddress = std::array<std::uint8_t, 16>;
 
-/// Who can be at the other end of an address, from the most private to the most open. A text may have others read from
-/// its own space and from more open ones, as W3C's Local Network Access has it.
+/// Space of an address, from the most private to the most open. A document may read from its own space and from more
+/// open ones, as in W3C's Local Network Access.
 enum class AddressSpace : std::uint8_t {
-  special,   // no host of ours or of the Internet: multicast, broadcast, documentation, reserved
+  special,   // not a usable host: multicast, broadcast, documentation, reserved
   loopback,  // this machine
   local,     // its networks: RFC 1918, link-local, unique local, shared (RFC 6598)
   global     // the Internet
 };
 
-/// Whether a text of one space may have something read from another.
+/// Reports whether a document from one space may read from another.
 [[nodiscard]] constexpr bool reaches(AddressSpace from, AddressSpace to) { return to >= from; }
-/// "this machine", "a local network", ... for messages.
+/// Returns the name of a space for messages, such as "this machine" or "a local network".
 [[nodiscard]] std::string_view name_of(AddressSpace space);
 
-/// The space of an address, by IANA's registries of special-purpose addresses. An address of IPv4 that one of IPv6
-/// carries (mapped, NAT64, 6to4) counts as itself.
+/// Returns the space of an address, by IANA's registries of special-purpose addresses. For an IPv6 address that carries
+/// an IPv4 address (mapped, NAT64, 6to4), returns the space of the IPv4 address.
 [[nodiscard]] AddressSpace address_space_of(const IpAddress& address);
-/// In place of address_space_of, for tests: a server on loopback stands for a public one.
+/// Replacement for address_space_of() in tests, so that a server on loopback counts as public.
 using AddressSpaceOf = std::function<AddressSpace(const IpAddress&)>;
 
-/// Nothing for other families than IPv4 and IPv6.
+/// Returns nullopt for address families other than IPv4 and IPv6.
 [[nodiscard]] std::optional<IpAddress> ip_address_of(const sockaddr* address);
-/// "192.0.2.1" or "2001:db8::1"; nothing for any other text.
+/// Parses an address such as "192.0.2.1" or "2001:db8::1". Returns nullopt for other text.
 [[nodiscard]] std::optional<IpAddress> ip_address_of(const std::string& text);
 [[nodiscard]] std::string address_text(const IpAddress& address);
 
-/// A block of addresses: "10.0.0.0/8", "fe80::/10", or one address alone.
+/// Block of addresses such as "10.0.0.0/8" or "fe80::/10", or a single address.
 struct AddressBlock {
   IpAddress first{};
   unsigned bits = 128;

@@ -9,7 +9,7 @@
 
 namespace gs::net {
 
-/// Wakes a thread that waits for sockets: its descriptor can be read from when somebody has rung. `ring`: any thread.
+/// Wakes a thread that waits for sockets: `ring` makes the descriptor readable. `ring` is safe on any thread.
 class Bell {
  public:
   Bell() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
@@ -22,7 +22,7 @@ class Bell {
     std::uint64_t count = 0;
     if (event_) (void)!::read(event_.get(), &count, sizeof count);
   }
-  /// Negative: there is none.
+  /// Returns the descriptor; negative if the system has none left.
   [[nodiscard]] int descriptor() const { return event_.get(); }
 
  private:

@@ -16,51 +16,48 @@ struct sockaddr;
 
 namespace gs::net {
 
-/// What all clients together, and one, may take. 0: no limit.
+/// Limits of all clients together and of one client. 0 means unlimited.
 struct HttpLimits {
-  std::uint64_t total_rate = 0, client_rate = 0;  // bytes a second, of bodies
-  std::uint64_t requests_per_second = 200;        // of one client; twice as many at once
+  std::uint64_t total_rate = 0, client_rate = 0;  // bytes per second, of bodies
+  std::uint64_t requests_per_second = 200;        // of one client; bursts may have twice as many
   std::size_t connections = 1024, connections_of_client = 256;
 };
 
-/// Where a client is: an IPv4 address, or the first 64 bits of one of IPv6,
-/// which belong to one customer.
+/// Key of a client: an IPv4 address, or the first 64 bits of an IPv6 address, which belong to one customer.
 using ClientKey = std::array<std::uint8_t, 16>;
 [[nodiscard]] ClientKey client_key(const IpAddress& address);
-/// All zero for other families.
+/// Returns zeros for other address families.
 [[nodiscard]] ClientKey client_key(const sockaddr* address);
-/// "192.0.2.1", "2001:db8::1"; "-" for others.
+/// Returns an address such as "192.0.2.1" or "2001:db8::1", and "-" for other address families.
 [[nodiscard]] std::string client_name(const sockaddr* address);
 
-/// Shares the rate fairly: clients take turns, and so do the transfers of one
-/// client; a turn is a piece of the same length for everyone. A state machine
-/// without clock. One thread.
+/// Shares the rate fairly among clients, and among the transfers of each client, by turns. A turn is a piece of equal
+/// length for all. State machine without a clock. One thread.
 class ClientLimits {
  public:
   using TransferId = std::uint64_t;
 
   ClientLimits(HttpLimits limits, Instant now);
 
-  /// Whether one more connection may be opened; counts it if so. `shared`: its peer is a proxy, whose clients are
-  /// counted by their requests.
+  /// Reports whether one more connection may be opened, and counts it if so. `shared` means that the peer is a proxy;
+  /// its clients are counted by their requests.
   [[nodiscard]] bool open(const ClientKey& peer, bool shared, Instant now);
   void close(const ClientKey& peer, bool shared, Instant now);
-  /// Whether one more request of a client behind a proxy may be answered at a time, as if it were a connection; counts
-  /// it if so.
+  /// Reports whether one more concurrent request of a client behind a proxy may be answered, and counts it if so.
   [[nodiscard]] bool begin(const ClientKey& client, Instant now);
   void end(const ClientKey& client, Instant now);
-  /// Whether one more request may be answered; counts it if so.
+  /// Reports whether one more request may be answered, and counts it if so.
   [[nodiscard]] bool admit(const ClientKey& client, Instant now);
 
-  /// Whether transfers have to wait for their turn at all.
+  /// Reports whether transfers must wait for a turn.
   [[nodiscard]] bool paced() const { return limits_.total_rate > 0 || limits_.client_rate > 0; }
-  /// Bytes of a turn.
+  /// Returns the bytes of a turn.
   [[nodiscard]] std::size_t piece() const { return piece_; }
-  /// A transfer waits for a turn.
+  /// Adds a transfer that waits for a turn.
   void wait(const ClientKey& client, TransferId transfer, Instant now);
-  /// The transfer whose turn it is: it may send a piece.
+  /// Returns the transfer that may send a piece now.
   [[nodiscard]] std::optional<TransferId> next(Instant now);
-  /// When `next` will have something; Instant::max() for never.
+  /// Returns the time at which `next` will return a transfer; Instant::max() means never.
   [[nodiscard]] Instant deadline(Instant now);
   [[nodiscard]] std::size_t connections() const { return connections_; }
 
@@ -78,7 +75,7 @@ class ClientLimits {
   std::size_t piece_ = 0;
   TokenBucket total_;
   std::map<ClientKey, Client> clients_;
-  std::deque<ClientKey> turns_;  // clients that wait
+  std::deque<ClientKey> turns_;  // clients with waiting transfers
   std::size_t connections_ = 0;
 };
 

@@ -6,7 +6,7 @@
 
 namespace gs::net {
 
-/// The present by the steady clock of the system. On any thread.
+/// Returns the time of the system's steady clock. Any thread.
 [[nodiscard]] inline Instant clock_now() {
   return std::chrono::duration_cast<Instant>(std::chrono::steady_clock::now().time_since_epoch());
 }

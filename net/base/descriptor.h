@@ -6,7 +6,7 @@
 
 namespace gs::net {
 
-/// A file descriptor with one owner. Movable.
+/// File descriptor with one owner. Movable.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -25,9 +25,9 @@ class Descriptor {
 
   [[nodiscard]] int get() const { return number_; }
   [[nodiscard]] explicit operator bool() const { return number_ >= 0; }
-  /// The caller's from now on.
+  /// Passes ownership of the descriptor to the caller.
   [[nodiscard]] int release() { return std::exchange(number_, -1); }
-  /// False, and errno, when the system could not keep what was written.
+  /// Returns false and sets errno if the system could not store written data.
   bool close() {
     const int number = release();
     return number < 0 || ::close(number) == 0;

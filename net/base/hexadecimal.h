@@ -2,7 +2,7 @@
 
 namespace gs::net {
 
-/// Of a digit in either case; -1 for what is none.
+/// Returns the value of a hexadecimal digit in either case, or -1 for other characters.
 [[nodiscard]] constexpr int hexadecimal_value(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;

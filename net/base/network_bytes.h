@@ -22,7 +22,7 @@ class NetworkWriter {
   std::vector<std::byte>& out_;
 };
 
-/// Reads numbers in network order; zeros behind the end, and `good` tells.
+/// Reads numbers in network order. Past the end, it returns zeros and `good` returns false.
 class NetworkReader {
  public:
   explicit NetworkReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -37,7 +37,7 @@ class NetworkReader {
     bytes_ = bytes_.subspan(sizeof(Integer));
     return static_cast<Integer>(value);
   }
-  /// The next bytes; empty when there are not so many.
+  /// Returns the next bytes, or an empty span if fewer are left.
   std::span<const std::byte> bytes(std::size_t count) {
     if (bytes_.size() < count) {
       fail();

@@ -7,10 +7,10 @@
 
 namespace gs::net {
 
-/// The end of a range that reaches to the end of a resource of unknown length.
+/// End of a range that reaches to the end of a resource of unknown length.
 constexpr std::uint64_t kOpenEnd = std::numeric_limits<std::uint64_t>::max();
 
-/// Bytes `begin` to `end` of a resource, `end` not among them.
+/// Bytes from `begin` to `end` of a resource, without `end`.
 struct ByteRange {
   std::uint64_t begin = 0;
   std::uint64_t end = kOpenEnd;
@@ -20,30 +20,30 @@ struct ByteRange {
   friend bool operator==(const ByteRange&, const ByteRange&) = default;
 };
 
-/// A set of bytes as sorted ranges of which no two overlap or touch. A value; not safe to share between threads.
+/// Set of bytes as sorted ranges that neither overlap nor touch. Copyable. One thread.
 class RangeSet {
  public:
   RangeSet() = default;
   explicit RangeSet(std::span<const ByteRange> ranges);
 
-  /// Empty ranges change nothing.
+  /// Adds a range. Empty ranges have no effect.
   void add(ByteRange range);
   void subtract(ByteRange range);
   void clear() { ranges_.clear(); }
 
   [[nodiscard]] bool empty() const { return ranges_.empty(); }
   [[nodiscard]] bool contains(ByteRange range) const;
-  /// How many bytes; kOpenEnd minus the first byte for a set with an open end.
+  /// Returns the number of bytes; for a set with an open end, kOpenEnd minus the first byte.
   [[nodiscard]] std::uint64_t size() const;
   [[nodiscard]] std::span<const ByteRange> ranges() const { return ranges_; }
 
-  /// What both have.
+  /// Returns the bytes that are in both.
   [[nodiscard]] RangeSet within(ByteRange range) const;
   [[nodiscard]] RangeSet within(const RangeSet& other) const;
-  /// What `other` has not.
+  /// Returns the bytes that are not in `other`.
   [[nodiscard]] RangeSet without(const RangeSet& other) const;
-  /// The same with every gap of fewer than `gap` bytes closed: asking for a few bytes too many is cheaper than asking
-  /// once more.
+  /// Returns the ranges with gaps of fewer than `gap` bytes closed: a few unneeded bytes cost less than another
+  /// request.
   [[nodiscard]] std::vector<ByteRange> joined(std::uint64_t gap) const;
 
   friend bool operator==(const RangeSet&, const RangeSet&) = default;

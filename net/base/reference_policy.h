@@ -10,53 +10,55 @@
 
 namespace gs::net {
 
-/// Where a text came from: what its references are seen from, and what they may reach. What a data: URL holds has the
-/// origin of the text that holds the URL.
+/// Source of a document. References are resolved against it, and it decides which of them are allowed. The content of a
+/// data: URL has the origin of the document that holds the URL.
 struct Origin {
-  std::string url;                             // of the text, after redirects; empty: the user, who may have anything
-  AddressSpace space = AddressSpace::special;  // of the host that sent it; of no account for files
+  // URL of the document after redirects; empty means the user, for whom all is allowed
+  std::string url;
+  AddressSpace space = AddressSpace::special;  // space of the host that sent it; not used for files
 
   [[nodiscard]] bool is_user() const { return url.empty(); }
-  /// A file of this machine. Everything else that is not the user may have been written by anyone.
+  /// Reports whether the origin is a file of this machine. All other origins except the user are untrusted.
   [[nodiscard]] bool is_file() const { return has_scheme(url, "file"); }
-  /// What decides: texts of one site may refer to the same. Of files there is one.
+  /// Returns the site of the origin; documents of one site may refer to that site. All files are one site.
   [[nodiscard]] std::string site() const;
-  /// The most private space in which a host may be that sends what this text refers to.
+  /// Returns the most private space whose hosts this document may refer to.
   [[nodiscard]] AddressSpace reach() const;
 
   friend bool operator==(const Origin&, const Origin&) = default;
 };
 
-/// Why a text may not refer to something.
+/// Reason why a document may not refer to something.
 struct ReferenceRefusal {
   std::string message;
-  std::string folder;  // the user may allow this one, and with it the reference; empty: nothing allows it
+  std::string folder;  // the user may allow this folder and thereby the reference; empty if nothing allows it
 };
 
-/// Who may refer to what: the one rule for every reference of every format (docs/security.md). It is a value; any
-/// thread, while nobody calls `allow`.
+/// Rule for all references of all formats (docs/security.md). Copyable. Any thread, unless `allow` is being called.
 class ReferencePolicy {
  public:
-  /// Files may refer to this file, or to all that lies in this folder and below it. Links are followed now. Nothing
-  /// happens where there is none.
+  /// Allows files to refer to this file, or to everything below this folder. Follows links now. Does nothing if the
+  /// path does not exist.
   void allow(const std::string& path);
 
-  /// Why a text from `from` may not refer to `to`; nothing: it may. Looks at the disk where `to` is a file.
+  /// Returns the reason why a document from `from` may not refer to `to`, or nullopt if it may. Reads the disk if `to`
+  /// is a file.
   [[nodiscard]] std::optional<ReferenceRefusal> refuse(const Origin& from, const Url& to) const;
-  /// The same for a file by its path, links followed. Nothing where there is no such file: opening it says so.
+  /// Checks a reference to a file by its path, with links followed. Returns nullopt if the file does not exist; opening
+  /// it then reports the error.
   [[nodiscard]] std::optional<ReferenceRefusal> refuse_file(const Origin& from, const std::string& path) const;
 
  private:
   std::vector<std::string> allowed_;  // canonical
 };
 
-/// Why a text that reaches `reach` gets nothing from a host of this space; nothing: it may. `address`, for the message,
-/// may be empty.
+/// Returns the reason why a document with this reach may not read from a host in this space, or nullopt if it may.
+/// `address` appears in the message and may be empty.
 [[nodiscard]] std::optional<std::string> refuse_host(AddressSpace reach, AddressSpace host,
                                                      const std::string& address = {});
 
-/// A reference that means a path as a program wrote it, in names of files rather than URLs: percent-encoded, with
-/// slashes. An absolute path stays one.
+/// Makes a reference from a path that a program wrote as a file name: percent-encoded, with slashes. Absolute paths
+/// stay absolute.
 [[nodiscard]] std::string reference_of_path(std::string_view path);
 
 }  // namespace gs::net

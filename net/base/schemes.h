@@ -10,29 +10,29 @@
 
 namespace gs::net {
 
-/// Who carries the bytes of a scheme. `http` carries all that libcurl is asked for, files by FTP too.
+/// Transport of a scheme. `http` stands for all schemes that libcurl handles, FTP included.
 enum class TransportKind { file, http, data, cells, memory };
 
-/// Which of the loader's threads a scheme lives on: disks may block, networks may not.
+/// Loader thread that handles a scheme: disks may block, networks may not.
 enum class Lane { local, network };
 
-/// All that the loader knows of a URL scheme.
+/// Row of the table of URL schemes.
 struct Scheme {
   std::string_view name;
   TransportKind transport;
   Lane lane;
   bool from_network;     // documents that came over a network (and data: documents) may refer to it
-  bool redirect_target;  // a server may redirect to it
-  bool cached;           // answers are kept on disk
-  bool secure;           // nobody on the way can read or change what comes
-  bool has_host;         // the number of transfers of one host is bounded
-  bool needs_host;       // a URL without a host is invalid
+  bool redirect_target;  // documents from a network and data: documents may refer to it
+  bool cached;           // a server may redirect to it
+  bool secure;           // answers are stored on disk
+  bool has_host;         // the connection is encrypted and authenticated
+  bool needs_host;       // the number of transfers per host is limited
   std::uint16_t port;    // default port; 0 means none
 };
 
-/// The table of URL schemes, the only one.
+/// Returns the table of URL schemes.
 [[nodiscard]] std::span<const Scheme> schemes();
-/// The row of a scheme in lower case, or nothing.
+/// Returns the row of a scheme, given in lower case, or null.
 [[nodiscard]] const Scheme* find_scheme(std::string_view name);
 
 /// Returns a URL in its canonical spelling (RFC 3986 6.2.2, 6.2.3): the host in lower case, no empty or default port.
@@ -40,7 +40,7 @@ struct Scheme {
 /// none, or has an invalid port. Two parsers of a canonical URL agree on its host.
 [[nodiscard]] std::optional<Url> canonical_url(Url url);
 
-/// A URL as it may stand in messages and logs: without user name and password, without control characters, shortened.
+/// Returns a URL for messages and logs: without user name, password and control characters, and shortened.
 [[nodiscard]] std::string url_for_messages(std::string_view url);
 
 }  // namespace gs::net

@@ -5,28 +5,26 @@
 
 namespace gs::net {
 
-/// Time since some moment that is the same for all who talk of it; never goes
-/// back.
+/// Time since a fixed moment that all participants share. Never decreases.
 using Instant = std::chrono::microseconds;
 
-/// Lets bytes pass at a rate, and after a pause `burst` of them at once. Exact
-/// in integers, so that a replay gives the same. Rates of 0 let nothing pass;
-/// the highest is 2^33 bytes a second.
+/// Limits bytes to a rate, with bursts of up to `burst` bytes. Uses integers only, so that replays are exact. A rate of
+/// 0 lets nothing pass; the maximum is 2^33 bytes per second.
 class TokenBucket {
  public:
   TokenBucket() = default;
-  /// Full at the start.
+  /// Starts full.
   TokenBucket(std::uint64_t bytes_per_second, std::uint64_t burst, Instant now);
-  /// From now on; what was saved up stays, up to the burst.
+  /// Changes rate and burst from now on. Keeps the saved tokens, up to the burst.
   void set_rate(std::uint64_t bytes_per_second, std::uint64_t burst, Instant now);
   [[nodiscard]] std::uint64_t rate() const { return rate_; }
-  /// From now on so many bytes may pass before they were saved up; they are paid back at the rate.
+  /// Lets up to `bytes` bytes pass in advance from now on; they are repaid at the rate.
   void allow_debt(std::uint64_t bytes);
-  /// Whether so many bytes may pass, at most the burst.
+  /// Reports whether `bytes` bytes may pass. `bytes` is at most the burst.
   [[nodiscard]] bool has(std::uint64_t bytes, Instant now);
-  /// They passed. Debts are allowed and paid back.
+  /// Removes tokens for bytes that have passed. The balance may become negative.
   void take(std::uint64_t bytes, Instant now);
-  /// When `has` will be true, unless more is taken; Instant::max() for never.
+  /// Returns the time at which `has` becomes true if no more is taken; Instant::max() means never.
   [[nodiscard]] Instant when(std::uint64_t bytes, Instant now);
 
  private:
@@ -34,7 +32,7 @@ class TokenBucket {
 
   std::uint64_t rate_ = 0, burst_ = 0;
   std::int64_t credit_ = 0;  // millionths of a byte
-  std::int64_t debt_ = 0;    // allowed, likewise
+  std::int64_t debt_ = 0;    // allowed debt, in millionths of a byte
   Instant filled_{};
 };
 
