@@ -15,63 +15,59 @@
 
 namespace gs::net {
 
-/// What a client of cells tells its owner.
+/// Event of a client of cells, for its owner.
 struct CellEvent {
   enum class Kind : std::uint8_t {
-    granted,       // `rate`; the slot's pieces follow
+    granted,       // `rate`; the pieces of the slot follow
     refused,       // `text`
     base,          // `bytes`: the whole base
-    piece,         // `bytes` of chunk `name` from `offset`
-    ended,         // the server has sent all; what is missing was lost
-    complete,      // nothing is missing (any more); comes after `ended`
-    lost_contact,  // nothing arrives; the client asks anew
+    piece,         // `bytes` of chunk `name` from `offset` on
+    ended,         // the server has sent everything; missing data was lost
+    complete,      // nothing is missing; follows `ended`
+    lost_contact,  // no datagrams are received; the client asks again
     failed,        // `text`; the client has given up
   };
   Kind kind = Kind::failed;
   std::uint8_t slot = 0;
   ChunkName name;
-  bool records = false;       // piece: whole records of 8 bytes; else the whole chunk
+  bool records = false;       // piece: complete records of 8 bytes; otherwise the whole chunk
   std::uint32_t version = 0;  // of the source
   std::uint32_t total = 0, offset = 0;
-  std::uint64_t rate = 0;       // bits a second
-  std::vector<std::byte> head;  // piece of records: the chunk's
+  std::uint64_t rate = 0;       // bits per second
+  std::vector<std::byte> head;  // head of the chunk, for a piece of records
   std::vector<std::byte> bytes;
   std::string text;
 };
 
-/// Makes a base and pieces of chunks out of the cells of one slot. Whatever is
-/// lost, what came is handed out at once. Memory: the base twice, kMostWaiting
-/// bytes of chunks whose other pieces have not come, and a bit per chunk. One
-/// thread; safe for untrusted cells.
+/// Assembles a base and pieces of chunks from the cells of one slot. Returns received data at once, even after losses.
+/// Memory: the base twice, kMostWaiting bytes of incomplete chunks, and one bit per chunk. One thread. Safe for
+/// untrusted cells.
 class CellAssembly {
  public:
   static constexpr std::size_t kMostWaiting = std::size_t{16} << 20, kMostProgress = 4096;
 
   CellAssembly(std::size_t slot, const GrantMessage& grant);
 
-  /// The cells of one datagram; those of other slots are passed over.
+  /// Takes the cells of one datagram. Ignores cells of other slots.
   void take(std::span<const Cell> cells, std::vector<CellEvent>& out);
-  /// Datagrams were lost, or nothing comes: hands out what waits for its PDU's
-  /// end.
+  /// Reports lost datagrams or a pause: returns the cells of incomplete PDUs.
   void gap(std::vector<CellEvent>& out);
 
-  /// Whether this grant is for the same content, so that what came before still
-  /// counts.
+  /// Reports whether a grant is for the same content, so that earlier data remains valid.
   [[nodiscard]] bool continues(const GrantMessage& grant) const;
   [[nodiscard]] bool base_done() const { return base_done_; }
-  /// The newest place's time stamp since this was last asked.
+  /// Returns and clears the time stamp of the newest place PDU.
   [[nodiscard]] std::optional<std::uint32_t> take_stamp() { return std::exchange(stamp_, std::nullopt); }
-  /// Chunks of these streams (bits) of which something is missing, most
-  /// important first, at most so many.
+  /// Returns the incomplete chunks of these streams (bits), most important first, at most `most`.
   [[nodiscard]] std::vector<ChunkName> missing(std::uint32_t streams, std::size_t most) const;
   [[nodiscard]] std::uint64_t damaged() const { return reassembler_.damaged(); }
-  /// Bytes of bodies that were handed out, or wait for the rest of their chunk.
+  /// Returns the bytes of chunk bodies that were returned or that wait for the rest of their chunk.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
  private:
-  /// The chunk of records that a stream's cells belong to.
+  /// Chunk of records that the cells of a stream belong to.
   struct Group {
-    bool current = false;  // the datagram at hand said so
+    bool current = false;  // announced in the current datagram
     Place place;
     std::vector<std::byte> head;
     std::uint32_t next = 0;  // cell
@@ -84,8 +80,8 @@ class CellAssembly {
   struct Progress {
     std::uint32_t total = 0;
     std::uint64_t touched = 0;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;  // begin, end; apart, in order
-    std::vector<std::byte> bytes;                                 // of what is no records
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;  // begin and end; disjoint and sorted
+    std::vector<std::byte> bytes;                                 // bytes of chunks without records
   };
   void take_cell(const Cell& cell, std::vector<CellEvent>& out);
   void take_pdus(std::vector<CellEvent>& out);
@@ -110,7 +106,7 @@ class CellAssembly {
   bool base_done_ = false;
   std::vector<Stream> streams_;
   std::map<ChunkName, Progress> progress_;
-  std::vector<Pdu> pdus_;  // what the reassembler handed out just now
+  std::vector<Pdu> pdus_;  // output of the reassembler, reused
   std::uint64_t clock_ = 0, waiting_bytes_ = 0, bytes_ = 0;
   std::optional<std::uint32_t> stamp_;
 };

@@ -13,12 +13,11 @@
 
 namespace gs::net {
 
-/// Serves cells on a port of UDP by a thread of its own. Its destructor says
-/// goodbye to all clients and waits for the thread, which takes milliseconds.
-/// The library is used on that thread only.
+/// Serves cells on a UDP port with its own thread. The destructor says goodbye to all clients and waits for the thread
+/// for some milliseconds. Only that thread uses the library.
 class CellServerDriver {
  public:
-  /// `port` 0: any free one. An all-zero secret is replaced by a random one.
+  /// Starts the server. `port` 0 means any free port. Replaces a secret of zeros by a random one.
   [[nodiscard]] static std::variant<std::unique_ptr<CellServerDriver>, UdpError> start(
       CellServerOptions options, std::shared_ptr<CellLibrary> library, std::uint16_t port, bool loopback);
   ~CellServerDriver();
@@ -34,14 +33,13 @@ class CellServerDriver {
   std::unique_ptr<State> state_;
 };
 
-/// A client of cells with a thread and a socket of its own. All calls from one
-/// thread; results arrive in `poll` only. Its destructor says goodbye and waits
-/// for the thread, which takes milliseconds (a look-up of the host's name may
-/// make it wait for the name server).
+/// Client of cells with its own thread and socket. All calls from one thread; only `poll` returns results. The
+/// destructor says goodbye and waits for the thread for some milliseconds, or longer while a name server resolves the
+/// host.
 class CellClientDriver {
  public:
-  /// `wake` is called from the thread when `poll` would have something; it may
-  /// be empty. An options.nonce of 0 is replaced by a random one.
+  /// Starts the client. The client's thread calls `wake` when `poll` has events; `wake` may be empty. Replaces an
+  /// options.nonce of 0 by a random one.
   [[nodiscard]] static std::variant<std::unique_ptr<CellClientDriver>, UdpError> start(CellClientOptions options,
                                                                                        std::string host,
                                                                                        std::uint16_t port,
@@ -49,12 +47,12 @@ class CellClientDriver {
   ~CellClientDriver();
   CellClientDriver(const CellClientDriver&) = delete;
   CellClientDriver& operator=(const CellClientDriver&) = delete;
-  /// See CellClient.
+  /// These functions forward to CellClient.
   void want(std::size_t slot, CellWish wish);
   void drop(std::size_t slot);
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
   void set_rate(std::uint64_t bits_per_second);
-  /// What happened, about `most_bytes` of it at most.
+  /// Returns the events, with about `most_bytes` bytes at most.
   [[nodiscard]] std::vector<CellEvent> poll(std::size_t most_bytes);
   [[nodiscard]] CellClientStatistics statistics() const;
 

@@ -11,59 +11,54 @@
 
 namespace gs::net {
 
-// What the PDUs of GhostSpace's cells say: see CELLS.md.
+// PDUs of GhostSpace's cells (CELLS.md).
 
 constexpr std::uint16_t kBaseVci = 32, kPlaceVci = 33, kFirstDataVci = 64;
-/// The channels of a client's slot (0 to 7).
+/// Returns the virtual path of a client's slot (0 to 7).
 [[nodiscard]] constexpr std::uint16_t path_of_slot(std::size_t slot) { return static_cast<std::uint16_t>(1 + slot); }
 
-/// Where what follows belongs.
-/// (`parity`: no place at all, but in a channel of its own, see cell_parity.h).
+/// Kind of the data after a place. `parity` has no place and uses its own channel (cell_parity.h).
 enum class PlaceKind : std::uint8_t { records = 1, piece = 2, base = 3, parity = 4 };
 struct Place {
   PlaceKind kind = PlaceKind::piece;
   std::uint8_t stream = 0;
   std::uint32_t version = 0;  // of the source
-  std::uint32_t time = 0;     // when it was sent: microseconds, the low 32 bits
-  std::uint32_t chunk = 0;    // base: number of the block
-  std::uint32_t total = 0;    // bytes of the chunk's body; base: of the base
-  std::uint32_t at = 0;       // records: number of the first cell that follows;
-                              // piece: offset; base: number of the symbol
+  std::uint32_t time = 0;     // send time: microseconds, the low 32 bits
+  std::uint32_t chunk = 0;    // number of the chunk; base: number of the block
+  std::uint32_t total = 0;    // bytes of the chunk's body; base: bytes of the base
+  std::uint32_t at = 0;       // records: number of the next cell; piece: offset; base: number of the symbol
   friend bool operator==(const Place&, const Place&) = default;
 };
 constexpr std::size_t kPlaceBytes = 24;
 
-/// A place PDU's user data: the place, then the chunk's head, or the bytes of a
-/// piece or symbol.
+/// Encodes the user data of a place PDU: the place, then the chunk's head, or the bytes of a piece or symbol.
 [[nodiscard]] std::vector<std::byte> encode_place(const Place& place, std::span<const std::byte> rest);
-/// The place, and what follows it in `rest`. Nothing where there is none, or
-/// its numbers are none that a sender gives. Safe for untrusted bytes.
+/// Decodes a place and sets `rest` to the bytes after it. Returns nullopt if the place is missing or invalid. Safe for
+/// untrusted bytes.
 [[nodiscard]] std::optional<Place> decode_place(std::span<const std::byte> bytes, std::span<const std::byte>& rest);
 
-/// So many bytes of a piece or symbol fit into a datagram of so many cells.
+/// Returns the bytes of a piece or symbol that fit into a datagram of `cells` cells.
 [[nodiscard]] constexpr std::size_t piece_bytes(std::size_t cells) {
   return cells * kCellPayload - kAal5Trailer - kPlaceBytes;
 }
 
-/// The cells of a chunk of records: PDUs of 47 records one after the other, the
-/// last one shorter.
+/// Returns the number of cells of a chunk of records: consecutive PDUs of 47 records, the last one shorter.
 [[nodiscard]] constexpr std::uint32_t cells_of_records(std::size_t bytes) {
   const std::size_t rest = bytes % kRecordPdu;
   return static_cast<std::uint32_t>(bytes / kRecordPdu * kRecordPduCells + (rest > 0 ? cells_of_pdu(rest) : 0));
 }
 
-/// Makes the datagrams of one chunk, one after the other.
+/// Makes the datagrams of one chunk in order.
 class ChunkCutter {
  public:
-  /// `chunk` as CellChunk has it; false if it is not.
+  /// Reports whether `chunk` satisfies the limits of CellChunk.
   static bool sound(const CellChunk& chunk, bool records);
   ChunkCutter(CellChunk chunk, bool records, std::size_t slot, Place place);
   [[nodiscard]] bool done() const { return at_ >= end_; }
-  /// Whether all that is left fits into so many cells.
+  /// Reports whether the rest of the chunk fits into `cells` cells.
   [[nodiscard]] bool fits(std::size_t cells) const;
-  /// Appends the next cells, at most so many (at least kFewestCells), and says
-  /// how many bytes of the body they hold. Ends at the end of a PDU of records
-  /// if one fits, unless `fill`.
+  /// Appends at most `cells` cells (at least kFewestCells) and returns the bytes of the body in them. Ends at the end
+  /// of a PDU of records if one fits, unless `fill`.
   std::size_t cut(std::size_t cells, bool fill, std::uint32_t time, std::vector<Cell>& out);
 
  private:
@@ -74,8 +69,8 @@ class ChunkCutter {
   bool records_;
   Vc place_vc_, data_vc_;
   Place place_;
-  std::size_t at_ = 0, end_ = 0;  // cells of records; bytes of others
-  std::vector<Cell> cells_;       // records: all of the chunk
+  std::size_t at_ = 0, end_ = 0;  // cells for records, bytes for other chunks
+  std::vector<Cell> cells_;       // all cells of a chunk of records
 };
 
 }  // namespace gs::net

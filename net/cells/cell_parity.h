@@ -18,21 +18,19 @@
 
 namespace gs::net {
 
-// Parity datagrams: what of the data behind the base is lost can be rebuilt
-// from them, without asking. See CELLS.md.
+// Parity datagrams: they restore lost data datagrams after the base without another request (CELLS.md).
 
-/// Their channel: the client's, and so of none of its slots.
+/// Channel of parity, which belongs to the client and not to a slot.
 constexpr Vc kParityVc{0, 34};
-/// Of a group of data datagrams: how many, and over how many running numbers.
+/// Limits of a group: the number of data datagrams, and the span of their running numbers.
 constexpr std::size_t kMostMembers = 64, kParitySpan = 192;
-/// How far behind a parity datagram its group may begin.
+/// Maximum distance from a parity datagram back to the start of its group.
 constexpr std::uint32_t kMostParityBack = 4096;
-/// Bytes before a symbol in a parity PDU; before the cells in a symbol.
+/// Bytes before the symbol in a parity PDU, and bytes before the cells in a symbol.
 constexpr std::size_t kParityHead = 12 + kParitySpan / 8, kSymbolHead = 6;
 
-/// With parity, the data datagrams of a client that wishes for so many cells
-/// hold at most this many, so that a symbol of them fits into one datagram of
-/// those wished. At least kFewestCells: with 4 or 5 wished cells, parity
+/// Returns the maximum cells of data datagrams with parity, for a client that requests `cells`. A symbol of them then
+/// fits into one datagram of the requested size. Returns at least kFewestCells: for 4 or 5 requested cells, parity
 /// datagrams have 6.
 [[nodiscard]] constexpr std::size_t protected_cells(std::size_t cells) {
   const std::size_t before = kAal5Trailer + kParityHead + kSymbolHead, all = cells * kCellPayload;
@@ -41,43 +39,41 @@ constexpr std::size_t kParityHead = 12 + kParitySpan / 8, kSymbolHead = 6;
 static_assert(protected_cells(kMostCells) == 23);
 static_assert(cells_of_pdu(kParityHead + kSymbolHead + protected_cells(kMostCells) * kPackedCell) <= kMostCells);
 
-/// The head of a parity PDU.
+/// Head of a parity PDU.
 struct Parity {
   std::uint8_t symbol = 0;             // number of the symbol: members.count() to 254
-  std::uint32_t time = 0;              // when it was sent: microseconds, the low 32 bits
-  std::uint32_t back = 0;              // how many numbers before this datagram's own the group begins
-  std::bitset<kParitySpan> members{};  // bit i: datagram i of those from there on; bit 0 is set
+  std::uint32_t time = 0;              // send time: microseconds, the low 32 bits
+  std::uint32_t back = 0;              // distance from this datagram back to the first datagram of the group
+  std::bitset<kParitySpan> members{};  // bit i: datagram i of the group's span; bit 0 is set
 };
-/// A parity PDU's user data.
+/// Encodes the user data of a parity PDU.
 [[nodiscard]] std::vector<std::byte> encode_parity(const Parity& parity, std::span<const std::byte> symbol);
-/// The head, and the symbol in `rest`. Nothing where there is none, or its
-/// numbers are none that a sender gives. Safe for untrusted bytes.
+/// Decodes the head and sets `rest` to the symbol. Returns nullopt if the head is missing or invalid. Safe for
+/// untrusted bytes.
 [[nodiscard]] std::optional<Parity> decode_parity(std::span<const std::byte> bytes, std::span<const std::byte>& rest);
 
-/// What parity protects of a datagram: the length and the CRC of its cells, and
-/// they, as they stand on the wire. `cells` may be what follows a datagram's
-/// header.
+/// Makes the symbol of a datagram: the length and the CRC of its cells, then the cells as on the wire. `cells` may be
+/// the bytes after a datagram's header.
 [[nodiscard]] std::vector<std::byte> symbol_of_cells(std::span<const std::byte> cells);
-/// The cells of a symbol that may have grown by zeros; nothing if they are not
-/// what was protected. Safe for untrusted bytes.
+/// Returns the cells of a symbol, which may be padded with zeros. Returns nullopt if length or CRC is wrong. Safe for
+/// untrusted bytes.
 [[nodiscard]] std::optional<std::span<const std::byte>> cells_of_symbol(std::span<const std::byte> symbol);
 
-/// The share of datagrams that a client loses, and how far they are lost in
-/// runs, from its reports: over the last two seconds, or kLeast datagrams if
-/// those are more.
+/// Measures a client's loss and its burstiness from its reports, over the last two seconds or kLeast datagrams,
+/// whichever is more.
 class LossMeter {
  public:
   static constexpr double kLeast = 128, kSample = 32, kMostRuns = 8;
 
-  /// Both from the begin of the session; what no client can say does no harm.
+  /// Adds a report. Both counts are totals since the start of the session. Ignores impossible counts.
   void add(std::uint64_t received, std::uint64_t lost, Instant now);
-  /// 0 to 1.
+  /// Returns the share of lost datagrams, 0 to 1.
   [[nodiscard]] double share() const { return total_ > 0 ? lost_ / total_ : 0; }
-  /// The share that parity should stand: more where little is known.
+  /// Returns the share that parity should withstand. It is higher if few datagrams were counted.
   [[nodiscard]] double likely() const;
   [[nodiscard]] double datagrams() const { return total_; }
-  /// How much more the losses of kSample datagrams vary than those of single,
-  /// independent ones would (the index of dispersion): 1 to kMostRuns.
+  /// Returns the index of dispersion of losses in samples of kSample datagrams, 1 to kMostRuns. 1 means independent
+  /// losses.
   [[nodiscard]] double runs() const { return std::clamp(spread_, 1.0, kMostRuns); }
 
  private:
@@ -87,41 +83,34 @@ class LossMeter {
   Instant last_{};
 };
 
-/// Makes the parity of one client's data datagrams: in groups, as many symbols
-/// as its losses ask for. Until the first reports tell of loss, or that there
-/// is none, groups are kept without parity; a group gets more when the loss
-/// turns out higher. Memory: kMostHeld bytes of closed groups, and one of at most
-/// kMostMembers datagrams. One thread; no clock.
+/// Makes the parity of one client's data datagrams: groups with as many symbols as the losses require. Keeps groups
+/// without parity until the first reports show the loss. Adds parity to a group if the loss increases. Memory:
+/// kMostHeld bytes of closed groups, and one open group of at most kMostMembers datagrams. One thread. No clock.
 class ParitySender {
  public:
   static constexpr std::size_t kMostHeld = std::size_t{512} << 10, kMostGroups = 32, kFewMembers = 8;
   static constexpr Instant kLongestGroup{500'000};
-  /// A group of data may be lost for good with this probability.
+  /// Maximum probability that a group of data is lost.
   static constexpr double kFailure = 0.01;
-  /// Below this share lost, no parity.
+  /// Share of lost datagrams below which no parity is sent.
   static constexpr double kLeastLoss = 0.002;
 
   explicit ParitySender(bool enabled) : enabled_(enabled) {}
 
-  /// Whether data are to be protected: datagrams of protected_cells, given to
-  /// `add`.
+  /// Reports whether data must be protected, that is, sent in datagrams of protected_cells() and passed to `add`.
   [[nodiscard]] bool on() const { return enabled_ && (!known_ || lossy_); }
-  /// A data datagram was sent: its running number and its cells on the wire.
+  /// Adds a sent data datagram: its running number and its cells on the wire.
   void add(std::uint64_t number, std::span<const std::byte> cells, Instant now);
-  /// A report came. `quiet`: nothing is under way or to be sent, so that no
-  /// later report will know more.
+  /// Takes a report. `quiet` means that nothing is in flight or waiting, so later reports will not have more counts.
   void report(std::uint64_t received, std::uint64_t lost, bool quiet, Instant now);
-  /// The data end here for now: what was sent is a group, though a small one.
-  /// Gives the number of the last group.
+  /// Closes the open group at the end of the data, even if it is small. Returns the number of the last group.
   std::uint64_t flush(Instant now);
-  /// Whether all parity of the groups up to this one was sent, and it is known
-  /// how much that is.
+  /// Reports whether the parity of all groups up to `group` is known and sent.
   [[nodiscard]] bool settled(std::uint64_t group) const;
-  /// Whether there is parity to send; whether it is due before more data.
+  /// Report whether parity is waiting, and whether it must be sent before more data.
   [[nodiscard]] bool pending() const { return pending_count() > 0; }
   [[nodiscard]] bool due() const { return credit_ >= 1 && pending(); }
-  /// The cells of the parity datagram with this running number and time of
-  /// sending; empty if there is none.
+  /// Returns the cells of the next parity datagram, with this running number and send time; empty if there is none.
   [[nodiscard]] std::vector<Cell> next(std::uint64_t number, std::uint32_t time);
 
  private:
@@ -141,11 +130,11 @@ class ParitySender {
 
   bool enabled_, known_ = false, lossy_ = false;
   LossMeter meter_;
-  std::vector<std::pair<std::uint64_t, std::vector<std::byte>>> open_;  // numbers and symbols
+  std::vector<std::pair<std::uint64_t, std::vector<std::byte>>> open_;  // running numbers and symbols
   Instant opened_{};
-  std::uint64_t closed_ = 0;  // groups, ever
+  std::uint64_t closed_ = 0;  // total of closed groups
   std::deque<Group> held_;
-  double credit_ = 0, step_ = 0;  // parity datagrams; for each of data
+  double credit_ = 0, step_ = 0;  // parity datagrams, and parity datagrams per data datagram
 };
 
 }  // namespace gs::net

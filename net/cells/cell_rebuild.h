@@ -11,37 +11,35 @@
 
 namespace gs::net {
 
-/// Rebuilds data datagrams that were lost from parity. Memory: kMostKept
-/// bytes of the newest datagrams, and kMostParity of symbols of parity in
-/// kMostGroups groups.
-/// One thread; safe for untrusted datagrams: what is rebuilt is handed out only
-/// with the right CRC.
+/// Restores lost data datagrams from parity. Returns only restored datagrams with the right CRC. Memory: kMostKept
+/// bytes of the newest datagrams, and kMostParity bytes of parity symbols in kMostGroups groups. One thread. Safe for
+/// untrusted datagrams.
 class CellRebuilder {
  public:
   static constexpr std::size_t kMostKept = std::size_t{640} << 10, kMostGroups = 48, kMostParity = kMostKept;
-  /// A datagram as it was.
+  /// Restored datagram.
   struct Rebuilt {
     std::uint64_t number = 0;
     std::vector<Cell> cells;
   };
 
-  /// A datagram of data came: its running number, and its cells on the wire.
+  /// Takes a received data datagram: its running number and its cells on the wire.
   void add(std::uint64_t number, std::span<const std::byte> cells, std::vector<Rebuilt>& out);
-  /// A datagram of parity came. Gives its head if that is sound.
+  /// Takes a received parity datagram. Returns its head if it is valid.
   std::optional<Parity> add_parity(std::uint64_t number, std::span<const Cell> cells, std::vector<Rebuilt>& out);
-  /// Whether a datagram's cells are parity.
+  /// Reports whether the cells of a datagram are parity.
   [[nodiscard]] static bool is_parity(std::span<const Cell> cells);
-  /// What is held, in bytes of cells and symbols.
+  /// Returns the held bytes of cells and symbols.
   [[nodiscard]] std::size_t bytes() const { return kept_bytes_ + parity_bytes_; }
 
  private:
   struct Group {
     std::bitset<kParitySpan> members;
-    std::size_t size = 0;  // of a symbol
+    std::size_t size = 0;  // bytes of a symbol
     bool done = false;
     std::map<std::uint8_t, std::vector<std::byte>> symbols;  // parity
   };
-  using Groups = std::map<std::uint64_t, Group>;  // by the first number
+  using Groups = std::map<std::uint64_t, Group>;  // key: first running number
   void look(Groups::iterator at, std::vector<Rebuilt>& out);
   void rebuild(std::uint64_t first, const Group& group, std::vector<Rebuilt>& out);
   void forget(Groups::iterator at);

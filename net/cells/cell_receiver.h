@@ -16,65 +16,63 @@
 namespace gs::net {
 
 struct CellClientOptions {
-  std::uint64_t nonce = 0;                           // random
-  std::uint64_t rate = 10'000'000;                   // bits a second, wanted at first
-  Instant hello_again{250'000};                      // after eight tries it doubles, up to 2 s
-  std::size_t most_tries = 16;                       // without any answer
-  Instant contact_lost{3'000'000};                   // after so long without a datagram the client asks anew
-  std::size_t most_waiting = std::size_t{64} << 20;  // bytes of events that the owner has not
-                                                     // taken; what comes then is lost
-  double loss = 0;                                   // of the driver: this share of what comes is dropped, for trials
+  std::uint64_t nonce = 0;          // random number
+  std::uint64_t rate = 10'000'000;  // initial request, bits per second
+  Instant hello_again{250'000};     // retry interval; doubles after eight tries, up to 2 s
+  std::size_t most_tries = 16;      // tries without an answer
+  Instant contact_lost{3'000'000};  // time without a datagram after which the client asks again
+  // Bytes of events that the owner has not taken; data beyond it is dropped.
+  std::size_t most_waiting = std::size_t{64} << 20;
+  double loss = 0;  // driver only: share of received datagrams to drop, for trials
   std::uint64_t loss_seed = 1;
-  AddressSpace reach = AddressSpace::special;  // of the driver: the most private space in which the server may be
+  AddressSpace reach = AddressSpace::special;  // driver only: the most private space in which the server may be
   AddressSpaceOf space_of = address_space_of;
 };
 
-/// What a client wants in one of its slots.
+/// Request of a client for one of its slots.
 struct CellWish {
   std::string path;
-  std::uint32_t streams = 0xffff;   // bit per stream
-  std::uint64_t budget = 0;         // bytes; 0: no limit
+  std::uint32_t streams = 0xffff;   // one bit per stream
+  std::uint64_t budget = 0;         // bytes; 0 means unlimited
   std::uint8_t weight = 1;          // share of the rate
-  std::uint8_t cells = kMostCells;  // of a datagram
-  bool repair = false;              // asks again for what was lost, once all was sent
+  std::uint8_t cells = kMostCells;  // maximum cells of a datagram
+  bool repair = false;              // requests lost chunks again after everything was sent
 };
 
 struct CellClientStatistics {
   std::uint64_t datagrams = 0, lost = 0, foreign = 0, refused_for_space = 0, damaged_pdus = 0;
-  std::uint64_t bytes = 0;                // of datagrams
-  std::uint64_t parity = 0, rebuilt = 0;  // datagrams of parity; of data, rebuilt from them (those count as lost)
+  std::uint64_t bytes = 0;  // bytes of datagrams
+  // Parity datagrams; data datagrams restored from parity, which also count as lost.
+  std::uint64_t parity = 0, rebuilt = 0;
   double loss_event_rate = 0;
   Instant round_trip{};
   std::uint64_t granted = 0,
-                server_rate = 0;  // bits a second, as the server says
+                server_rate = 0;  // bits per second, as the server reports
 };
 
-/// Asks a server for sources and hands out what comes. A state machine without
-/// I/O and clock: feed it the datagrams of the one server, ask it for those to
-/// send and when to ask again. One thread; safe for untrusted datagrams.
+/// Requests sources from a server and returns the received data. State machine without I/O and clock: the owner passes
+/// it the server's datagrams and asks it for datagrams to send. One thread. Safe for untrusted datagrams.
 class CellClient {
  public:
   explicit CellClient(CellClientOptions options);
 
-  /// Asks for something in slot 0 to 7, in place of what was there.
+  /// Requests a source in slot 0 to 7, replacing the slot's earlier request.
   void want(std::size_t slot, CellWish wish, Instant now);
-  /// Nothing more in this slot.
+  /// Clears a slot.
   void drop(std::size_t slot, Instant now);
-  /// What comes first: regions (of the source's box), or chunks by name, also
-  /// such as were sent before. The next report says it; at most kMostRegions
-  /// and kMostWishes.
+  /// Sets preferences: regions (of the source's box), or chunks by name, even if sent before. The next report contains
+  /// them, at most kMostRegions and kMostWishes.
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
   void set_rate(std::uint64_t bits_per_second) { options_.rate = bits_per_second; }
-  /// Says goodbye; `next` hands out the word.
+  /// Queues a goodbye message, which `next` returns.
   void bye(Instant now);
 
   void receive(std::span<const std::byte> bytes, Instant now);
   [[nodiscard]] std::optional<std::vector<std::byte>> next(Instant now);
   [[nodiscard]] Instant deadline(Instant now) const;
-  /// What happened since this was last asked.
+  /// Returns the events since the last call.
   [[nodiscard]] std::vector<CellEvent> take_events();
-  /// The share of a slot's chunks' bytes that came is for the owner to know:
-  /// this is how many.
+  /// Returns the received bytes of chunks of a slot.
   [[nodiscard]] std::uint64_t bytes(std::size_t slot) const;
   [[nodiscard]] CellClientStatistics statistics() const;
 
@@ -84,7 +82,7 @@ class CellClient {
     enum class State : std::uint8_t { empty, asking, granted } state = State::empty;
     CellWish wish;
     std::uint32_t number = 0;
-    Instant ask{};  // again
+    Instant ask{};  // time of the next request
     std::size_t tries = 0;
     std::unique_ptr<CellAssembly> assembly;
     std::vector<Region> regions;
@@ -131,7 +129,7 @@ class CellClient {
     std::vector<std::byte> bytes;
     Instant at{};
   };
-  std::vector<Early> early_;  // cells that overtook the grant
+  std::vector<Early> early_;  // cells that arrived before the grant
   std::vector<CellEvent> events_;
   std::size_t waiting_ = 0;
   CellClientStatistics statistics_;

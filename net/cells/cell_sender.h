@@ -14,44 +14,42 @@
 namespace gs::net {
 
 struct CellServerOptions {
-  SipKey secret{};                         // random; new with every start
-  std::uint64_t total_rate = 100'000'000;  // bits a second, of all clients together
-  std::uint64_t client_rate = 50'000'000;  // of one
+  SipKey secret{};                         // random; new at every start
+  std::uint64_t total_rate = 100'000'000;  // bits per second, for all clients together
+  std::uint64_t client_rate = 50'000'000;  // bits per second, per client
   std::size_t most_clients = 256, most_of_address = 8;
-  Instant forget{30'000'000};  // a client that has been silent so long
+  Instant forget{30'000'000};  // silence after which a client is removed
   CellSession::Options session;
 };
 
-/// A datagram, and where it goes.
+/// Datagram and its destination.
 struct OutgoingDatagram {
   Endpoint to;
   std::vector<std::byte> bytes;
 };
 
 struct CellServerStatistics {
-  std::uint64_t clients = 0;  // now
+  std::uint64_t clients = 0;  // current number
   std::uint64_t accepted = 0, refused = 0,
-                foreign = 0;                             // sessions; requests; datagrams that were none of ours
+                foreign = 0;                             // sessions; requests; unknown datagrams
   std::uint64_t datagrams = 0, bytes = 0;                // sent
-  std::uint64_t parity_datagrams = 0, parity_bytes = 0;  // of those, parity
+  std::uint64_t parity_datagrams = 0, parity_bytes = 0;  // the parity among them
 };
 
-/// Serves sources as cells to many clients: the contract, and the share of
-/// each. A state machine without I/O and clock: feed it datagrams, ask it for
-/// those to send and when to ask again. One thread; safe for untrusted
-/// datagrams. Before an address has returned its cookie, nothing is kept of it
-/// and no more is sent to it than came from it.
+/// Serves sources as cells to many clients: handles the messages, and divides the rate. State machine without I/O and
+/// clock: the owner passes it datagrams and asks it for datagrams to send. One thread. Safe for untrusted datagrams.
+/// Until an address returns its cookie, the server stores nothing about it and sends it no more bytes than it received
+/// from it.
 class CellServer {
  public:
   CellServer(CellServerOptions options, std::shared_ptr<CellLibrary> library);
 
   void receive(const Endpoint& from, std::span<const std::byte> bytes, Instant now);
-  /// The next datagram to send; nothing until `deadline`.
+  /// Returns the next datagram to send, or nullopt before `deadline`.
   [[nodiscard]] std::optional<OutgoingDatagram> next(Instant now);
-  /// When `next` will have something if nothing is received before;
-  /// Instant::max() for never.
+  /// Returns the time at which `next` will return a datagram if none is received before; Instant::max() means never.
   [[nodiscard]] Instant deadline(Instant now);
-  /// Says goodbye to everyone: `next` hands out the words.
+  /// Queues goodbyes to all clients, which `next` returns.
   void stop();
   [[nodiscard]] CellServerStatistics statistics() const;
 
@@ -71,7 +69,7 @@ class CellServer {
   CookieMaker cookies_;
   Sessions sessions_;
   std::map<Endpoint, TokenBucket> opens_;  // by client with a session
-  Endpoint turn_;                          // who was served last
+  Endpoint turn_;                          // client that was served last
   TokenBucket total_;
   std::deque<OutgoingDatagram> answers_;
   struct Shared {

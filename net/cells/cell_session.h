@@ -15,16 +15,15 @@
 
 namespace gs::net {
 
-/// One client of a server: what it gets, in which order and how fast. Part of
-/// CellServer; no I/O, no clock.
+/// Session of one client of a server: its data, their order and their rate. Part of CellServer. No I/O, no clock.
 class CellSession {
  public:
   struct Options {
     CongestionResponse response = CongestionResponse::equation;
     double base_loss = 0.3,
-           base_failure = 1e-6;  // the base's first pass: fails so seldom at that loss
-    Instant silence{2'000'000};  // without reports nothing more is sent
-    bool parity = true;          // behind the base, as much as the client's losses ask for
+           base_failure = 1e-6;  // first pass of the base: maximum probability of failure at this loss
+    Instant silence{2'000'000};  // time without reports after which sending stops
+    bool parity = true;          // parity after the base, as the client's losses require
   };
   CellSession(const Options& options, std::uint64_t id, std::uint64_t nonce, Instant round_trip, Instant now);
 
@@ -32,41 +31,39 @@ class CellSession {
   [[nodiscard]] std::uint64_t nonce() const { return nonce_; }
   [[nodiscard]] Instant last_heard() const { return last_heard_; }
   [[nodiscard]] bool silent(Instant now) const { return now >= last_heard_ + options_.silence; }
-  /// What the client asked for, bytes a second.
+  /// Returns the requested rate in bytes per second.
   [[nodiscard]] std::uint64_t wanted() const { return wanted_; }
   [[nodiscard]] std::uint64_t granted() const { return granted_; }
   void set_wanted(std::uint64_t bytes_per_second) { wanted_ = bytes_per_second; }
   void grant(std::uint64_t bytes_per_second, Instant now);
 
-  /// The number of the request that holds a slot; 0 for none.
+  /// Returns the number of the request in a slot; 0 means none.
   [[nodiscard]] std::uint32_t number(std::size_t slot) const { return slots_[slot].number; }
-  /// Puts a source into a slot; `base` encodes its base. A null source empties
-  /// the slot.
+  /// Puts a source into a slot. `base` encodes its base. A null source clears the slot.
   void set(const RequestMessage& request, std::shared_ptr<CellSource> source,
            std::shared_ptr<const ErasureEncoder> base);
-  /// The answer to the request that holds the slot.
+  /// Returns the answer to the request in a slot.
   [[nodiscard]] GrantMessage answer(std::size_t slot) const;
-  /// Whether a slot is filled and no report has shown yet that the client knows
-  /// it.
+  /// Reports whether a slot is filled but no report of the client has confirmed it yet.
   [[nodiscard]] bool unknown(std::size_t slot) const { return slots_[slot].source && !slots_[slot].known; }
   void report(const ReportMessage& report, Instant now);
 
-  /// When the next datagram of cells may go; Instant::max() if there is none.
+  /// Returns the time of the next datagram of cells; Instant::max() means that there is none.
   [[nodiscard]] Instant ready(Instant now);
   struct Datagram {
     std::vector<std::byte> bytes;
     bool parity = false;
   };
-  /// That datagram; empty if there was none after all.
+  /// Returns the next datagram of cells; empty if there is none.
   [[nodiscard]] Datagram datagram(Instant now);
-  /// Where the session is, if it is time to say so.
+  /// Return the time of the next sync message, and the message.
   [[nodiscard]] Instant sync_due(Instant now) const;
   [[nodiscard]] SyncMessage sync(Instant now);
 
  private:
   struct StreamState {
     std::vector<bool> sent;
-    std::array<std::uint32_t, kMostRegions + 1> cursors{};  // by region; the last: everywhere
+    std::array<std::uint32_t, kMostRegions + 1> cursors{};  // by region; the last one is the whole source
   };
   struct Slot {
     std::uint32_t number = 0;
@@ -82,10 +79,10 @@ class CellSession {
     std::vector<StreamState> states;
     std::vector<Region> regions;
     std::deque<ChunkName> wishes;
-    std::map<ChunkName, Instant> wished;  // when it was granted last
+    std::map<ChunkName, Instant> wished;  // time at which each wish was last granted
     std::optional<ChunkCutter> cutter;
-    std::uint64_t last_group = 0;  // ended: of parity, the last that may hold something of it
-    double turn = 0;               // bytes by weight
+    std::uint64_t last_group = 0;  // after the end: last parity group that may hold data of this slot
+    double turn = 0;               // weighted bytes
   };
   [[nodiscard]] bool base_waits(const Slot& slot) const { return slot.source && !slot.base_done; }
   [[nodiscard]] Instant slot_ready(const Slot& slot, Instant now) const;

@@ -11,43 +11,37 @@
 
 namespace gs::net {
 
-// TCP-friendly rate control (RFC 5348): a stream that loses packets sends no
-// more than a TCP connection would under the same loss and round trip, averaged
-// over seconds; so both share a bottleneck about evenly.
+// TCP-friendly rate control (RFC 5348): averaged over seconds, a stream that loses packets sends no more than a TCP
+// connection with equal loss and round trip. So both share a bottleneck about evenly.
 
-/// Bytes a second that TCP would reach (RFC 5348 3.1, with b = 1 and t_RTO = 4
-/// R); infinite without loss.
+/// Returns the rate of TCP in bytes per second (RFC 5348 3.1, with b = 1 and t_RTO = 4 R); infinite without loss.
 [[nodiscard]] double tcp_rate(double packet_bytes, double round_trip_seconds, double loss_rate);
-/// The loss rate at which TCP would reach so many bytes a second (the inverse,
-/// RFC 5348 6.3.1).
+/// Returns the loss rate at which TCP reaches a rate in bytes per second (inverse of tcp_rate(), RFC 5348 6.3.1).
 [[nodiscard]] double tcp_loss(double packet_bytes, double round_trip_seconds, double rate);
 
-/// Which losses slow a sender down.
+/// Kinds of losses that reduce the rate of a sender.
 enum class CongestionResponse : std::uint8_t {
-  equation,     // all: safe on any network
-  delay_aware,  // those that came with a queue (see QueueDelay): for links that
-                // lose by themselves, such as radio
-  reserved,     // none: the granted rate is reserved for us on the whole path
+  equation,     // all losses: safe on any network
+  delay_aware,  // losses that come with a queue (QueueDelay): for links with random losses, such as radio
+  reserved,     // no losses: the granted rate is reserved on the whole path
 };
 
-/// A response as an operator names it.
+/// Name of a response, for operators.
 struct CongestionName {
   std::string_view name;
   CongestionResponse response = CongestionResponse::equation;
   std::string_view help;  // one line
 };
-/// All of them, the default first.
+/// Returns all responses, the default first.
 [[nodiscard]] std::span<const CongestionName> congestion_names();
 
-/// Tells whether packets are queued on the way, from the time that each took
-/// (by two clocks, so only differences count). "Spike" of Cen, Cosman and
-/// Voelker, "End-to-end differentiation of congestion and wireless losses",
-/// 2003: a queue begins above half of the range of delays that was seen, and
-/// ends below a third of it. Ranges below 10 ms are taken for chance: a
-/// bottleneck with so short a queue is not noticed.
+/// Detects queued packets by the transmission time of each packet. The times are differences of two clocks, so only
+/// changes count. Implements "Spike" of Cen, Cosman and Voelker, "End-to-end differentiation of congestion and wireless
+/// losses", 2003. A queue begins above half of the observed range of delays and ends below a third of it. Ranges below
+/// 10 ms count as noise, so the queue of a shorter bottleneck is not detected.
 class QueueDelay {
  public:
-  /// Low 32 bits of microseconds.
+  /// Adds a packet. Both times are the low 32 bits of microseconds.
   void add(std::uint32_t sent, std::uint32_t received);
   [[nodiscard]] bool queued() const { return queued_; }
 
@@ -57,22 +51,21 @@ class QueueDelay {
   double least_ = 0, most_ = 0;
 };
 
-/// The receiver's half: which datagrams are lost, and the rate of loss events
-/// (RFC 5348 5). Memory is bounded.
+/// Receiver's half: lost datagrams, and the rate of loss events (RFC 5348 5). Memory is bounded.
 class LossHistory {
  public:
-  /// A datagram came. `round_trip` as far as known; `counts`: whether a loss
-  /// found now counts as a loss event.
+  /// Adds a received datagram. `round_trip` is the current estimate. `counts` tells whether a loss that is found now is
+  /// a loss event.
   void arrived(std::uint64_t number, std::uint64_t bytes, Instant now, Instant round_trip, bool counts);
   [[nodiscard]] std::uint64_t next() const { return next_; }
   [[nodiscard]] std::uint64_t received() const { return received_; }
-  /// Known to be lost: three later ones came.
+  /// Returns the number of lost datagrams. A datagram is lost once three later ones are received.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
-  /// Loss events per datagram, 0 to 1.
+  /// Returns the loss events per datagram, 0 to 1.
   [[nodiscard]] double event_rate() const;
-  /// Whether a loss event began since this was last asked.
+  /// Reports whether a loss event began since the last call.
   [[nodiscard]] bool take_new_event();
-  /// Bytes a second since this was last asked.
+  /// Returns the bytes per second since the last call.
   [[nodiscard]] double take_receive_rate(Instant now);
 
  private:
@@ -80,37 +73,33 @@ class LossHistory {
 
   std::uint64_t next_ = 0, received_ = 0, lost_ = 0;
   std::set<std::uint64_t> missing_;
-  std::uint64_t event_first_ = 0;  // the first lost datagram of the newest event
+  std::uint64_t event_first_ = 0;  // first lost datagram of the newest event
   Instant event_start_{};
   bool any_event_ = false, new_event_ = false;
   double mean_packet_ = 1388;
-  std::array<double, 8> intervals_{};  // between events, the newest first
+  std::array<double, 8> intervals_{};  // intervals between events, newest first
   std::size_t interval_count_ = 0;
   std::uint64_t window_bytes_ = 0;
   Instant window_start_{};
   double last_rate_ = 0;
 };
 
-/// The sender's half (RFC 5348 4): the allowed rate in bytes a second. Slow
-/// start until the first loss; at most twice of what arrived; at most the
-/// grant; never less than a datagram per round trip, which RFC 8085 3.1.2
-/// allows anyone.
+/// Sender's half (RFC 5348 4): the allowed rate in bytes per second. Slow start until the first loss; at most twice the
+/// received rate; at most the grant. The minimum is one datagram per round trip, which RFC 8085 3.1.2 allows everyone.
 class RateController {
  public:
   RateController() = default;
-  /// `round_trip`: the first estimate. Starts with ten datagrams per round
-  /// trip, as RFC 6928 lets TCP.
+  /// Starts with ten datagrams per round trip, as RFC 6928 allows TCP. `round_trip` is the first estimate.
   RateController(CongestionResponse response, double grant, Instant round_trip, Instant now);
   void set_grant(double grant);
   struct Feedback {
     Instant round_trip{};     // a sample
-    double loss_rate = 0;     // of loss events
-    double receive_rate = 0;  // bytes a second
-    bool limited = false;     // we sent less than allowed: what arrived says nothing
+    double loss_rate = 0;     // rate of loss events
+    double receive_rate = 0;  // bytes per second
+    bool limited = false;     // the sender used less than the allowed rate, so receive_rate is not a limit
   };
   void feedback(const Feedback& feedback, Instant now);
-  /// Call at least when `deadline` passes: halves the rate when reports fail to
-  /// come.
+  /// Halves the rate if reports are missing. Call it at `deadline` or earlier.
   void tick(Instant now);
   [[nodiscard]] Instant deadline() const { return silence_; }
   [[nodiscard]] double rate() const { return rate_; }

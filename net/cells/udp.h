@@ -15,21 +15,20 @@
 
 namespace gs::net {
 
-/// Why a socket could not be had or used.
+/// Reason why a socket cannot be opened or used.
 struct UdpError {
   std::string message;
 };
 
-/// "192.0.2.1:6635" or "[2001:db8::1]:6635".
+/// Returns an endpoint as text, such as "192.0.2.1:6635" or "[2001:db8::1]:6635".
 [[nodiscard]] std::string endpoint_text(const Endpoint& endpoint);
-/// The first address of a host, by its name or number, that a text of this
-/// reach may have datagrams sent to. Blocks as long as name servers do.
+/// Returns the first address of a host name or number to which a document with this reach may send datagrams. Blocks
+/// while name servers are asked.
 [[nodiscard]] std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_t port,
                                                          AddressSpace reach = AddressSpace::special,
                                                          const AddressSpaceOf& space_of = address_space_of);
 
-/// A socket of UDP, IPv6 and IPv4 alike where the system has both. Never blocks
-/// but in `wait`. Movable; one thread.
+/// UDP socket, for IPv6 and IPv4 if the system has both. Only `wait` blocks. Movable. One thread.
 class UdpSocket {
  public:
   UdpSocket() = default;
@@ -39,17 +38,15 @@ class UdpSocket {
   UdpSocket& operator=(const UdpSocket&) = delete;
   ~UdpSocket();
 
-  /// Bound to a port (0: any free one) of every address, or only of this
-  /// machine's own (`loopback`).
+  /// Opens a socket on a port (0 means any free port), on all addresses or only on loopback.
   [[nodiscard]] static std::variant<UdpSocket, UdpError> open(std::uint16_t port, bool loopback);
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// False when the system has no room for it now, or no way there.
+  /// Sends a datagram. Returns false if the system has no room now, or no route.
   bool send(const Endpoint& to, std::span<const std::byte> bytes);
-  /// The next datagram that came; longer ones are cut at 64 KiB. Nothing when
-  /// there is none now.
+  /// Returns the next received datagram, cut at 64 KiB, or nullopt if there is none.
   [[nodiscard]] std::optional<std::span<const std::byte>> receive(Endpoint& from);
-  /// Until something came, or room is there for sending where that is asked, or
-  /// `wake` (a descriptor; -1: none) can be read, at most so long.
+  /// Waits at most `most` until a datagram is received, until there is room to send (if `for_room`), or until the
+  /// descriptor `wake` is readable (-1 means none).
   void wait(std::chrono::microseconds most, bool for_room, int wake) const;
 
  private:
