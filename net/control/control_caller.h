@@ -6,14 +6,14 @@
 
 namespace gs::net {
 
-/// Why a program that is controlled could not be told something.
+/// Reason why a controlled program could not be reached.
 struct ControlCallError {
   std::string message;
 };
 
-/// Says one message to a program that is controlled by a Unix socket (ControlProtocol::lines), and waits so long for
-/// the one line that it answers. Only a program of the same user is told anything: the kernel says whose it is.
-/// `message` has no line ends. Blocks; any thread.
+/// Sends one message to a controlled program on a Unix socket (ControlProtocol::lines), and waits at most `patience`
+/// for its answer of one line. Refuses programs of other users, as the kernel reports the peer's user. `message` has no
+/// line ends. Blocks. Any thread.
 [[nodiscard]] std::variant<std::string, ControlCallError> call_control(const std::string& path,
                                                                        const std::string& token,
                                                                        const std::string& message,

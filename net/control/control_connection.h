@@ -13,48 +13,53 @@
 
 namespace gs::net {
 
-/// How messages are told from each other.
+/// Framing of messages.
 enum class ControlProtocol : std::uint8_t {
-  lines,       // a message a line
+  lines,       // one message per line
   web_socket,  // RFC 6455
 };
 
 struct ControlLimits {
-  std::size_t message_bytes = std::size_t{4} << 20;    // of one message of a client who is admitted
-  std::size_t waiting_bytes = std::size_t{8} << 20;    // of a client's messages that nobody has taken: no more are read
-  std::size_t waiting_messages = 4096;                 // the same, by number
-  std::size_t outgoing_bytes = std::size_t{16} << 20;  // that a client has not read: it is cut off
-  std::size_t clients = 16;                            // who are admitted
-  std::size_t strangers = 64;                          // who are not, yet: the one who is there longest goes
-  Instant admission{10'000'000};                       // so long may that take
+  std::size_t message_bytes = std::size_t{4} << 20;  // maximum bytes of one message from an admitted client
+  // Bytes of a client's messages that nobody has taken; beyond it, no more are read.
+  std::size_t waiting_bytes = std::size_t{8} << 20;
+  std::size_t waiting_messages = 4096;  // number of such messages
+  // Bytes that a client has not read; beyond it, it is disconnected.
+  std::size_t outgoing_bytes = std::size_t{16} << 20;
+  std::size_t clients = 16;  // admitted clients
+  // Clients that are not admitted yet; beyond it, the oldest is disconnected.
+  std::size_t strangers = 64;
+  Instant admission{10'000'000};  // maximum time until admission
 };
 
-/// What connections have in common.
+/// Settings that all connections share.
 struct ControlTerms {
   std::string token;
   ControlLimits limits;
-  /// The last message to a client who speaks lines and is sent away; a WebSocket has a close frame for that.
+  /// Returns the last message to a client that uses lines and is disconnected. A WebSocket gets a close frame instead.
   std::function<std::string(const std::string& why)> farewell;
 };
 
-/// One connection, without its socket: bytes of the client in, messages out, and back. A client is admitted who says
-/// the token: in the query of the handshake of a WebSocket, where it must be if a page of a web browser asks (it has an
-/// Origin), else in the first message, of which it is all. Nothing that others send is looked at before, and no more
-/// than a few kilobytes of it are kept. One thread; the terms must outlive it.
+/// State machine of one connection, without its socket: converts between bytes and messages.
+///
+/// A client is admitted if it knows the token. A WebSocket may send it in the query of its handshake, and must do so if
+/// it has an Origin, that is, if a page of a web browser connects. Otherwise the first message must be the token alone.
+/// Before admission, nothing else is processed, and at most a few kilobytes are kept. One thread. The terms must
+/// outlive the connection.
 class ControlConnection {
  public:
   ControlConnection(ControlProtocol protocol, const ControlTerms& terms);
 
-  /// What the client has sent; messages go to `take_messages`.
+  /// Takes bytes of the client. `take_messages` returns their messages.
   void receive(std::string_view bytes);
   [[nodiscard]] std::vector<std::string> take_messages();
-  /// A message for the client, of UTF-8 without line ends.
+  /// Queues a message for the client: UTF-8 without line ends.
   void send(std::string_view message);
-  /// Nothing more is read and sent but the reason.
+  /// Closes the connection: reads nothing more, and sends only the reason.
   void close(WebSocketClose code, const std::string& why);
 
   [[nodiscard]] bool is_admitted() const { return admitted_; }
-  /// What is to be sent; the connection ends when this is empty and it is closing.
+  /// Returns the bytes to send. The connection ends when it is closing and they are empty.
   [[nodiscard]] std::string_view outgoing() const { return std::string_view(outgoing_).substr(sent_); }
   void sent(std::size_t bytes);
   [[nodiscard]] bool is_closing() const { return closing_; }
@@ -69,8 +74,8 @@ class ControlConnection {
   ControlProtocol protocol_;
   const ControlTerms& terms_;
   WebSocketDecoder decoder_;
-  std::string head_;   // of the handshake, or the line that has begun
-  bool open_ = false;  // the handshake is over
+  std::string head_;   // head of the handshake, or the incomplete line
+  bool open_ = false;  // the handshake is complete
   bool admitted_ = false, closing_ = false;
   std::vector<std::string> messages_;
   std::string outgoing_;

@@ -12,46 +12,46 @@
 
 namespace gs::net {
 
-/// Where clients come to.
+/// Addresses and settings of a server.
 struct ControlServerOptions {
-  std::vector<std::string> paths;    // Unix sockets (mode 0600) that are made there, for ControlProtocol::lines
-  std::vector<std::uint16_t> ports;  // of TCP on 127.0.0.1, for ControlProtocol::web_socket; 0: any free one
+  std::vector<std::string> paths;    // paths of Unix sockets to create (mode 0600), for ControlProtocol::lines
+  std::vector<std::uint16_t> ports;  // TCP ports on 127.0.0.1, for ControlProtocol::web_socket; 0 means any free port
   ControlTerms terms;
-  /// Called when all of them are there, before anybody can connect; what it says is wrong ends the start.
+  /// Called when all sockets exist, before any client can connect. A returned error ends the start.
   std::function<std::optional<std::string>()> ready;
 };
 
-/// What has come from a client who is admitted.
+/// Message or departure of an admitted client.
 struct ControlNews {
-  std::uint64_t client = 0;  // a number that no other has
-  bool left = false;         // it is gone, or sends nothing more: the last that is told of it
+  std::uint64_t client = 0;  // unique number
+  bool left = false;         // the client is gone or sends nothing more; its last event
   std::string message;
 };
 
-/// Serves those who control this program, of this machine only, on a thread of its own; memory is bounded by the limits
-/// of ControlTerms. What the messages mean, others know: they take them with `next`, client by client in turn, and
-/// answer with `send`. A client whose messages are not taken is not read from.
+/// Serves the clients that control this program, from this machine only, on its own thread. ControlTerms bounds the
+/// memory. The owner interprets the messages: it takes them with `next`, client by client in turn, and answers with
+/// `send`. The server does not read from a client while its messages are not taken.
 class ControlServer {
  public:
-  /// `wake` is called on the server's thread when `next` has something, or when `is_behind` has become false. The error
-  /// names the path or port.
+  /// Starts the server, or returns an error that names the path or port. The server's thread calls `wake` when `next`
+  /// has an event, or when `is_behind` becomes false.
   [[nodiscard]] static std::variant<std::unique_ptr<ControlServer>, std::string> start(ControlServerOptions options,
                                                                                        std::function<void()> wake);
-  /// Tells all clients to go, and waits for the thread, which takes milliseconds.
+  /// Disconnects all clients and waits for the thread for some milliseconds.
   ~ControlServer();
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;
 
-  /// Those of the options, as they were found.
+  /// Returns the ports in the order of the options, with the numbers in use.
   [[nodiscard]] const std::vector<std::uint16_t>& ports() const;
 
   // Any thread.
 
-  /// Nothing: no more has come.
+  /// Returns the next event, or nullopt if there is none.
   [[nodiscard]] std::optional<ControlNews> next();
-  /// False: the client is gone, or has so much to read already that it is cut off.
+  /// Queues a message. Returns false if the client is gone, or is disconnected because it has too much to read.
   bool send(std::uint64_t client, std::string message);
-  /// Whether it has much to read that it has not read yet: what need not be told can wait.
+  /// Reports whether the client has much to read; messages that are not urgent should wait.
   [[nodiscard]] bool is_behind(std::uint64_t client) const;
   [[nodiscard]] std::size_t connections() const;
 

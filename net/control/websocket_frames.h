@@ -9,40 +9,41 @@
 
 namespace gs::net {
 
-/// Why a WebSocket is closed (RFC 6455 7.4.1).
+/// Reason for closing a WebSocket (RFC 6455 7.4.1).
 enum class WebSocketClose : std::uint16_t {
   normal = 1000,
   going_away = 1001,
   protocol_error = 1002,
-  unacceptable = 1003,  // data of a kind that is not taken
-  invalid_data = 1007,  // text that is no UTF-8
+  unacceptable = 1003,  // unsupported kind of data
+  invalid_data = 1007,  // text that is not UTF-8
   policy = 1008,
   too_large = 1009,
   try_again_later = 1013,
 };
 
-/// The opcodes of RFC 6455 5.2.
+/// Opcodes of RFC 6455 5.2.
 enum class WebSocketOpcode : std::uint8_t { continuation = 0, text = 1, binary = 2, close = 8, ping = 9, pong = 10 };
 
-/// What a client has sent: a whole message of text, whatever frames it came in, or a control frame.
+/// Message from a client: a whole text message, joined from its frames, or a control frame.
 struct WebSocketMessage {
   WebSocketOpcode kind = WebSocketOpcode::text;
   std::string payload;
 };
 
-/// Reads the frames of a client (RFC 6455 5), in pieces of any size. After a failure it takes nothing more. Holds at
-/// most a message and a control frame; memory follows what has come, not what a frame says that it will have.
+/// Decodes the frames of a client (RFC 6455 5), in pieces of any size. Stops after a failure. Holds at most one message
+/// and one control frame. Memory grows with the received bytes, not with the announced length.
 class WebSocketDecoder {
  public:
   struct Failure {
     WebSocketClose code = WebSocketClose::protocol_error;
     std::string why;
   };
-  /// `most_bytes`: of a message.
+  /// Sets the maximum bytes of a message.
   explicit WebSocketDecoder(std::size_t most_bytes) : most_(most_bytes) {}
 
   void set_most(std::size_t most_bytes) { most_ = most_bytes; }
-  /// Hands whole messages to `take`; stops where that says so, or behind a failure. How many bytes were read.
+  /// Passes complete messages to `take`. Stops when `take` returns false, or after a failure. Returns the number of
+  /// bytes that were read.
   std::size_t push(std::string_view bytes, const std::function<bool(WebSocketMessage&&)>& take);
   [[nodiscard]] const std::optional<Failure>& failure() const { return failure_; }
 
@@ -54,21 +55,22 @@ class WebSocketDecoder {
 
   std::size_t most_;
   std::optional<Failure> failure_;
-  std::string header_;  // of the frame, as far as it has come
+  std::string header_;  // received part of the frame's header
   bool in_payload_ = false;
   WebSocketOpcode opcode_ = WebSocketOpcode::text;
   bool final_ = false;
-  std::uint64_t left_ = 0;  // bytes of the payload
-  std::size_t masked_ = 0;  // of those that came: where in the mask the next one is
+  std::uint64_t left_ = 0;  // remaining bytes of the payload
+  std::size_t masked_ = 0;  // position in the mask of the next payload byte
   char mask_[4] = {};
-  bool in_message_ = false;  // a fragment of it has come, and the last one has not
+  bool in_message_ = false;  // the message has received a fragment, but not its last one
   std::size_t fragments_ = 0;
   std::string message_, control_;
 };
 
-/// A frame of a server: whole and unmasked (RFC 6455 5.1). `payload` of control frames: at most 125 bytes.
+/// Encodes a server's frame: unfragmented and unmasked (RFC 6455 5.1). `payload` of control frames has at most 125
+/// bytes.
 [[nodiscard]] std::string websocket_frame(WebSocketOpcode opcode, std::string_view payload);
-/// A close frame; the reason is cut to what a control frame holds, between characters.
+/// Encodes a close frame. Shortens the reason between characters to fit into a control frame.
 [[nodiscard]] std::string websocket_close_frame(WebSocketClose code, std::string_view why);
 
 }  // namespace gs::net

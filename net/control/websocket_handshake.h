@@ -7,27 +7,27 @@
 
 namespace gs::net {
 
-/// What a client asks for who opens a WebSocket (RFC 6455 4.1).
+/// Request of a client that opens a WebSocket (RFC 6455 4.1).
 struct WebSocketRequest {
   std::string key;                    // Sec-WebSocket-Key
-  std::string host;                   // as it was sent
-  std::optional<std::string> origin;  // of the page, where a web browser asks
-  std::optional<std::string> token;   // "token" of the query
+  std::string host;                   // as received
+  std::optional<std::string> origin;  // of the page, if a web browser connects
+  std::optional<std::string> token;   // parameter "token" of the query
 };
 
-/// Why it is not opened: a status of HTTP and a line of text.
+/// Reason for refusing a WebSocket: an HTTP status and a line of text.
 struct WebSocketRefusal {
   int status = 400;
   std::string why;
 };
 
-/// Reads a request, from its first line to the empty one.
+/// Parses a request, from its first line to the empty line.
 [[nodiscard]] std::variant<WebSocketRequest, WebSocketRefusal> parse_websocket_request(std::string_view head);
-/// The answer that opens it (4.2.2).
+/// Returns the response that opens the WebSocket (4.2.2).
 [[nodiscard]] std::string websocket_answer(const WebSocketRequest& request);
-/// The answer that does not, behind which the connection is closed.
+/// Returns the response that refuses it. The connection closes after it.
 [[nodiscard]] std::string websocket_refusal(const WebSocketRefusal& refusal);
-/// Sec-WebSocket-Accept of a key.
+/// Returns the value of Sec-WebSocket-Accept for a key.
 [[nodiscard]] std::string websocket_accept(std::string_view key);
 
 }  // namespace gs::net

@@ -16,7 +16,7 @@
 
 namespace gs::net {
 
-/// Why a file could not be read or written; names the file.
+/// Reason why a file could not be read or written. The message names the file.
 struct FileError {
   std::string message;
 };
@@ -24,24 +24,24 @@ struct FileError {
 /// Checks the first bytes (at most 8 KiB) of a file. Returns why it must not be read, or nullopt.
 using CheckFirstBytes = std::function<std::optional<std::string>(std::span<const std::byte> first)>;
 
-/// The bytes of a regular file, read-only. Movable; one owner; any thread.
+/// Bytes of a regular file, read-only. Movable. One owner. Any thread.
 ///
-/// Small files are copied. Larger ones are mapped, so that they take no memory that the system cannot take back: who
-/// truncates one meanwhile makes its missing bytes zeros, and who writes to it changes what is read; `changed` tells of
-/// both. Nothing that is done to the file ends the program.
+/// Copies small files. Maps larger ones, so that the system can reclaim their memory. If another program truncates a
+/// mapped file, the missing bytes read as zeros; if it writes to the file, the bytes change. `changed` reports both. No
+/// change of the file ends the program.
 class MappedFile {
  public:
-  /// From this size on a file is mapped instead of copied.
+  /// Size from which a file is mapped instead of copied.
   static constexpr std::size_t kMappedSize = std::size_t{1} << 20;
 
-  /// All bytes; empty for an empty file.
+  /// Returns all bytes; empty for an empty file.
   [[nodiscard]] std::span<const std::byte> bytes() const {
     return mapping_.bytes().empty() ? std::span<const std::byte>(copy_) : mapping_.bytes();
   }
-  /// Whoever goes through a large file once need not keep the first `size` bytes, which he has read, in memory.
+  /// Releases the memory of the first `size` bytes, for callers that read a large file once.
   void put_aside(std::size_t size) const { mapping_.put_aside(size); }
-  /// What to say of the file when the bytes may not be those of the moment of opening: it became shorter, or was
-  /// written to. Nothing as long as they are, as far as the clock of the file system tells. To be asked after reading.
+  /// Returns a message if the file became shorter or was written to since it was opened. Returns nullopt otherwise, as
+  /// far as the clock of the file system can tell. Call it after reading.
   [[nodiscard]] std::optional<std::string> changed() const;
 
  private:
@@ -49,24 +49,23 @@ class MappedFile {
 
   std::vector<std::byte> copy_;
   GuardedMapping mapping_;
-  // Of a mapped one:
+  // For mapped files.
   Descriptor file_;
   FileStamp stamp_;
 };
 
-/// Opens a regular file (or a link to one) for reading. Folders, pipes, sockets and devices are refused
-/// without waiting for them. Calls `check` for files that would be mapped, before it maps them. Blocks as long as the
-/// disk does; any thread.
+/// Opens a regular file (or a link to one) for reading. Refuses folders, pipes, sockets and devices without waiting for
+/// them. Calls `check` before it maps a file. Blocks while the disk is read. Any thread.
 [[nodiscard]] std::variant<MappedFile, FileError> map_file(const std::string& path, const CheckFirstBytes& check = {});
 
-/// A regular file that is open for reading here and there. Movable; one owner; any number of threads may read at once.
-/// Someone who truncates it meanwhile makes a reader get less, and nothing worse.
+/// Regular file that is open for reading at any position. Movable. One owner. Several threads may read concurrently. If
+/// another program truncates the file, reads return fewer bytes.
 class RandomAccessFile {
  public:
-  /// How long it was when it was opened.
+  /// Returns the size of the file when it was opened.
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  /// Copies what stands from `offset` on; how many bytes came: fewer than `to` has at the end of the file, and where
-  /// the disk fails. Blocks as long as the disk does.
+  /// Copies the bytes from `offset` on. Returns their number; it is smaller than `to` at the end of the file and after
+  /// disk errors. Blocks while the disk is read.
   [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const;
 
  private:
@@ -77,12 +76,12 @@ class RandomAccessFile {
   std::uint64_t size_ = 0;
 };
 
-/// Opens a regular file (or a link to one); refuses what map_file refuses.
+/// Opens a regular file (or a link to one). Refuses the same files as map_file().
 [[nodiscard]] std::variant<RandomAccessFile, FileError> open_file(const std::string& path);
 
-/// Writes a file as a whole or not at all: into a new file of the same folder (unfinished_file.h), which then takes the
-/// place of the old one and, if possible, its access rights. Refuses to replace anything but a regular file; follows a
-/// link. After an error, the old file is unchanged and no other file is left. Returns nullopt on success.
+/// Writes a file completely or not at all: writes a new file in the same folder (unfinished_file.h), which then
+/// replaces the old one and, if possible, takes its access rights. Replaces only regular files. Follows a link. After
+/// an error, the old file is unchanged and no other file is left. Returns nullopt on success.
 [[nodiscard]] std::optional<FileError> write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
 
 }  // namespace gs::net

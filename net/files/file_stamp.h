@@ -8,19 +8,17 @@
 
 namespace gs::net {
 
-/// What tells versions of a file apart.
+/// Size, inode and time that identify a version of a file.
 struct FileStamp {
   std::uint64_t size = 0, inode = 0;
-  std::int64_t seconds = 0, nanoseconds = 0;  // modified, Unix time
+  std::int64_t seconds = 0, nanoseconds = 0;  // time of modification, Unix time
   friend bool operator==(const FileStamp&, const FileStamp&) = default;
 
-  /// A strong entity tag (RFC 9110 8.8.3) with its quotes; `suffix` tells
-  /// representations apart. Strong as far as the file system's clock goes: two
-  /// changes within its tick that keep the length look the same.
+  /// Returns a strong entity tag (RFC 9110 8.8.3) with its quotes. `suffix` distinguishes representations. Two changes
+  /// that keep the length within one tick of the file system's clock get equal tags.
   [[nodiscard]] std::string etag(std::string_view suffix = {}) const;
 };
-/// Of an open descriptor; a size of 0 and nothing else where the system does
-/// not tell.
+/// Returns the stamp of an open file; zeros if the system does not report it.
 [[nodiscard]] FileStamp stamp_of(const Descriptor& descriptor);
 
 }  // namespace gs::net

@@ -6,12 +6,12 @@
 
 namespace gs::net {
 
-/// What a command line means by standard input, and the name by which the system opens that.
+/// Argument that stands for standard input, and the system's path to it.
 inline constexpr char kStandardInput[] = "-";
 inline constexpr char kStandardInputPath[] = "/dev/stdin";
 
-/// Makes kStandardInputPath a name of a regular file with what comes on standard input: a pipe is read to its end, into
-/// memory, at most `limit` bytes. What is wrong, or nothing. Once, before there are other threads.
+/// Makes kStandardInputPath name a regular file with the content of standard input. Reads a pipe to its end into
+/// memory, at most `limit` bytes. Returns the error, or nullopt. Call it once, before other threads start.
 [[nodiscard]] std::optional<std::string> hold_standard_input(std::uint64_t limit);
 
 }  // namespace gs::net

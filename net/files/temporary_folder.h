@@ -9,19 +9,19 @@
 
 namespace gs::net {
 
-/// A folder for files that are of no use to anyone else, gone with its owner. Movable. For the user alone (0700), and
-/// locked (flock) as long as this process lives, however it ends: what a process that is gone left behind is told from
-/// what is in use by its lock, not by numbers of processes, which come again, or by age.
+/// Private temporary folder (mode 0700) that its owner removes. Movable. A lock (flock) marks it as in use while this
+/// process lives. Leftovers of ended processes are recognised by their missing lock, not by age or by process numbers,
+/// which systems reuse.
 class LockedFolder {
  public:
-  /// A new one in `parent`, `prefix` with a random ending; or why there is none.
+  /// Creates a folder in `parent`, named `prefix` with a random ending, or returns an error.
   [[nodiscard]] static std::variant<LockedFolder, std::string> make(const std::string& parent, std::string_view prefix);
   LockedFolder() = default;
   LockedFolder(LockedFolder&&) noexcept = default;
   LockedFolder& operator=(LockedFolder&& other) noexcept;
   LockedFolder(const LockedFolder&) = delete;
   LockedFolder& operator=(const LockedFolder&) = delete;
-  /// Removes it with the files in it.
+  /// Removes the folder and its files.
   ~LockedFolder();
 
   [[nodiscard]] const std::string& path() const { return path_; }
@@ -33,9 +33,8 @@ class LockedFolder {
   Descriptor locked_;
 };
 
-/// Removes what processes that are gone left in `parent` of such folders; how many. Nothing else is touched: a folder
-/// counts only with exactly such a name, of this user, for this user alone, unlocked, and with nothing but regular
-/// files in it. Any thread.
+/// Removes the folders of ended processes in `parent`, and returns their number. Removes only folders with exactly such
+/// a name, of this user, with mode 0700, without a lock, and with regular files only. Any thread.
 std::size_t remove_abandoned_folders(const std::string& parent, std::string_view prefix);
 
 }  // namespace gs::net

@@ -7,9 +7,9 @@
 
 namespace gs::net {
 
-/// New file that later takes the place of another one: `.ghostspace-PID-N` in the folder of that file. A lock (flock)
-/// marks it as in use as long as this object lives, so that remove_unfinished_files() knows leftovers of killed
-/// processes. Process numbers do not decide: systems reuse them, and containers have their own.
+/// New file that later replaces another one: `.ghostspace-PID-N` in the folder of that file. A lock (flock) marks it as
+/// in use while this object lives, so that remove_unfinished_files() recognises leftovers of killed processes. Process
+/// numbers cannot do that: systems reuse them, and containers have their own.
 struct UnfinishedFile {
   std::string path;
   Descriptor file;  // open for writing; not open after a failure

@@ -6,7 +6,7 @@
 
 #include <string>
 
-/// The functions of libcurl that are called.
+/// Functions of libcurl that the program calls.
 #define GHOSTSPACE_CURL_FUNCTIONS(X) \
   X(curl_easy_cleanup)               \
   X(curl_easy_getinfo)               \
@@ -34,15 +34,15 @@
 
 namespace gs::net {
 
-/// libcurl, opened by the first who asks: with what it needs itself (TLS, Kerberos, LDAP, ...) it takes a third of what
-/// the program needs to start, and a file of this machine needs none of it.
+/// Functions of libcurl, opened at first use. With its dependencies (TLS, Kerberos, LDAP, ...) the library takes a
+/// third of the program's start-up time, and local files do not need it.
 struct CurlLibrary {
   CurlLibrary();
 
-  std::string problem;  // empty where all functions are there; nothing may be called otherwise
+  std::string problem;  // empty if all functions were found; otherwise none may be called
   GHOSTSPACE_CURL_FUNCTIONS(GHOSTSPACE_LIBRARY_MEMBER)
 };
-/// Any thread.
+/// Returns the library. Any thread.
 [[nodiscard]] const CurlLibrary& curl();
 
 }  // namespace gs::net

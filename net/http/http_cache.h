@@ -18,25 +18,25 @@ namespace gs::net {
 class HttpCache;
 
 struct HttpCacheOptions {
-  std::string folder;  // made where missing; nothing else should live in it
+  std::string folder;  // created if missing; must hold nothing else
   std::uint64_t max_bytes = std::uint64_t{2} << 30;
-  std::size_t max_entries = 4096;         // two files each
-  std::uint64_t max_entry_bytes = 0;      // 0: a quarter of max_bytes
-  std::function<std::uint64_t()> random;  // 64 bits by chance, to name files
+  std::size_t max_entries = 4096;         // two files per entry
+  std::uint64_t max_entry_bytes = 0;      // 0 means a quarter of max_bytes
+  std::function<std::uint64_t()> random;  // 64 random bits, for names of files
 };
 
-/// One version of a resource as it was in the cache when it was found. Stays readable whatever happens to the cache.
+/// Version of a resource as the cache held it when it was found. Stays readable when the cache changes.
 class CachedResource {
  public:
   [[nodiscard]] const CachedHead& head() const { return entry_.head; }
   [[nodiscard]] const RangeSet& present() const { return present_; }
-  /// Whether all of it is there.
+  /// Reports whether all bytes are present.
   [[nodiscard]] bool complete() const { return entry_.head.total && present_.contains({0, *entry_.head.total}); }
   [[nodiscard]] bool fresh(std::int64_t now) const {
     return now >= entry_.head.stored_at && now - entry_.head.stored_at < entry_.head.fresh_for;
   }
-  /// Some bytes from `offset` on, at least one and at most `most`. Nothing when they are not there, or damaged: then
-  /// the entry is to be dropped.
+  /// Reads 1 to `most` bytes from `offset` on. Returns nullopt if they are missing or damaged; the caller must then
+  /// drop the entry.
   [[nodiscard]] std::optional<std::vector<std::byte>> read(std::uint64_t offset, std::size_t most) const;
 
  private:
@@ -46,56 +46,58 @@ class CachedResource {
   Descriptor file_;
 };
 
-/// Stores bytes of one version of a resource. Does nothing more after the first failure: a cache may forget.
+/// Stores bytes of one version of a resource. Does nothing after the first failure.
 class CacheWriter {
  public:
   CacheWriter(const CacheWriter&) = delete;
   CacheWriter& operator=(const CacheWriter&) = delete;
-  /// What was not committed is lost.
+  /// Discards bytes that were not committed.
   ~CacheWriter();
 
-  /// Bytes that are stored already are left as they are.
+  /// Adds bytes. Ignores bytes that are stored already.
   void append(std::uint64_t offset, std::span<const std::byte> bytes);
-  /// Makes what was appended findable. `total` where it has become known. A version that nothing identifies to the last
-  /// byte is kept only when it is complete.
+  /// Makes the appended bytes available to `find`. `total` is set if it has become known. Keeps a version without a
+  /// strong validator only if it is complete.
   void commit(std::optional<std::uint64_t> total, std::int64_t now);
 
  private:
   friend class HttpCache;
   CacheWriter(HttpCache& cache, CacheEntry entry, Descriptor file, bool own_file);
   HttpCache& cache_;
-  CacheEntry entry_;  // its extents: those appended
-  RangeSet present_;  // these, and those that were there before
+  CacheEntry entry_;  // its extents are the appended ones
+  RangeSet present_;  // appended extents and earlier ones
   Descriptor file_;
   std::uint64_t written_ = 0;
-  bool own_file_;  // no entry names it yet
+  bool own_file_;  // no entry names the file yet
   bool failed_ = false;
 };
 
-/// Answers of servers on disk: RFC 9111 for one user. Bounded in bytes and files, the least recently used goes first.
-/// Several processes may share a folder: entries are replaced by renaming, and changed under a lock for which nobody
+/// Disk cache of server responses (RFC 9111, for one user). Bounded in bytes and files; removes the least recently used
+/// entries first. Several processes may share a folder: entries are replaced by renaming, under a lock with a short
+/// wait. Checksums detect damage after crashes, and damaged entries are dropped. One thread per object.
 /// waits long. What a crash leaves behind is found by checksums and dropped. One thread an object.
 class HttpCache {
  public:
   [[nodiscard]] static std::variant<std::unique_ptr<HttpCache>, FileError> open(HttpCacheOptions options,
                                                                                 std::int64_t now);
 
-  /// `key` is the URL asked for and whatever else the answer depends on. `now` in Unix seconds throughout.
+  /// Finds a resource. `key` is the requested URL with everything else that the response depends on. `now` is in Unix
+  /// seconds in all functions.
   [[nodiscard]] std::optional<CachedResource> find(const std::string& key, std::int64_t now);
-  /// For bytes of the version that `head` describes. Continues what is there of the same version, else replaces it on
-  /// commit. Null when the disk does not play along. The cache must outlive it.
+  /// Returns a writer for the version that `head` describes. It continues a stored part of this version; otherwise its
+  /// commit replaces the stored version. Returns null on disk errors. The cache must outlive the writer.
   [[nodiscard]] std::unique_ptr<CacheWriter> write(const std::string& key, const CachedHead& head);
-  /// The server has confirmed the version: it is as fresh as `fresh_for` says from `now` on.
+  /// Extends freshness after the server confirmed the version: it is fresh for `fresh_for` seconds from `now`.
   void confirm(const std::string& key, const Validator& version, std::int64_t fresh_for, std::int64_t now);
   void drop(const std::string& key);
 
-  /// About as much as is on disk; other processes' writing is seen late.
+  /// Approximate use of the disk. Includes the writes of other processes only after the next count.
   struct Usage {
     std::uint64_t bytes = 0;
     std::size_t entries = 0;
   };
   [[nodiscard]] Usage usage() const { return usage_; }
-  /// Counts anew, removes what crashes left behind, and what is too much.
+  /// Counts again, and removes leftovers of crashes and entries beyond the limits.
   void clean(std::int64_t now);
 
  private:

@@ -10,7 +10,7 @@ namespace gs::net {
 
 [[nodiscard]] std::string milliseconds(Milliseconds time);
 
-/// curl's failures in our words. `detail` is curl's own text.
+/// Describes a failure of curl in our terms. `detail` is curl's own text.
 [[nodiscard]] TransferEnd describe_failure(CURLcode code, const std::string& detail, const LoaderOptions& options);
 
 }  // namespace gs::net
