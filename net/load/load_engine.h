@@ -12,18 +12,18 @@
 
 namespace gs::net {
 
-/// What one thread of the loader does: jobs, and which of their transfers run. Time is an argument, so that tests with
-/// the memory transport need neither threads nor patience.
+/// Work of one loader thread: its jobs, and the choice of transfers that run. Time is an argument, so that tests with
+/// the memory transport need neither threads nor waiting.
 class LoadEngine final : private TransferSink {
  public:
-  /// `options`, `queue` and `cache` must outlive it. A null `cache` is none.
+  /// `options`, `queue` and `cache` must outlive the engine. A null `cache` disables caching.
   LoadEngine(const LoaderOptions& options, LoadQueue& queue, HttpCache* cache);
   ~LoadEngine();
   LoadEngine(const LoadEngine&) = delete;
   LoadEngine& operator=(const LoadEngine&) = delete;
 
   void add_transport(TransportKind kind, std::unique_ptr<Transport> transport);
-  /// Requests that would need it fail, and say why.
+  /// Makes requests that need this transport fail with the reason `why`.
   void refuse_transport(TransportKind kind, std::string why);
 
   // The request must be open in the queue.
@@ -31,7 +31,8 @@ class LoadEngine final : private TransferSink {
   void cancel(RequestId id);
   void set_priority(RequestId id, int priority);
 
-  /// Moves everything on. When to call again at the latest; nothing: when something is asked or a socket is ready.
+  /// Advances all jobs. Returns the latest time of the next call; nullopt means that only a new request or a ready
+  /// socket requires one.
   std::optional<TimePoint> step(TimePoint now);
   [[nodiscard]] std::vector<int> readable() const;
 
@@ -70,11 +71,11 @@ class LoadEngine final : private TransferSink {
   LoadQueue& queue_;
   JobContext context_;
   std::map<TransportKind, std::unique_ptr<Transport>> transports_;
-  std::map<TransportKind, std::string> refused_transports_;  // why
+  std::map<TransportKind, std::string> refused_transports_;  // reason by transport
   std::map<RequestId, std::unique_ptr<LoadJob>> jobs_;
   std::unordered_map<TransferId, Running> running_;
-  std::set<RequestId> touched_;  // jobs that something happened to
-  std::set<RequestId> pumping_;  // jobs with cached bytes to hand out
+  std::set<RequestId> touched_;  // jobs with news
+  std::set<RequestId> pumping_;  // jobs that have cached bytes to pass on
   TransferId last_transfer_ = 0;
   TimePoint now_{};
   std::optional<TimePoint> next_ready_;

@@ -14,48 +14,48 @@
 
 namespace gs::net {
 
-/// What jobs share. All on one thread but for the queue.
+/// State that jobs share. All on one thread except the queue.
 struct JobContext {
   const LoaderOptions& options;
   LoadQueue& queue;
-  HttpCache* cache = nullptr;  // none: nothing is cached
+  HttpCache* cache = nullptr;  // null disables caching
   std::function<std::uint64_t()> random;
   std::function<std::int64_t()> unix_seconds;
   std::function<void(TransferId)> cancel;
-  /// Resources of which ranges were had: then several can be asked for at once. Bounded.
+  /// Resources from which ranges were received; several ranges of them may be requested at once. Bounded.
   std::map<std::string, bool> ranges_known;
 };
 
-/// A piece of a request that one transfer at a time brings.
+/// Part of a request that is served by one transfer at a time.
 struct Fetch {
   ByteRange range;
-  std::uint64_t position = 0;  // the next byte to come
-  TransferId transfer = 0;     // 0: not running
+  std::uint64_t position = 0;  // next byte to receive
+  TransferId transfer = 0;     // 0 means not running
   TimePoint not_before{};
   unsigned failures = 0;  // since the last progress
   unsigned attempts = 0;
-  bool conditional = false;  // asks only whether the cached version still holds
+  bool conditional = false;  // asks only whether the cached version is still valid
   bool finished = false;
   bool paused = false;
-  bool preempted = false;  // held back for something more urgent
+  bool preempted = false;  // paused in favour of a more urgent transfer
 
-  /// Of the answer that is coming.
+  /// State of the current response.
   struct Answer {
     std::string redirect;
-    AddressSpace space = AddressSpace::global;  // of the host
+    AddressSpace space = AddressSpace::global;  // space of the host
     std::optional<LoadError> error;
     bool transient = false;
     std::optional<std::int64_t> retry_after;
     std::optional<ResponseHead> not_modified;
     bool whole = false;
-    std::optional<std::uint64_t> end;  // of the body, as a place in the resource
-    std::vector<std::byte> held;       // came while bytes before it are still being read from the cache
+    std::optional<std::uint64_t> end;  // end of the body, as an offset in the resource
+    std::vector<std::byte> held;       // received while earlier bytes are still read from the cache
     std::optional<TransferEnd> held_end;
   } answer;
 };
 
-/// One request on its way: cache, redirects, ranges, versions, retries. It starts nothing itself: the engine starts
-/// what is ready, and tells what comes of it. No threads, no clocks.
+/// State machine of one request: cache, redirects, ranges, versions, retries. The engine starts the transfers that are
+/// ready, and passes their results to the job. No threads, no clocks.
 class LoadJob {
  public:
   LoadJob(JobContext& context, RequestId id, Request request);
@@ -63,7 +63,7 @@ class LoadJob {
   LoadJob(const LoadJob&) = delete;
   LoadJob& operator=(const LoadJob&) = delete;
 
-  /// Looks into the cache and plans the first transfers, or fails.
+  /// Looks in the cache and plans the first transfers, or fails.
   void begin();
   [[nodiscard]] bool over() const { return over_; }
   [[nodiscard]] RequestId id() const { return id_; }
@@ -71,10 +71,10 @@ class LoadJob {
   [[nodiscard]] int priority() const { return request_.priority; }
   void set_priority(int priority) { request_.priority = priority; }
   [[nodiscard]] const Scheme* scheme() const { return scheme_; }
-  /// Whose number of transfers is bounded; empty where it is not.
+  /// Returns the host for the limit of transfers; empty if there is no limit.
   [[nodiscard]] const std::string& host() const { return host_; }
   [[nodiscard]] std::vector<std::unique_ptr<Fetch>>& fetches() { return fetches_; }
-  /// Whether its transfer may start, but for `not_before`.
+  /// Reports whether the transfer may start, apart from `not_before`.
   [[nodiscard]] bool ready(const Fetch& fetch) const;
   [[nodiscard]] TransferRequest describe(const Fetch& fetch) const;
   void fail(LoadErrorKind kind, const std::string& what, int http_status = 0);
@@ -82,7 +82,7 @@ class LoadJob {
   HeadVerdict on_head(Fetch& fetch, const ResponseHead& head);
   DataVerdict on_data(Fetch& fetch, std::span<const std::byte> bytes);
   void on_end(Fetch& fetch, const TransferEnd& end, TimePoint now);
-  /// Hands out cached bytes while there is room. Whether there is more to do at once.
+  /// Passes on cached bytes while there is room. Returns true if another call has work.
   bool pump(TimePoint now);
   [[nodiscard]] bool must_wait(const Fetch& fetch) {
     return !fetch.answer.held.empty() || context_.queue.room(id_) == 0;
@@ -96,19 +96,19 @@ class LoadJob {
   [[nodiscard]] std::optional<std::string> refusal() const;
   void set_url(std::string url);
 
-  // The version being read
+  // Current version.
   void open_version();
   void look_up();
   void plan(const RangeSet& missing);
   void plan_what_is_missing();
   void emit_head(LoadHead head);
-  /// Everything so far is void. Counts; false when it fails.
+  /// Discards everything so far, and counts it. Returns false if the request fails.
   bool void_version(LoadErrorKind kind, const std::string& why);
   void restart(LoadErrorKind kind, const std::string& why, TimePoint not_before);
-  bool clamp();  // to the total; false when it fails
+  bool clamp();  // limits ranges to the total; returns false if the request fails
   [[nodiscard]] RangeSet cached_pending() const;
 
-  // Answers
+  // Responses.
   HeadVerdict accept(Fetch& fetch, const ResponseHead& head);
   bool check_answer(Fetch& fetch, const ResponseHead& head);
   HeadVerdict accept_empty(Fetch& fetch, const ResponseHead& head);
@@ -133,21 +133,21 @@ class LoadJob {
   std::string url_, host_;
   const Scheme* scheme_ = nullptr;
   std::vector<std::unique_ptr<Fetch>> fetches_;
-  RangeSet needed_;  // not handed out yet
+  RangeSet needed_;  // not passed on yet
   std::uint64_t received_ = 0;
   unsigned redirects_ = 0, restarts_ = 0;
-  AddressSpace reach_;  // grows narrower by every host that has had a say
+  AddressSpace reach_;  // narrows with every host that took part
   bool over_ = false, use_cache_ = true;
 
-  // The version: of the head that was emitted, or of what the cache has
+  // Version of the head that was emitted, or of the cache.
   bool head_sent_ = false;
   Validator version_;
   std::optional<std::uint64_t> total_;
   bool encoded_ = false, accepts_ranges_ = false;
   AddressSpace space_ = AddressSpace::global;
   std::optional<CachedResource> cached_;
-  ByteRange cached_part_;  // what of it is used
-  bool trusted_ = false;   // it is fresh, or confirmed by the server
+  ByteRange cached_part_;  // used part of `cached_`
+  bool trusted_ = false;   // the cached version is fresh, or confirmed by the server
   std::unique_ptr<CacheWriter> writer_;
 };
 

@@ -10,11 +10,10 @@
 
 namespace gs::net {
 
-/// Gets bytes by URL, off the calling thread. All calls from one thread; what comes is handed out by poll() only.
+/// Loads bytes by URL on other threads. All calls from one thread; only poll() returns results.
 ///
-/// Two threads of its own: one for networks, one for disks. Bytes on their way are bounded: who does not poll is not
-/// sent more. Destruction stops everything at once, whatever servers do; only a read from a disk that hangs is waited
-/// for.
+/// Two own threads: one for networks, one for disks. Received bytes are bounded: transfers wait while nobody polls.
+/// Destruction stops everything at once and waits only for a pending disk read.
 class Loader {
  public:
   [[nodiscard]] static std::unique_ptr<Loader> create(LoaderOptions options = {});
@@ -22,26 +21,26 @@ class Loader {
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
 
-  /// Never blocks, never fails: what is wrong comes as event.
+  /// Starts a request. Never blocks or fails; errors are events.
   RequestId request(Request request);
-  /// From now on nothing comes of this request. What did come stays in the cache. Ids that have ended are passed over.
+  /// Stops the events of this request. Received bytes stay in the cache. Ignores ids that have ended.
   void cancel(RequestId id);
-  /// Also while it runs: less urgent transfers are held back where more urgent ones wait.
+  /// Changes the priority, also while the request runs: less urgent transfers pause for more urgent ones.
   void set_priority(RequestId id, int priority);
-  /// From now on, in place of LoaderOptions::bytes_per_second; 0: any.
+  /// Replaces LoaderOptions::bytes_per_second from now on; 0 means unlimited.
   void set_rate(std::uint64_t bytes_per_second);
 
-  /// What has happened since: by priority, in order within a request, with at most `max_bytes` bytes of data. What is
-  /// left over does not wake again: poll once more while queued_bytes() is not 0.
+  /// Returns the events since the last call: by priority, in order within a request, with at most `max_bytes` bytes of
+  /// data. Remaining events do not call `wake` again; poll again while queued_bytes() is not 0.
   [[nodiscard]] std::vector<LoadEvent> poll(std::size_t max_bytes = std::size_t{4} << 20);
 
-  /// Nothing for what has ended and been polled, or was cancelled.
+  /// Returns nullopt if the request has ended and been polled, or was cancelled.
   [[nodiscard]] std::optional<LoadProgress> progress(RequestId id) const;
-  /// Over all open requests.
+  /// Returns the progress of all open requests.
   [[nodiscard]] LoadProgress progress() const;
-  /// Bytes that wait for poll().
+  /// Returns the bytes that wait for poll().
   [[nodiscard]] std::size_t queued_bytes() const;
-  /// Why there is no cache although a folder was named; empty: there is, or it is still being opened.
+  /// Returns the reason why a named cache folder is not used; empty if it is used or still being opened.
   [[nodiscard]] std::string cache_problem() const;
 
  private:

@@ -12,30 +12,32 @@
 
 namespace gs::net {
 
-/// Names one transfer of one transport; given by the engine.
+/// Identifier of a transfer of one transport, given by the engine.
 using TransferId = std::uint64_t;
 
-/// One attempt to get one range of one resource.
+/// Attempt to get one range of one resource.
 struct TransferRequest {
-  std::string url;                 // without fragment, but for data:
-  std::optional<ByteRange> range;  // none: the whole; the end may be open
-  std::string if_range;            // the range only if the resource is still this version, else the whole
-  std::string if_none_match;       // status 304 if the resource still is this version
-  std::string if_modified_since;   // the same by date
+  std::string url;                 // without fragment, except for data:
+  std::optional<ByteRange> range;  // nullopt means the whole; the end may be open
+  std::string if_range;            // request the range only if the resource still has this version, else the whole
+  std::string if_none_match;       // request status 304 if the resource still has this version
+  std::string if_modified_since;   // request status 304 if the resource has not changed since this date
   std::string accept;
   AddressSpace reach = AddressSpace::special;  // the most private space in which the host may be
 };
 
-/// How a transfer ended. Without error the whole announced body has been handed over.
+/// Result of a transfer. Without error, the whole announced body was delivered.
 struct TransferEnd {
-  std::optional<LoadError> error;  // its message without the URL
-  bool transient = false;          // another attempt may go better
+  std::optional<LoadError> error;  // message without the URL
+  bool transient = false;          // another attempt may succeed
 };
 
-enum class HeadVerdict { take, discard, stop };  // discard: read a short body and drop it, so that the connection lives
-enum class DataVerdict { more, pause, stop };    // pause: these bytes were taken, but no more until unpaused
+// discard: read and drop a short body, so that the connection stays usable.
+enum class HeadVerdict { take, discard, stop };
+enum class DataVerdict { more, pause, stop };  // pause: these bytes were taken; send no more until unpaused
 
-/// Who hears of transfers. Called from within Transport::step only. After `stop` nothing more comes, no end either.
+/// Receiver of the results of transfers. Called from Transport::step only. After `stop`, nothing follows, not even an
+/// end.
 class TransferSink {
  public:
   virtual HeadVerdict on_head(TransferId id, const ResponseHead& head) = 0;
@@ -46,7 +48,7 @@ class TransferSink {
   ~TransferSink() = default;
 };
 
-/// Carries bytes for some schemes. Lives on one thread; never blocks it but for what a disk takes.
+/// Carries the bytes of some schemes. Lives on one thread, and blocks it only for disk reads.
 class Transport {
  public:
   Transport() = default;
@@ -54,46 +56,46 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
   virtual ~Transport() = default;
 
-  /// Begins a transfer. Never from within a call of the sink.
+  /// Begins a transfer. Must not be called from a call of the sink.
   virtual void start(TransferId id, const TransferRequest& request, TimePoint now) = 0;
-  /// Nothing more comes of this transfer. Also from within a call of the sink; unknown ids are passed over.
+  /// Ends a transfer without further calls of the sink. May be called from a call of the sink. Ignores unknown ids.
   virtual void cancel(TransferId id) = 0;
-  /// Holds a transfer back or lets it go on. Also from within a call of the sink.
+  /// Pauses or continues a transfer. May be called from a call of the sink.
   virtual void pause(TransferId id, bool paused) = 0;
-  /// Moves on whatever can move and tells the sink.
+  /// Advances all transfers and calls the sink.
   virtual void step(TransferSink& sink, TimePoint now) = 0;
-  /// When step() should be called next, whatever sockets say; nothing: no need.
+  /// Returns the time of the next call of step(), regardless of sockets; nullopt means that none is needed.
   [[nodiscard]] virtual std::optional<TimePoint> deadline(TimePoint now) const = 0;
-  /// Sockets whose bytes should end the wait for the next step.
+  /// Returns the sockets that end the wait for the next step when they are readable.
   [[nodiscard]] virtual std::vector<int> readable() const { return {}; }
 };
 
-/// What a loader thread waits on.
+/// Wait of a loader thread.
 class Waiter {
  public:
   Waiter() = default;
   Waiter(const Waiter&) = delete;
   Waiter& operator=(const Waiter&) = delete;
   virtual ~Waiter() = default;
-  /// Until `time` passed, a socket is ready, or wake() was called, even before.
+  /// Waits until `time` has passed, a socket is ready, or wake() is called, even before this call.
   virtual void wait(Milliseconds time, std::span<const int> readable) = 0;
-  /// Any thread.
+  /// Ends the wait. Any thread.
   virtual void wake() = 0;
 };
 
-/// http, https and ftp, by libcurl; also waits for its own sockets.
+/// Transport for http, https and ftp by libcurl. Also waits for its own sockets.
 class HttpTransport : public Transport, public Waiter {
  public:
-  /// Of all transfers together from the next step on, bytes a second; 0: any. Any thread.
+  /// Limits the total bandwidth in bytes per second from the next step; 0 means unlimited. Any thread.
   virtual void set_rate(std::uint64_t bytes_per_second) = 0;
 };
 
-/// Null where libcurl cannot be opened; curl().problem says why.
+/// Returns null if libcurl cannot be opened; curl().problem has the reason.
 [[nodiscard]] std::unique_ptr<HttpTransport> make_http_transport(const LoaderOptions& options);
 [[nodiscard]] std::unique_ptr<Transport> make_file_transport();
 [[nodiscard]] std::unique_ptr<Transport> make_data_transport();
-/// RFC 2397, leniently: blanks in base64 and missing padding are passed over. A fragment is dropped, but for data that
-/// begins with a '#' (worlds do).
+/// Parsed data: URL (RFC 2397). Blanks in base64 and missing padding are allowed. A fragment is dropped, except in data
+/// that begin with '#', as worlds do.
 struct DataUrl {
   std::string media_type;
   std::vector<std::byte> bytes;

@@ -19,9 +19,8 @@ namespace gs::net {
 /// Bytes of memory for the headers of a connection's request.
 inline constexpr std::size_t kConnectionMemory = 32768;
 
-/// The thread of an HttpServer: sockets and HTTP by libmicrohttpd, which calls
-/// back from `run` only. Everything but what is said to be for any thread
-/// happens on that thread.
+/// Thread of an HttpServer. libmicrohttpd handles sockets and HTTP; it calls back from `run` only. Everything happens
+/// on that thread, except for functions marked "Any thread".
 class HttpLoop {
  public:
   explicit HttpLoop(HttpServerOptions options);
@@ -29,7 +28,7 @@ class HttpLoop {
   HttpLoop(const HttpLoop&) = delete;
   HttpLoop& operator=(const HttpLoop&) = delete;
 
-  /// Opens folder, port and log and begins to serve; why not, else nothing.
+  /// Opens folder, port and log, and starts serving. Returns the error, or nullopt.
   [[nodiscard]] std::optional<std::string> start();
   [[nodiscard]] std::uint16_t port() const { return port_; }
   /// Any thread.
@@ -43,13 +42,13 @@ class HttpLoop {
     HttpLoop* loop = nullptr;
     MHD_Connection* handle = nullptr;
     int socket = -1;
-    ClientKey peer{}, client{};  // at its other end; whose request is being answered
+    ClientKey peer{}, client{};  // the other end; client of the current request
     bool counted = false;
-    bool shared = false;  // by many clients: its peer is a proxy
+    bool shared = false;  // the peer is a proxy for many clients
     Phase phase = Phase::receiving;
-    Instant since{};         // in this phase, or of the last progress in it
-    std::size_t credit = 0;  // bytes that it may send before its next turn
-    std::uint64_t sent = 0;  // of the body of its answer
+    Instant since{};         // start of this phase, or last progress in it
+    std::size_t credit = 0;  // bytes that may be sent before the next turn
+    std::uint64_t sent = 0;  // bytes of the response's body
   };
   struct Request {
     HttpLoop* loop = nullptr;
@@ -57,12 +56,12 @@ class HttpLoop {
     HttpRequest request;
     AccessRecord record;
     Instant begin{};
-    bool seen = false;             // its headers were
-    bool counted = false;          // among those of its client, behind a proxy
-    std::optional<Instant> until;  // waits for what is made
+    bool seen = false;             // the headers were read
+    bool counted = false;          // counted among the requests of its client behind a proxy
+    std::optional<Instant> until;  // end of the wait for a made file
     std::uint64_t id = 0;
   };
-  struct Transfer;  // of an answer's body
+  struct Transfer;  // body of a response
   struct Waiting {
     MHD_Connection* handle = nullptr;
     std::size_t lane = 0;
@@ -101,12 +100,12 @@ class HttpLoop {
   Descriptor listener_, wake_;
   std::uint16_t port_ = 0;
   std::set<Connection*> connections_;
-  std::map<std::uint64_t, MHD_Connection*> turns_;  // transfers that wait for theirs
+  std::map<std::uint64_t, MHD_Connection*> turns_;  // transfers that wait for a turn
   std::map<std::uint64_t, Waiting> waiting_;        // requests
   std::uint64_t next_id_ = 1;
   bool aborting_ = false, quiet_ = false;
   Instant looked_{};
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the following members
   HttpServerStatistics statistics_;
   std::optional<Instant> stop_at_;
   std::thread thread_;

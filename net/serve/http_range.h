@@ -8,44 +8,39 @@
 
 namespace gs::net {
 
-/// Bytes of a representation; `end` is not among them.
+/// Bytes of a representation, from `begin` to `end`, without `end`.
 struct ServedRange {
   std::uint64_t begin = 0, end = 0;
   friend bool operator==(const ServedRange&, const ServedRange&) = default;
 };
 
-/// The whole is to be sent: there is no Range header, or it is to be ignored.
+/// Result for a missing or ignored Range header: the whole is sent.
 struct WholeBody {};
-/// None of the ranges has a byte of it: 416.
+/// Result for ranges without any byte of the representation: status 416.
 struct NoSuchRange {};
 
-/// More ranges than these in one request are ignored (RFC 9110 14.2 allows it):
-/// the whole is sent.
+/// Maximum number of ranges in one request. If there are more, the whole is sent (RFC 9110 14.2 allows it).
 constexpr std::size_t kMostServedRanges = 32;
 
-/// Reads the value of a Range header (RFC 9110 14.1.2) for a body of `size`
-/// bytes. Ranges that overlap, or between which there is less than a part of
-/// multipart/byteranges costs, become one; the others stay in the order of the
-/// request.
+/// Parses a Range header (RFC 9110 14.1.2) for a body of `size` bytes. Joins ranges that overlap, or whose gap is
+/// smaller than the overhead of a part of multipart/byteranges. The others keep the order of the request.
 [[nodiscard]] std::variant<WholeBody, NoSuchRange, std::vector<ServedRange>> parse_ranges(std::string_view value,
                                                                                           std::uint64_t size);
 
-/// What a request says of the version that it wants (RFC 9110 13.1). Empty
-/// texts: not said.
+/// Conditional headers of a request (RFC 9110 13.1). Empty if missing.
 struct Conditions {
   std::string if_match, if_none_match, if_modified_since, if_unmodified_since, if_range;
 };
 enum class Verdict : std::uint8_t { proceed, not_modified, failed };  // 200, 304, 412
-/// For GET and HEAD of what exists; `modified` in Unix seconds.
+/// Evaluates the conditions of GET and HEAD for an existing resource. `modified` is in Unix seconds.
 [[nodiscard]] Verdict evaluate(const Conditions& conditions, const std::string& etag, std::int64_t modified);
-/// Whether a Range header counts: If-Range, when it is there, must name this
-/// very version (RFC 9110 13.1.5).
+/// Reports whether the Range header applies: If-Range is missing or names exactly this version (RFC 9110 13.1.5).
 [[nodiscard]] bool range_counts(const Conditions& conditions, const std::string& etag, std::int64_t modified);
 
-/// Whether an Accept-Encoding header allows gzip (RFC 9110 12.5.3).
+/// Reports whether an Accept-Encoding header allows gzip (RFC 9110 12.5.3).
 [[nodiscard]] bool accepts_gzip(std::string_view accept_encoding);
 
-/// "Sun, 06 Nov 1994 08:49:37 GMT".
+/// Formats a date such as "Sun, 06 Nov 1994 08:49:37 GMT".
 [[nodiscard]] std::string http_date(std::int64_t unix_seconds);
 
 }  // namespace gs::net

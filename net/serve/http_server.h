@@ -19,80 +19,81 @@
 
 namespace gs::net {
 
-/// What a file is, by its name.
+/// Type of a file, from its name.
 struct ServedType {
   std::string mime = "application/octet-stream";
   bool compress = false;  // gzip makes it smaller
 };
 
-/// A page that lists a folder.
+/// Page that lists a folder.
 struct FolderPage {
   std::string mime, body;
 };
 
-/// How a folder, or something in it, is asked for.
+/// Request for a folder or for something in it.
 struct FolderRequest {
   bool json = false;
-  std::string query;  // behind the '?', as it came
-  std::string url;  // of the folder as the client knows it, "http://host:8080/a/"; empty: it does not say by which name
+  std::string query;  // part after the '?', as received
+  // Of the folder as the client knows it, such as "http://host:8080/a/"; empty if the request has no host.
+  std::string url;
 };
 
-/// A kind of file that is made of another when someone asks for it.
+/// Kind of file that is generated from another file on demand.
 struct Maker {
-  std::string name;  // in metrics and keys: letters only
+  std::string name;  // for metrics and keys; letters only
   ServedType type;
-  std::string extension;     // of what is made, with its point
-  bool for_missing = false;  // asked only for names that are not there
-  /// The name of the source, in the same folder, of what is asked for by a name
-  /// and the query behind it; nothing when this maker does not make it. On the
-  /// server's thread.
+  std::string extension;     // of the made file, with its dot
+  bool for_missing = false;  // asked only for names that do not exist
+  /// Returns the name of the source, in the same folder, for a requested name and its query. Returns nullopt if this
+  /// maker does not make that file. Called on the server's thread.
   std::function<std::optional<std::string>(const std::string& name, const std::string& query)> source_of;
-  /// Makes `out`, in a folder of its own, of the file `source`; what went wrong, if it did. On a thread of this
-  /// maker's; should end soon when stopped.
+  /// Makes `out`, in its own folder, from the file `source`. Returns the error, or nullopt. Called on a thread of this
+  /// maker. Should end soon when stopped.
   std::function<std::optional<MakeFailure>(const std::string& source, const std::string& out,
                                            const std::stop_token& stop)>
       make;
-  std::chrono::milliseconds wait{10'000};  // so long a request without Range waits before it is told to
-                                           // come again
+  std::chrono::milliseconds wait{10'000};  // maximum wait of a request without Range before it is told to retry
   std::size_t at_once = 4;                 // max files in work, all but the youngest of them slow ones
 };
 
 struct HttpServerOptions {
   std::string folder;
-  std::string bind = "127.0.0.1";  // an address of IPv4 or IPv6; "*": all
-  std::uint16_t port = 0;          // 0: any free one
+  std::string bind = "127.0.0.1";  // IPv4 or IPv6 address; "*" means all
+  std::uint16_t port = 0;          // 0 means any free port
   HttpLimits limits;
-  std::chrono::milliseconds request_timeout{20'000};  // for a request to arrive as a whole, and between two
-  std::chrono::milliseconds send_timeout{60'000};     // for 64 KiB to be taken
-  std::int64_t max_age = 0;                           // seconds that answers stay fresh; 0: to be validated each time
-  std::string made_folder;                            // for what is made, gzip too; empty: nothing is made
+  std::chrono::milliseconds request_timeout{20'000};  // for a whole request, and between two requests
+  std::chrono::milliseconds send_timeout{60'000};     // for sending 64 KiB
+  // Seconds for which responses stay fresh; 0 means that each use must validate them.
+  std::int64_t max_age = 0;
+  std::string made_folder;  // for made files and gzip; empty disables both
   std::uint64_t most_made_bytes = std::uint64_t{4} << 30;
   std::vector<Maker> makers;
-  std::function<ServedType(const std::string& name)> type_of;  // none: all are application/octet-stream
-  /// None: folders are not listed.
+  std::function<ServedType(const std::string& name)> type_of;  // if empty, all files are application/octet-stream
+  /// Lists a folder. If empty, folders are not listed.
   std::function<FolderPage(const FolderListing& listing, const FolderRequest& request)> list;
-  /// A page in the place of a file of this name, which is not there; nothing: it is not found. None: none is.
+  /// Returns a page instead of a missing file of this name, or nullopt for "not found". May be empty.
   std::function<std::optional<FolderPage>(const std::string& name, const FolderRequest& request)> missing;
-  /// Lines for /metrics of others than this server.
+  /// Returns more lines for /metrics.
   std::function<std::string()> more_metrics;
-  /// More names that the server answers for where those are looked at; see HostNames.
+  /// More host names that the server answers to, if names are checked (HostNames).
   std::vector<std::string> host_names;
-  /// Pages that may read what is served (CORS), by their origins ("https://example.org"); "*": all. None: no others
-  /// than our own.
+  /// Origins of pages that may read the served files (CORS), such as "https://example.org"; "*" means all. If empty,
+  /// only pages of this server may.
   std::vector<std::string> origins;
-  /// Whose X-Forwarded-For is believed: the limits of one client are then for whom it names.
+  /// Trusted proxies. Per-client limits apply to the X-Forwarded-For client.
   std::vector<AddressBlock> proxies;
-  /// Told what whoever serves should know and clients must not: why something could not be made. Any thread.
+  /// Receives messages for the operator, such as the reason why a file could not be made. Any thread.
   std::function<void(const std::string& message)> report;
   bool resolve_beneath = true;  // see ServedFolder
   AccessLog log;
 };
 
 struct HttpServerStatistics {
-  std::map<int, std::uint64_t> requests;                   // by status; 0: the client went away before it was answered
-  std::uint64_t bytes = 0;                                 // of bodies
-  std::uint64_t connections = 0;                           // now
-  std::uint64_t transfers = 0;                             // now: requests that are being answered
+  // By status; 0 means that the client left before the response.
+  std::map<int, std::uint64_t> requests;
+  std::uint64_t bytes = 0;                                 // bytes of bodies
+  std::uint64_t connections = 0;                           // current number
+  std::uint64_t transfers = 0;                             // current number of requests that are being answered
   std::uint64_t accepted = 0, refused = 0, timed_out = 0;  // connections
 };
 
@@ -100,14 +101,12 @@ struct HttpServerError {
   std::string message;
 };
 
-/// Serves a folder over HTTP/1.1 by a thread of its own: GET, HEAD, ranges,
-/// validators, gzip, CORS; see docs/serving.md. Memory is bounded by about 100
-/// kB a connection. /health and /metrics are its own; /metrics is for this
-/// machine only.
+/// Serves a folder over HTTP/1.1 on its own thread: GET, HEAD, ranges, validators, gzip, CORS (docs/serving.md). Uses
+/// at most about 100 kB of memory per connection. Adds /health and /metrics; only this machine may read /metrics.
 class HttpServer {
  public:
   [[nodiscard]] static std::variant<std::unique_ptr<HttpServer>, HttpServerError> start(HttpServerOptions options);
-  /// As stop(0).
+  /// Calls stop(0).
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
@@ -115,8 +114,7 @@ class HttpServer {
   [[nodiscard]] std::uint16_t port() const;
   /// Any thread.
   [[nodiscard]] HttpServerStatistics statistics() const;
-  /// Takes no more connections and requests, gives running transfers so long to
-  /// end, and waits for that.
+  /// Accepts no more connections and requests, gives running transfers `grace` to end, and waits for them.
   void stop(std::chrono::milliseconds grace);
 
  private:

@@ -16,63 +16,60 @@
 
 namespace gs::net {
 
-/// A request as far as it matters to the answer.
+/// Parts of a request that affect the response.
 struct HttpRequest {
-  std::string method, target;  // as they came
+  std::string method, target;  // as received
   std::string range, accept, accept_encoding;
   Conditions conditions;
   std::vector<std::string> hosts;  // its Host fields
-  std::string origin;              // of the page that asks; empty: none
+  std::string origin;              // of the requesting page; empty if missing
   bool local = false;              // from this machine, not through a proxy
-  bool waited_long = false;        // for what is made
+  bool waited_long = false;        // waited for a made file for the maximum time
 };
 
-/// A piece of a body: text, or a range of the answer's file.
+/// Part of a body: text, or a range of the response's file.
 struct AnswerPart {
   std::string text;
   ServedRange range;
   [[nodiscard]] std::uint64_t size() const { return text.empty() ? range.end - range.begin : text.size(); }
 };
-/// What is to be sent.
+/// Response to send.
 struct HttpAnswer {
   int status = 200;
   std::vector<std::pair<std::string, std::string>> headers;
   std::shared_ptr<const Descriptor> file;
-  FileStamp stamp;  // of the file; when it is another, the rest must not be sent
+  FileStamp stamp;  // of the file; if the file's stamp differs, the rest must not be sent
   std::vector<AnswerPart> parts;
   [[nodiscard]] std::uint64_t size() const;
 };
-/// First something is to be made: ask again when it no longer waits, or with
-/// `waited_long` after so long.
+/// Result if a file must be made first. Ask again when it is no longer waiting, or with `waited_long` after `wait`.
 struct WaitForMade {
   std::size_t lane = 0;
   std::string key;
   std::chrono::milliseconds wait{};
 };
 
-/// What a folder has to say over HTTP: from requests to answers, without
-/// sockets. One thread.
+/// Responses of a folder over HTTP, without sockets. One thread.
 class HttpSite {
  public:
   using Reply = std::variant<HttpAnswer, WaitForMade>;
 
-  /// `made` null: nothing is made. Its lanes are the makers', and one for gzip
-  /// behind them.
+  /// A null `made` disables made files. Its lanes are the makers, then one lane for gzip.
   HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFiles* made,
            std::function<std::string()> metrics);
   [[nodiscard]] Reply answer(const HttpRequest& request) const;
-  /// To a client that asks for too much.
+  /// Returns the response to a client that exceeds its limits.
   [[nodiscard]] HttpAnswer too_many(const HttpRequest& request) const;
-  /// Returns the answer to a request that `why` makes unreadable; the connection closes behind it.
+  /// Returns the response to a request that `why` makes unreadable; the connection closes after it.
   [[nodiscard]] static HttpAnswer malformed(const std::string& why);
 
  private:
-  /// A version of a file that may be sent.
+  /// Version of a file that may be sent.
   struct Representation {
     ServedFile file;
     ServedType type;
     std::string etag;
-    std::int64_t modified = 0;  // of the file that it is a version of
+    std::int64_t modified = 0;  // time of the file that this is a version of
     bool gzip = false, varies = false;
   };
   [[nodiscard]] Reply answer_here(const HttpRequest& request) const;
@@ -101,11 +98,11 @@ class HttpSite {
   std::function<std::string()> metrics_;
 };
 
-/// What clients may know of a message about a file of a served folder: the names of files as clients know them. A
-/// message that names another place of this machine is replaced as a whole.
+/// Rewrites a message about a file of a served folder for clients: with file names as clients know them. Replaces the
+/// whole message if it names another path of this machine.
 [[nodiscard]] std::string message_for_clients(std::string message, const std::string& root);
 
-/// Compresses a file; what went wrong, if it did.
+/// Compresses a file. Returns the error, or nullopt.
 [[nodiscard]] std::optional<MakeFailure> gzip_file(const std::string& source, const std::string& out,
                                                    const std::stop_token& stop);
 

@@ -19,34 +19,34 @@ namespace gs::net {
 
 enum class MadeState : std::uint8_t { ready, waiting, failed, full };
 
-/// Why something was not made.
+/// Reason why a file was not made.
 struct MakeFailure {
   std::string message;
-  bool lasting = true;  // it lies in the source, and would be so again; else in this machine: a full disk, for example
+  bool lasting = true;  // caused by the source, so retrying is useless; otherwise by this machine, such as a full disk
 };
 
-/// What has become of a file that is to be made.
+/// State of a file that is to be made.
 struct MadeFile {
   MadeState state = MadeState::waiting;
-  std::string path;     // when ready
-  MakeFailure failure;  // when failed
+  std::string path;     // if ready
+  MakeFailure failure;  // if failed
 };
 
-/// Files that are made of others on demand, and kept. Each is made once, in a lane. A lane makes one file at a time,
+/// Files that are made from others on demand, and kept. Each is made once, in a lane. A lane makes one file at a time,
 /// but passes over slow ones: after `patience` the next file begins on another thread of the lane. The folder of made
-/// files is bounded in bytes; the file that was unused for longest goes first. Failed files are tried again after a
+/// files is bounded in bytes; the file that was unused for longest is removed first. Failed files are retried after a
 /// while. Any thread.
 class MadeFiles {
  public:
-  /// Writes `out`, in a folder that it has for itself; what went wrong, if it did. Should end soon when stopped. On a
-  /// lane's thread.
+  /// Writes `out` in its own folder. Returns the error, or nullopt. Should end soon when stopped. Runs on a thread of
+  /// the lane.
   using Make = std::function<std::optional<MakeFailure>(const std::string& out, const std::stop_token& stop)>;
 
   struct Options {
-    std::string folder;                                 // there, and ours
-    std::uint64_t most_bytes = std::uint64_t{4} << 30;  // in the folder
-    std::size_t most_waiting = 64;                      // in a lane
-    // So long nothing is tried again that failed, for good or for the time being.
+    std::string folder;                                 // must exist and be used by nothing else
+    std::uint64_t most_bytes = std::uint64_t{4} << 30;  // maximum bytes in the folder
+    std::size_t most_waiting = 64;                      // maximum waiting files per lane
+    // Delays before failed files are retried, for lasting and for temporary failures.
     Instant lasting_failure = std::chrono::minutes(10), passing_failure = std::chrono::seconds(2);
     Instant patience = std::chrono::milliseconds(500);  // a file that takes longer is slow
     std::function<Instant()> now = clock_now;
@@ -55,18 +55,18 @@ class MadeFiles {
     std::uint64_t made = 0, failed = 0, waiting = 0;
   };
 
-  /// `at_once` holds the number of threads of each lane. `wake` is called from a lane's thread whenever something was
-  /// made or failed.
+  /// `at_once` holds the number of threads of each lane. A lane's thread calls `wake` whenever a file was made or
+  /// failed.
   MadeFiles(Options options, const std::vector<std::size_t>& at_once, std::function<void()> wake);
-  /// Stops what is being made.
+  /// Stops the jobs that run.
   ~MadeFiles();
   MadeFiles(const MadeFiles&) = delete;
   MadeFiles& operator=(const MadeFiles&) = delete;
 
-  /// The file of this key, which must tell all that it is made of; makes it
-  /// when it is not there. `extension` with its point.
+  /// Returns the file of a key, and makes it if it is missing. The key must identify all inputs. `extension` includes
+  /// its dot.
   [[nodiscard]] MadeFile request(std::size_t lane, const std::string& key, const std::string& extension, Make make);
-  /// The same without making it.
+  /// Reports whether the file of a key is waiting or being made.
   [[nodiscard]] bool is_waiting(std::size_t lane, const std::string& key) const;
   [[nodiscard]] Statistics statistics(std::size_t lane) const;
 

@@ -6,7 +6,7 @@
 
 #include <string>
 
-/// The functions of libmicrohttpd that are called.
+/// Functions of libmicrohttpd that the program calls.
 #define GHOSTSPACE_MICROHTTPD_FUNCTIONS(X) \
   X(MHD_add_response_header)               \
   X(MHD_create_response_from_buffer)       \
@@ -28,14 +28,14 @@
 
 namespace gs::net {
 
-/// libmicrohttpd, opened by the first who serves.
+/// Functions of libmicrohttpd, opened at first use.
 struct MicrohttpdLibrary {
   MicrohttpdLibrary();
 
-  std::string problem;  // empty where all functions are there; nothing may be called otherwise
+  std::string problem;  // empty if all functions were found; otherwise none may be called
   GHOSTSPACE_MICROHTTPD_FUNCTIONS(GHOSTSPACE_LIBRARY_MEMBER)
 };
-/// Any thread.
+/// Returns the library. Any thread.
 [[nodiscard]] const MicrohttpdLibrary& microhttpd();
 
 }  // namespace gs::net

@@ -13,9 +13,9 @@ struct ReceivedField {
   bool folded = false;  // its line was continued by a line that begins with a blank
 };
 
-/// Checks the fields of a request of this version ("HTTP/1.1"). Returns why their meaning or the length of the body is
-/// in doubt (RFC 9112 2.2, 5.1, 5.2, 6.1, 6.3), or nullopt. A proxy in front may read such a request otherwise than
-/// this server, and hide another request in it: the caller must answer 400 and close the connection.
+/// Checks the fields of a request of this version ("HTTP/1.1"). Returns the reason why their meaning or the length of
+/// the body is ambiguous (RFC 9112 2.2, 5.1, 5.2, 6.1, 6.3), or nullopt. A proxy may parse such a request differently
+/// and hide another request in it, so the caller must answer 400 and close the connection.
 [[nodiscard]] std::optional<std::string> refuse_fields(std::span<const ReceivedField> fields, std::string_view version);
 
 }  // namespace gs::net
