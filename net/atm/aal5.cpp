@@ -22,14 +22,14 @@ Trailer trailer_of(const std::array<std::byte, kCellPayload>& payload) {
   NetworkReader reader{std::span(payload).last<kAal5Trailer>()};
   Trailer trailer;
   trailer.user_to_user = reader.integer<std::uint8_t>();
-  (void)reader.integer<std::uint8_t>();  // the common part indicator
+  (void)reader.integer<std::uint8_t>();  // common part indicator
   trailer.length = reader.integer<std::uint16_t>();
   trailer.crc = reader.integer<std::uint32_t>();
   return trailer;
 }
 
-/// Cells that stand one behind the other, the last with the trailer, as the PDU
-/// that they are; nothing if they are none.
+/// Joins consecutive cells, of which the last has the trailer, to a complete PDU. Returns nullopt if the length or the
+/// CRC is wrong.
 std::optional<Pdu> whole_pdu(Vc vc, std::span<const Pdu::Part> parts) {
   const Trailer trailer = trailer_of(parts.back().payload);
   if (trailer.length == 0 || cells_of_pdu(trailer.length) != parts.size()) return std::nullopt;
@@ -56,7 +56,7 @@ void hand_out_parts(Vc vc, std::uint64_t key, std::span<const Pdu::Part> parts, 
 }  // namespace
 
 std::uint32_t aal5_crc(std::span<const std::byte> bytes) {
-  // ISA-L's takes what is not const, and inverts at start and end by itself.
+  // ISA-L takes a non-const pointer, and inverts start value and result itself.
   return crc32_ieee(0, reinterpret_cast<unsigned char*>(const_cast<std::byte*>(bytes.data())), bytes.size());
 }
 
@@ -117,7 +117,7 @@ void Reassembler::push(const Cell& cell, std::vector<Pdu>& out) {
   state.used = used;
 }
 
-/// The last cell of a PDU has come.
+/// Ends a PDU after its last cell.
 void Reassembler::end(Vc vc, State& state, std::vector<Pdu>& out) {
   if (state.placed && state.gap && state.key != 0) return hand_out_parts(vc, state.key, state.parts, out);
   if (state.gap || !state.placed) return end_after_gap(vc, state, out);
@@ -129,11 +129,10 @@ void Reassembler::end(Vc vc, State& state, std::vector<Pdu>& out) {
   }
 }
 
-/// The same behind a gap, in which the PDU may have begun that ends here.
+/// Ends a PDU after a gap in which the PDU may have begun.
 void Reassembler::end_after_gap(Vc vc, State& state, std::vector<Pdu>& out) {
   const std::size_t total = cells_of_pdu(trailer_of(state.parts.back().payload).length);
-  // A PDU that had begun in a gap of known length would be shorter than all
-  // that was counted.
+  // A PDU that began in a gap of known length would be shorter than the counted cells.
   if (state.placed && total == state.next) return hand_out_parts(vc, 0, state.parts, out);
   hand_out_parts(vc, 0, std::span(state.parts).first(state.before), out);
   auto tail = std::span(state.parts).subspan(state.after);
@@ -152,8 +151,7 @@ void Reassembler::end_after_gap(Vc vc, State& state, std::vector<Pdu>& out) {
 
 void Reassembler::lost(Vc vc, State& state, std::optional<std::uint32_t> cells, std::vector<Pdu>& out) const {
   if (state.overflow || cells == std::uint32_t{0}) return;
-  // Without its begin no place is known: only the cells before the first gap
-  // are.
+  // Without its start, only the cells before the first gap have known indexes.
   const bool countable = state.placed && cells && *cells < most_cells_ && state.next + *cells <= most_cells_;
   if (!countable) {
     if (state.placed)

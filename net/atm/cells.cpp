@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint32_t kBottomOfStack = 1U << 8;
 constexpr std::uint32_t kTimeToLive = 64;
 constexpr std::uint32_t kLargestVpi = 0xfff;
-constexpr std::uint64_t kSequences = 65535;  // 1 to 65535: 0 is left out
+constexpr std::uint64_t kSequences = 65535;  // 1 to 65535; 0 is skipped
 
 constexpr std::array<std::uint8_t, 256> check_table() {
   std::array<std::uint8_t, 256> table{};
@@ -39,7 +39,7 @@ std::array<std::byte, 4> word_bytes(std::uint32_t word) {
           static_cast<std::byte>(word >> 8 & 255), static_cast<std::byte>(word & 255)};
 }
 
-/// The single bit of the 40 whose damage gives this syndrome, or none.
+/// Returns the single damaged bit of the 40 that gives this syndrome, or nullopt.
 std::optional<int> damaged_bit(std::uint8_t syndrome) {
   for (int bit = 0; bit < 40; ++bit) {
     if (bit >= 32) {
@@ -98,8 +98,7 @@ std::vector<std::byte> encode_datagram(std::uint32_t label, std::uint16_t sequen
   bytes.reserve(kDatagramHeader + cells.size() * kPackedCell);
   NetworkWriter writer(bytes);
   writer.integer(label << 12 | kBottomOfStack | kTimeToLive);
-  // RFC 4717 8.1: the length matters to Ethernet's padding only: up to 63 bytes
-  // with the control word.
+  // RFC 4717 8.1: the length field is needed only for Ethernet's padding, up to 63 bytes with the control word.
   const std::size_t length = 4 + cells.size() * kPackedCell;
   writer.integer(static_cast<std::uint16_t>(length < 64 ? length : 0));
   writer.integer(sequence);
@@ -158,7 +157,7 @@ std::uint64_t widen_sequence(std::uint16_t sequence, std::uint64_t expected) {
   const std::uint64_t residue = (sequence + kSequences - 1) % kSequences;
   const std::uint64_t base = expected - expected % kSequences;
   std::uint64_t best = base + residue;
-  // The neighbours one turn away may be nearer.
+  // The number of the previous or the next round may be nearer.
   if (best > expected + kSequences / 2 && best >= kSequences) return best - kSequences;
   if (best + kSequences / 2 < expected) return best + kSequences;
   return best;

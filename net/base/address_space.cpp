@@ -19,14 +19,14 @@ bool is_ipv4(const IpAddress& address) {
   return std::equal(kIpv4Prefix.begin(), kIpv4Prefix.begin() + kMappedBytes, address.begin());
 }
 
-/// The address of IPv4 that stands at `at` in another.
+/// Returns the IPv4 address at offset `at` of an IPv6 address.
 IpAddress carried(const IpAddress& address, std::size_t at) {
   IpAddress result = kIpv4Prefix;
   std::copy_n(address.begin() + static_cast<std::ptrdiff_t>(at), 4, result.begin() + kMappedBytes);
   return result;
 }
 
-/// IANA's registries, and what they leave to the Internet: the first row that fits counts.
+/// Special-purpose addresses of IANA's registries, then the Internet. The first matching row applies.
 struct SpaceRow {
   std::string_view block;
   AddressSpace space;
@@ -34,25 +34,25 @@ struct SpaceRow {
 constexpr SpaceRow kSpaces[] = {
     {"0.0.0.0/8", AddressSpace::loopback},      // "this host": connects to this machine
     {"10.0.0.0/8", AddressSpace::local},        // RFC 1918
-    {"100.64.0.0/10", AddressSpace::local},     // behind a carrier's NAT, RFC 6598
+    {"100.64.0.0/10", AddressSpace::local},     // carrier-grade NAT, RFC 6598
     {"127.0.0.0/8", AddressSpace::loopback},    //
-    {"169.254.0.0/16", AddressSpace::local},    // link-local; what clouds tell their machines
+    {"169.254.0.0/16", AddressSpace::local},    // link-local; metadata services of clouds
     {"172.16.0.0/12", AddressSpace::local},     // RFC 1918
-    {"192.0.0.0/24", AddressSpace::special},    // of protocols
+    {"192.0.0.0/24", AddressSpace::special},    // protocol assignments
     {"192.0.2.0/24", AddressSpace::special},    // documentation
-    {"192.88.99.0/24", AddressSpace::special},  // relays of 6to4, deprecated
+    {"192.88.99.0/24", AddressSpace::special},  // 6to4 relays, deprecated
     {"192.168.0.0/16", AddressSpace::local},    // RFC 1918
     {"198.18.0.0/15", AddressSpace::local},     // benchmarks
     {"198.51.100.0/24", AddressSpace::special},
     {"203.0.113.0/24", AddressSpace::special},
     {"224.0.0.0/3", AddressSpace::special},  // multicast, reserved, broadcast
     {"0.0.0.0/0", AddressSpace::global},
-    {"::/127", AddressSpace::loopback},        // unspecified connects to this machine; ::1
-    {"64:ff9b:1::/48", AddressSpace::local},   // NAT64 of a network's own
-    {"2001::/23", AddressSpace::special},      // of protocols; Teredo
+    {"::/127", AddressSpace::loopback},        // unspecified, which connects to this machine, and ::1
+    {"64:ff9b:1::/48", AddressSpace::local},   // local-use NAT64
+    {"2001::/23", AddressSpace::special},      // protocol assignments; Teredo
     {"2001:db8::/32", AddressSpace::special},  // documentation
     {"3fff::/20", AddressSpace::special},      // documentation
-    {"2000::/3", AddressSpace::global},        // all that is given out
+    {"2000::/3", AddressSpace::global},        // all allocated addresses
     {"fc00::/7", AddressSpace::local},         // unique local
     {"fe80::/9", AddressSpace::local},         // link-local and site-local
     {"::/0", AddressSpace::special},

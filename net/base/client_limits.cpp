@@ -5,10 +5,10 @@
 namespace gs::net {
 namespace {
 
-constexpr std::uint64_t kRequest = 1000;       // what a request costs in its bucket
+constexpr std::uint64_t kRequest = 1000;       // cost of a request in its bucket
 constexpr std::size_t kLargestPiece = 65536;   // bytes
-constexpr std::size_t kSmallestPiece = 1460;   // bytes: a segment of TCP
-constexpr std::uint64_t kTurnsPerSecond = 64;  // at the limit
+constexpr std::size_t kSmallestPiece = 1460;   // bytes: one TCP segment
+constexpr std::uint64_t kTurnsPerSecond = 64;  // turns of a client at the limit
 constexpr std::size_t kMostIdleClients = 4096;
 
 }  // namespace
@@ -53,8 +53,7 @@ ClientLimits::Client& ClientLimits::client(const ClientKey& key, Instant now) {
   return client;
 }
 
-// Clients without connections are remembered for the sake of their buckets,
-// while there are not too many.
+// Keeps clients without connections for their buckets, unless there are too many.
 void ClientLimits::forget(Instant now) {
   constexpr Instant kLong{10'000'000};
   if (clients_.size() < kMostIdleClients) return;

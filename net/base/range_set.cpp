@@ -5,7 +5,7 @@
 namespace gs::net {
 namespace {
 
-/// The first range that ends at `place` or behind it.
+/// Returns the first range that ends at or after `place`.
 auto first_reaching(std::vector<ByteRange>& ranges, std::uint64_t place) {
   return std::lower_bound(ranges.begin(), ranges.end(), place,
                           [](const ByteRange& range, std::uint64_t at) { return range.end < at; });

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Below are the services of systems (RFC 6335): name servers, clocks, mail.
+/// Lower ports belong to system services (RFC 6335): name servers, clocks, mail.
 constexpr std::uint16_t kFirstFreePort = 1024, kFtpPort = 21;
 
 std::string known_schemes(bool from_network_only) {
@@ -36,14 +36,14 @@ std::string Origin::site() const {
   if (is_file()) return "file";
   const Url parts = parse_url(url);
   const auto canonical = canonical_url(parts);
-  // Without a host there is no site: such a text shares nothing with others.
+  // Without a host there is no site, so the text shares nothing with others.
   if (!canonical) return url;
   return canonical->scheme + "://" + canonical->authority + " " + std::to_string(static_cast<int>(space));
 }
 
 AddressSpace Origin::reach() const {
   if (is_user()) return AddressSpace::special;
-  // Nothing refers to what is no host.
+  // No reference may reach an address of no host.
   return is_file() ? AddressSpace::loopback : std::max(space, AddressSpace::loopback);
 }
 
@@ -61,7 +61,7 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
         "the scheme " + to.scheme.substr(0, 32) + ": is not known; expected one of " + known_schemes(false), {}};
   }
   const auto named = canonical_url(to);
-  // Other parsers, curl's among them, would take a host from the path.
+  // Other parsers, such as curl's, would read a host from the path.
   if (!named)
     return ReferenceRefusal{"it names no host or an invalid port; expected " + to.scheme + "://HOST/PATH", {}};
   if (from.is_user()) return std::nullopt;
@@ -73,7 +73,7 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
                                 (own.scheme.empty() ? "unknown origin" : own.scheme.substr(0, 32) + ":") +
                                 " may not refer to " + to.scheme + ":; expected one of " + known_schemes(true),
                             {}};
-  // A relative reference takes along what the user typed.
+  // A relative reference keeps the user name and password that the user typed.
   const bool same_host = own.scheme == to.scheme && own.authority == named->authority;
   if (has_password(to) && !same_host)
     return ReferenceRefusal{"a document may not name a user or a password; expected " + to.scheme + "://HOST/PATH", {}};
@@ -133,7 +133,7 @@ std::string reference_of_path(std::string_view path) {
     else
       result.append("%").append(1, kDigits[byte >> 4]).append(1, kDigits[byte & 15]);
   }
-  // Two slashes would begin the name of a host.
+  // A path with two leading slashes would be read as a host name.
   const std::size_t first = result.find_first_not_of('/');
   if (first != std::string::npos && first > 1) result.erase(0, first - 1);
   return result;

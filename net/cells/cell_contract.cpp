@@ -10,7 +10,7 @@ namespace gs::net {
 namespace {
 
 constexpr std::uint8_t kContractVersion = 1;
-constexpr std::size_t kLeastReport = 64;  // longer than a goodbye without a text
+constexpr std::size_t kLeastReport = 64;  // longer than a goodbye without text
 
 void put_text(NetworkWriter& out, std::string_view text, std::size_t most) {
   text = text.substr(0, most);
@@ -166,7 +166,7 @@ Parsed grant_from(NetworkReader& in) {
     if (stream.chunks > kMostChunks) return std::nullopt;
     message.streams.push_back(stream);
   }
-  // An answer to the wish for nothing has no base.
+  // The answer to an empty request has no base.
   if (message.base.bytes != 0 && !message.base.sound()) return std::nullopt;
   return message;
 }
@@ -252,8 +252,7 @@ Parsed bye_from(NetworkReader& in) {
   return message;
 }
 
-/// The table of messages: place in it is the type's number, and the place in
-/// ContractMessage.
+/// Parsers of messages. The index is the number of the type and the index in ContractMessage.
 using Parse = Parsed (*)(NetworkReader&);
 constexpr Parse kParsers[] = {[](NetworkReader& in) -> Parsed { return HelloMessage{in.integer<std::uint64_t>()}; },
                               [](NetworkReader& in) -> Parsed { return cookie_from(in); },

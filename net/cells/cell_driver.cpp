@@ -24,8 +24,7 @@ std::uint64_t random_number() {
   return std::uint64_t{device()} << 32 | device();
 }
 
-/// Sends, waiting a little where the system has no room; what finds none even
-/// then is lost, as on any network.
+/// Sends a datagram, and waits briefly if the system has no room. If there is still no room, the datagram is lost.
 void send_patiently(UdpSocket& socket, const Endpoint& to, std::span<const std::byte> bytes) {
   if (socket.send(to, bytes)) return;
   socket.wait(Instant(2000), true, -1);
@@ -142,8 +141,7 @@ struct CellClientDriver::State {
   }
   void turn() {
     Endpoint from;
-    // While the owner is behind, nothing is taken from the system, which then
-    // drops: the server slows down.
+    // While the owner is behind, datagrams stay in the system, which then drops some, so that the server slows down.
     const bool behind = waiting > most_waiting;
     for (int i = 0; i < kReceivedAtOnce && !behind; ++i) {
       const auto bytes = socket.receive(from);
@@ -195,8 +193,8 @@ struct CellClientDriver::State {
   Endpoint server;
   Bell bell;
   std::atomic<bool> stopping = false;
-  std::atomic<std::size_t> waiting = 0;  // bytes of events
-  mutable std::mutex mutex;              // of what follows
+  std::atomic<std::size_t> waiting = 0;  // bytes of waiting events
+  mutable std::mutex mutex;              // guards the following members
   std::deque<std::function<void(CellClient&, Instant)>> commands;
   std::deque<CellEvent> events;
   CellClientStatistics statistics;

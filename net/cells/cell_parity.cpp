@@ -12,15 +12,14 @@ constexpr double kWindow = 2e6;  // microseconds of reports that count
 constexpr double kFewDatagrams = 8, kEnoughDatagrams = 64;
 constexpr std::uint64_t kMostOfReport = 1'000'000;
 constexpr double kWorstLoss = 0.9;
-constexpr double kSpreadSamples = 24, kWildest = 40;  // what one sample counts for, and can say at most
-// Parity datagrams at most: for each of data, or of a small group if that is
-// more.
+constexpr double kSpreadSamples = 24, kWildest = 40;  // weight of one sample, and its maximum value
+// Maximum parity datagrams per data datagram, or per small group if that is more.
 constexpr std::size_t kMostTimes = 2, kMostOfFew = 8;
 constexpr Instant kHeldFor{2'000'000};
 
 std::byte bit_of(std::size_t number) { return static_cast<std::byte>(0x80 >> number % 8); }
 
-/// What is counted beyond the highest count so far.
+/// Returns the increase of a count over the highest count so far.
 std::uint64_t more(std::uint64_t& most, std::uint64_t count) {
   const std::uint64_t before = most;
   most = std::max(most, count);
@@ -65,7 +64,7 @@ std::optional<Parity> decode_parity(std::span<const std::byte> bytes, std::span<
     }
   if (count == 0 || count > kMostMembers || parity.members.count() != count || !parity.members[0]) return std::nullopt;
   if (parity.symbol < count || parity.symbol >= ErasureLayout::kMostSymbols) return std::nullopt;
-  // A group is whole before there is parity of it.
+  // A group is complete before it gets parity.
   if (parity.back > kMostParityBack || last >= parity.back) return std::nullopt;
   rest = in.rest();
   if (rest.size() < kSymbolHead + kPackedCell || rest.size() > kSymbolHead + kMostCells * kPackedCell ||
@@ -123,7 +122,7 @@ double LossMeter::likely() const {
 std::size_t ParitySender::wanted(std::size_t source) const {
   if (!known_ || !lossy_) return 0;
   const std::size_t most = std::min(ErasureLayout::kMostSymbols, source + std::max(kMostTimes * source, kMostOfFew));
-  // Losses in runs of r: as if r symbols were one.
+  // Treat a burst of r losses as the loss of one symbol.
   const auto few = std::max<std::size_t>(std::lround(static_cast<double>(source) / meter_.runs()), 1);
   const std::size_t symbols = symbols_for(few, meter_.likely(), kFailure);
   return std::clamp((symbols * source + few - 1) / few, source, most) - source;
@@ -135,8 +134,7 @@ std::size_t ParitySender::pending_count() const {
   return count;
 }
 
-/// What is to be sent goes evenly between so many datagrams of data: a burst of
-/// losses shall hit both alike.
+/// Spreads the pending parity evenly over `over` data datagrams, so that a burst of losses hits both alike.
 void ParitySender::spread(std::size_t over) {
   step_ = static_cast<double>(pending_count()) / static_cast<double>(std::max<std::size_t>(over, 1));
 }
@@ -193,7 +191,7 @@ void ParitySender::report(std::uint64_t received, std::uint64_t lost, bool quiet
   std::erase_if(held_, [&](const Group& group) { return group.sent >= group.wanted && now > group.closed + kHeldFor; });
   bool grown = false;
   for (Group& group : held_) {
-    // Not for every wavering of the measure.
+    // Ignore small changes of the measured loss.
     const std::size_t now_wanted = wanted(group.source());
     if (now_wanted <= group.wanted + group.wanted / 4) continue;
     group.wanted = now_wanted;
@@ -213,7 +211,7 @@ std::vector<Cell> ParitySender::next(std::uint64_t number, std::uint32_t time) {
   credit_ = std::max(credit_ - 1, 0.0);
   std::vector<Cell> cells;
   for (Group& group : held_) {
-    if (number - group.first > kMostParityBack) group.wanted = group.sent;  // no client has its members any more
+    if (number - group.first > kMostParityBack) group.wanted = group.sent;  // no client still holds its members
     if (group.sent >= group.wanted) continue;
     Parity parity;
     parity.symbol = static_cast<std::uint8_t>(group.source() + group.sent++);

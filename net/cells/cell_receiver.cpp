@@ -8,8 +8,8 @@ namespace gs::net {
 namespace {
 
 constexpr Instant kReportAtLeastEvery{200'000}, kReportAtMostEvery{20'000}, kLongestBackoff{2'000'000};
-constexpr std::size_t kRepairs = 64;     // chunks asked for again in one report
-constexpr std::size_t kMostNamed = 128;  // in one report, all slots together: it must fit into one datagram
+constexpr std::size_t kRepairs = 64;     // chunks per report that are requested again
+constexpr std::size_t kMostNamed = 128;  // chunk names per report, over all slots, so that it fits into one datagram
 constexpr std::size_t kMostEarly = 128;
 constexpr std::uint64_t kFarAhead = 16384;
 
@@ -146,8 +146,7 @@ void CellClient::take_grant(const GrantMessage& grant, Instant now) {
     return;
   }
   slot.state = Slot::State::granted;
-  // The same content as before (another budget, a new session after lost
-  // contact): what is there stays.
+  // Keep the received data if the content is unchanged, for example after a new budget or a lost contact.
   if (!slot.assembly || !slot.assembly->continues(grant))
     slot.assembly = std::make_unique<CellAssembly>(grant.slot, grant);
   CellEvent event;
@@ -195,7 +194,7 @@ void CellClient::take_sync(const SyncMessage& sync, Instant now) {
   }
 }
 
-// Once for each request.
+// Reports completion once per request.
 void CellClient::tell_complete(std::size_t number) {
   Slot& slot = slots_[number];
   if (!slot.ended || slot.complete || !slot.assembly->base_done()) return;
@@ -210,21 +209,20 @@ void CellClient::tell_complete(std::size_t number) {
 void CellClient::take_bye(const ByeMessage& bye, Instant now) {
   if (session_ == 0 || bye.session != session_) return;
   if (!bye.text.empty()) return fail("the server ended the session: " + bye.text);
-  // It knows us no more: anew.
+  // The server has forgotten this client; start again.
   ++nonce_;
   begin(now);
 }
 
 void CellClient::stamp(std::uint32_t time, Instant now) {
-  echo_ = time == 0 ? 1 : time;  // 0 stands for none
+  echo_ = time == 0 ? 1 : time;  // 0 means none
   echo_at_ = now;
 }
 
 void CellClient::take_cells(const CellDatagram& datagram, std::span<const std::byte> bytes, Instant now) {
   heard_ = now;
   if (waiting_ > options_.most_waiting) {
-    // The owner is slow: the server shall slow down, which it does when
-    // datagrams are lost.
+    // The owner is slow. Dropped datagrams make the server slow down.
     ++statistics_.refused_for_space;
     return;
   }
@@ -252,7 +250,7 @@ void CellClient::take_cells(const CellDatagram& datagram, std::span<const std::b
   statistics_.bytes += bytes.size();
 }
 
-/// The cells of one datagram, for all slots; `gap`: some before it are missing.
+/// Passes the cells of one datagram to all slots. `gap` means that datagrams before it are missing.
 void CellClient::assemble(std::span<const Cell> cells, bool gap, Instant now) {
   for (std::size_t i = 0; i < kMostSlots; ++i) {
     CellAssembly* assembly = slots_[i].assembly.get();
@@ -270,8 +268,7 @@ void CellClient::assemble(std::span<const Cell> cells, bool gap, Instant now) {
   }
 }
 
-/// As if it had come late; but it did not come: its time and its number count
-/// for nothing.
+/// Passes on restored datagrams like late ones, but ignores their time and number, because they were not received.
 void CellClient::take_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt) {
   for (const CellRebuilder::Rebuilt& datagram : rebuilt) {
     ++statistics_.rebuilt;
@@ -341,8 +338,7 @@ std::vector<std::byte> CellClient::report(Instant now) {
   for (std::size_t i = 0; i < kMostSlots; ++i) {
     Slot& slot = slots_[i];
     if (slot.state != Slot::State::granted) continue;
-    // What still waits for the end of its PDU is not waited for when nothing
-    // comes.
+    // If no datagrams are received, return the cells of incomplete PDUs.
     if (now >= cells_at_ + round_trip_) {
       std::vector<CellEvent> made;
       slot.assembly->gap(made);

@@ -62,14 +62,14 @@ void CellServer::refuse(const Endpoint& to, const RequestMessage& request, Refus
 
 void CellServer::take_request(const Endpoint& from, const RequestMessage& request, Instant now) {
   const auto age = cookies_.age(request.cookie, from, now);
-  if (!age) return;  // not ours: silence, so that no one can be made a target
+  if (!age) return;  // not made by this server: no answer, so that it cannot be used to attack others
   CellSession* session = session_for(from, request, *age, now);
   if (!session) return;
   const std::uint32_t known = session->number(request.slot);
   if (request.number < known || request.number == 0) return;
   if (request.number > known) {
     TokenBucket& opens = opens_.try_emplace(from, kOpensPerSecond, kOpensAtOnce, now).first->second;
-    if (!opens.has(1, now)) return;  // the client will ask again
+    if (!opens.has(1, now)) return;  // the client will repeat its request
     opens.take(1, now);
     session->set_wanted(request.rate / 8);
     divide(now);
@@ -96,7 +96,7 @@ CellSession* CellServer::session_for(const Endpoint& from, const RequestMessage&
   }
   ++statistics_.accepted;
   auto& place = sessions_[from];
-  // The cookie's age is one round trip, and the client's time to think.
+  // The cookie's age is one round trip plus the reaction time of the client.
   place = std::make_unique<CellSession>(options_.session, cookies_.session(from, request.cookie.nonce),
                                         request.cookie.nonce, age, now);
   return place.get();
@@ -114,7 +114,7 @@ void CellServer::open(const Endpoint& from, CellSession& session, const RequestM
   session.set(request, std::move(source), std::move(base));
 }
 
-/// Clients of the same source share its encoder.
+/// Returns the encoder of a source; clients of one source share it.
 std::shared_ptr<const ErasureEncoder> CellServer::encoder(const std::shared_ptr<CellSource>& source,
                                                           std::size_t cells) {
   std::erase_if(encoders_, [](const auto& entry) { return entry.second.encoder.expired(); });
@@ -127,8 +127,8 @@ std::shared_ptr<const ErasureEncoder> CellServer::encoder(const std::shared_ptr<
   return made;
 }
 
-/// Shares the total rate: everyone gets what it wants, or, where that is too
-/// much, the same (max-min fairness).
+/// Divides the total rate. Each client gets the requested rate or, if that is too much, an equal share (max-min
+/// fairness).
 void CellServer::divide(Instant now) {
   std::vector<std::pair<std::uint64_t, CellSession*>> wants;
   for (const auto& [endpoint, session] : sessions_)
@@ -159,13 +159,12 @@ std::optional<OutgoingDatagram> CellServer::next(Instant now) {
   for (auto it = sessions_.begin(); !result && it != sessions_.end(); ++it) {
     if (it->second->sync_due(now) > now) continue;
     result = {it->first, encode_contract(it->second->sync(now))};
-    // A grant may be lost: again with every sync, until the client reports on
-    // the slot.
+    // A grant may be lost, so repeat it with each sync until a report of the client mentions the slot.
     for (std::size_t slot = 0; slot < kMostSlots; ++slot)
       if (it->second->unknown(slot)) answer(it->first, it->second->answer(slot));
   }
   if (!result && total_.has(kMostDatagram + kPacketHeaders, now)) {
-    // Everyone in turn, from behind the one that was served last.
+    // Serve clients in turn, beginning after the one that was served last.
     auto it = sessions_.upper_bound(turn_);
     for (std::size_t i = 0; i < sessions_.size() && !result; ++i, ++it) {
       if (it == sessions_.end()) it = sessions_.begin();

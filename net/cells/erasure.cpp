@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kBlockSource = 64;
 
-/// Rows of the identity, then of Cauchy's matrix: every k rows are independent.
+/// Returns rows of the identity, then of a Cauchy matrix: any k rows are independent.
 std::vector<unsigned char> coding_matrix(std::size_t source) {
   std::vector<unsigned char> matrix(ErasureLayout::kMostSymbols * source);
   gf_gen_cauchy1_matrix(matrix.data(), static_cast<int>(ErasureLayout::kMostSymbols), static_cast<int>(source));
@@ -40,8 +40,7 @@ ErasureLayout erasure_layout(std::size_t bytes, std::size_t symbol) {
 double failure_of(std::size_t source, std::size_t symbols, double loss) {
   if (loss <= 0) return symbols < source ? 1 : 0;
   if (loss >= 1) return 1;
-  // The terms of the binomial distribution from 0 to k - 1 arrivals, by their
-  // logarithms.
+  // Sum the binomial distribution from 0 to k - 1 received symbols, by logarithms.
   double sum = 0;
   for (std::size_t arrived = 0; arrived < std::min(source, symbols + 1); ++arrived) {
     const auto n = static_cast<double>(symbols), i = static_cast<double>(arrived);
@@ -55,8 +54,8 @@ std::size_t symbols_for(std::size_t source, double loss, double failure) {
   std::size_t symbols = source;
   if (loss <= 0) return symbols;
   if (loss >= 1) return ErasureLayout::kMostSymbols;
-  // With n symbols sent, the last of the k that are needed is the n-th with a probability of
-  // C(n - 1, k - 1) (1 - loss)^k loss^(n - k).
+  // With n symbols sent, the last of the k required ones is the n-th with a probability of C(n - 1, k - 1) (1 - loss)^k
+  // loss^(n - k).
   double last = std::pow(1 - loss, static_cast<double>(source)), arrived = last;
   while (symbols < ErasureLayout::kMostSymbols && 1 - arrived >= failure) {
     last *= loss * static_cast<double>(symbols) / static_cast<double>(symbols - source + 1);
@@ -117,7 +116,7 @@ void ErasureDecoder::solve(std::size_t number) {
                 rows.begin() + static_cast<std::ptrdiff_t>(sources.size() * source));
     sources.push_back(raw(bytes.data()));
   }
-  // Never singular: Cauchy.
+  // A Cauchy matrix is never singular.
   if (gf_invert_matrix(rows.data(), inverse.data(), static_cast<int>(source)) != 0) return;
   for (std::size_t i = 0; i < source; ++i) {
     std::byte* const place = data_.data() + (number * source + i) * size;

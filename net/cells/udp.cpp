@@ -57,7 +57,7 @@ std::optional<Endpoint> endpoint_of(const sockaddr* from) {
 
 std::string reason() { return std::generic_category().message(errno); }
 
-/// A bound socket of one family; -1 with errno.
+/// Opens and binds a socket of one family. Returns -1 and sets errno on failure.
 int bound_socket(bool ipv6, std::uint16_t port, bool loopback) {
   const int made = ::socket(ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (made < 0) return -1;
@@ -146,7 +146,7 @@ bool UdpSocket::send(const Endpoint& to, std::span<const std::byte> bytes) {
 }
 
 std::optional<std::span<const std::byte>> UdpSocket::receive(Endpoint& from) {
-  // What is no datagram (a refusal by ICMP) is passed over, a few times.
+  // Skip a few results that are not datagrams, such as refusals by ICMP.
   for (int i = 0; i < 16; ++i) {
     sockaddr_storage storage{};
     socklen_t size = sizeof storage;

@@ -12,7 +12,7 @@ namespace gs::net {
 namespace {
 
 constexpr std::size_t kMostHead = 8192;         // bytes of a handshake
-constexpr std::size_t kMostFirstMessage = 256;  // of who is not admitted
+constexpr std::size_t kMostFirstMessage = 256;  // bytes of the first message of a client that is not admitted
 constexpr std::size_t kWorthMoving = std::size_t{64} << 10;
 
 const char kWrongToken[] = "that is not the token of this program";
@@ -46,7 +46,7 @@ void ControlConnection::receive_head(std::string_view bytes) {
   head_ = {};
   if (const auto* refusal = std::get_if<WebSocketRefusal>(&parsed)) return refuse(*refusal);
   const auto& request = std::get<WebSocketRequest>(parsed);
-  // A page whose own name leads to this machine (DNS rebinding) has no business here, whatever it knows.
+  // Refuse a page with a name that resolves to this machine (DNS rebinding), even with a token.
   static const HostNames names("127.0.0.1", {});
   if (!names.admits(request.host)) return refuse({403, "this is not the name of this machine"});
   const bool knows = request.token && same_secret(*request.token, terms_.token);
@@ -71,7 +71,7 @@ void ControlConnection::receive_frames(std::string_view bytes) {
         take(std::move(message.payload));
         return !closing_;
       default:
-        return true;  // pongs nobody has asked for (RFC 6455 5.5.3)
+        return true;  // ignore unrequested pongs (RFC 6455 5.5.3)
     }
   });
   if (decoder_.failure()) close(decoder_.failure()->code, decoder_.failure()->why);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kBytes = 16;
 
-// Whether what is there is what write_control_token has written.
+// Reports whether a file has the form that write_control_token() writes.
 bool is_token_file(const std::string& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   struct stat about {};

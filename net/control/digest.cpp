@@ -78,7 +78,7 @@ std::optional<std::vector<std::byte>> base64_bytes(std::string_view text) {
     }
     for (std::size_t j = 0; j < 3 - padding; ++j) bytes.push_back(static_cast<std::byte>(group >> (16 - 8 * j) & 0xff));
   }
-  // Bits that no byte has are zeros, so that there is one text for the bytes.
+  // Unused bits must be zero, so that each byte sequence has one text.
   return base64(bytes) == text ? std::optional(std::move(bytes)) : std::nullopt;
 }
 
@@ -86,7 +86,7 @@ bool is_utf8(std::string_view text) {
   const auto* at = reinterpret_cast<const unsigned char*>(text.data());
   const unsigned char* const end = at + text.size();
   while (at != end) {
-    // Eight bytes of ASCII at once.
+    // Skip eight bytes of ASCII at once.
     if (end - at >= 8) {
       std::uint64_t eight = 0;
       std::memcpy(&eight, at, sizeof eight);
@@ -102,7 +102,7 @@ bool is_utf8(std::string_view text) {
                      : lead >= 0xf0 && lead <= 0xf4 ? 3
                                                     : 0;
     if (more == 0 || end - at < more) return false;
-    // No longer spellings than needed, no surrogates, nothing beyond U+10FFFF.
+    // Reject overlong forms, surrogates and code points above U+10FFFF.
     const unsigned least = lead == 0xe0 ? 0xa0 : lead == 0xf0 ? 0x90 : 0x80;
     const unsigned most = lead == 0xed ? 0x9f : lead == 0xf4 ? 0x8f : 0xbf;
     if (at[0] < least || at[0] > most) return false;

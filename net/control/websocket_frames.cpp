@@ -21,7 +21,7 @@ bool is_control(WebSocketOpcode opcode) { return opcode >= WebSocketOpcode::clos
 
 bool is_known(unsigned opcode) { return opcode <= 2 || (opcode >= 8 && opcode <= 10); }
 
-// What a peer may say in a close frame (RFC 6455 7.4).
+// Reports whether a peer may send a code in a close frame (RFC 6455 7.4).
 bool may_be_sent(std::uint64_t code) {
   if (code >= 3000) return code <= 4999;
   return code >= 1000 && code <= 1014 && code != 1004 && code != 1005 && code != 1006;
@@ -44,7 +44,7 @@ std::size_t WebSocketDecoder::push(std::string_view bytes, const std::function<b
       header_.append(bytes.substr(0, count));
       bytes.remove_prefix(count);
       if (header_.size() < header_size() && header_.size() != 2) continue;
-      begin_frame();  // with its first two bytes, and with all of them
+      begin_frame();  // called with the first two bytes, and with the complete header
     } else {
       const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(left_, bytes.size()));
       std::string& to = is_control(opcode_) ? control_ : message_;
@@ -78,7 +78,7 @@ void WebSocketDecoder::begin_frame() {
     return fail(WebSocketClose::protocol_error,
                 in_message_ ? "a message begins inside another one" : "a fragment that goes on with nothing");
   }
-  if (header_.size() < header_size()) return;  // the rest comes
+  if (header_.size() < header_size()) return;  // wait for the rest
   const std::string_view rest = std::string_view(header_).substr(2);
   left_ = short_length < 126 ? short_length : big_endian(rest.substr(0, rest.size() - 4));
   if ((short_length == 126 && left_ < 126) || (short_length == 127 && left_ < 65536) || left_ >> 63 != 0)

@@ -14,11 +14,11 @@
 
 namespace gs::net {
 
-/// Where a mapping lies, for the handler, which may look at any moment of any thread. Ranges are used again and never
-/// freed; `version` is odd while one changes hands, so that the handler takes no beginning for the end of another.
+/// Address range of a mapping, for the handler, which may run at any moment on any thread. Ranges are reused and never
+/// freed. `version` is odd while a range changes, so that the handler does not combine two states.
 struct GuardedRange {
   std::atomic<std::uint64_t> version{0};
-  std::atomic<std::uintptr_t> begin{0}, end{0};  // whole pages; 0: free
+  std::atomic<std::uintptr_t> begin{0}, end{0};  // whole pages; 0 means free
   std::atomic<bool> lost{false};
   GuardedRange* next = nullptr;  // set once
 };
@@ -29,7 +29,7 @@ static_assert(std::atomic<std::uintptr_t>::is_always_lock_free && std::atomic<st
               "a signal handler must not wait for a lock");
 
 std::atomic<GuardedRange*> guarded_ranges{nullptr};
-std::mutex guarded_mutex;  // of those who take and give back ranges; the handler does not
+std::mutex guarded_mutex;  // guards acquiring and releasing ranges; the handler does not lock it
 struct sigaction previous_bus_action {};
 std::uintptr_t guarded_page_size = 0;
 
@@ -39,8 +39,8 @@ constexpr long kMapCall = SYS_mmap2;
 constexpr long kMapCall = SYS_mmap;
 #endif
 
-// Zeros for what is missing from `at` on. Calls the system directly: little else may be done in a handler, and
-// ThreadSanitizer takes mmap(2) by its own name for writing to what others read.
+// Maps zeros from `at` to the end of its range. Calls the system directly, because a signal handler may do little else,
+// and ThreadSanitizer reports mmap(2) as a write to memory that others read.
 bool fill_missing(std::uintptr_t at) {
   for (GuardedRange* range = guarded_ranges.load(std::memory_order_acquire); range; range = range->next) {
     const std::uint64_t version = range->version.load(std::memory_order_acquire);
@@ -66,13 +66,13 @@ void on_bus_error(int number, siginfo_t* info, void* context) {
   if ((previous_bus_action.sa_flags & SA_SIGINFO) != 0) return previous_bus_action.sa_sigaction(number, info, context);
   if (previous_bus_action.sa_handler != SIG_DFL && previous_bus_action.sa_handler != SIG_IGN)
     return previous_bus_action.sa_handler(number);
-  // The access is tried again, and ends the program as if this handler had never been.
+  // The access is repeated, and ends the program as without this handler.
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   (void)::sigaction(SIGBUS, &standard, nullptr);
 }
 
-// With guarded_mutex.
+// Requires guarded_mutex.
 bool install_handler() {
   static bool installed = false;
   if (installed) return true;
@@ -93,7 +93,7 @@ void change_range(GuardedRange& range, std::uintptr_t begin, std::uintptr_t end)
   range.version.fetch_add(1, std::memory_order_acq_rel);
 }
 
-// With guarded_mutex.
+// Requires guarded_mutex.
 GuardedRange& free_range() {
   for (GuardedRange* range = guarded_ranges.load(std::memory_order_acquire); range; range = range->next)
     if (range->end.load(std::memory_order_acquire) == 0) return *range;
@@ -108,7 +108,7 @@ GuardedRange& free_range() {
 std::optional<GuardedMapping> GuardedMapping::of(int file, std::size_t size) {
   const std::lock_guard lock(guarded_mutex);
   if (size == 0 || !install_handler()) return std::nullopt;
-  GuardedRange& range = free_range();  // before the mapping: this may throw
+  GuardedRange& range = free_range();  // may throw, so it precedes the mapping
   void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
   if (memory == MAP_FAILED) return std::nullopt;
   const auto begin = reinterpret_cast<std::uintptr_t>(memory);
@@ -145,7 +145,7 @@ void GuardedMapping::release() noexcept {
 
 void GuardedMapping::put_aside(std::size_t size) const {
   const std::size_t whole = std::min(size, size_) & ~static_cast<std::size_t>(guarded_page_size - 1);
-  // Where zeros stand for what was lost, they would be lost again.
+  // Dropping pages after a loss would drop the zeros, too.
   if (whole > 0 && !lost()) (void)::madvise(const_cast<std::byte*>(data_), whole, MADV_DONTNEED);
 }
 

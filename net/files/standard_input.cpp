@@ -16,7 +16,7 @@ namespace {
 
 std::string input_problem() { return "standard input: " + std::generic_category().message(errno); }
 
-// False with errno.
+// Writes all bytes. Returns false and sets errno on failure.
 bool write_bytes(int file, std::span<const char> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());

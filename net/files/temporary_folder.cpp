@@ -26,7 +26,7 @@ bool is_name_of(std::string_view name, std::string_view prefix) {
                      [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); });
 }
 
-// Whether the folder that is open is the one that stands there, and nobody else's.
+// Reports whether the open folder is still at `path` and belongs to this user alone.
 bool is_folder_of_ours(const Descriptor& folder, const std::string& path) {
   struct stat open {
   }, there{};
@@ -39,7 +39,7 @@ Descriptor open_folder(const std::string& path) {
   return Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
 }
 
-// False, and nothing is removed, when there is anything but regular files.
+// Removes the files. Returns false and removes nothing if the folder has anything but regular files.
 bool remove_files(const Descriptor& folder, const std::string& path) {
   std::vector<std::string> names;
   std::error_code error;
@@ -63,7 +63,7 @@ std::variant<LockedFolder, std::string> LockedFolder::make(const std::string& pa
     if (!::mkdtemp(path.data()))
       return "no folder can be made in " + parent + ": " + std::generic_category().message(errno);
     Descriptor folder = open_folder(path);
-    // Who looks for abandoned ones may have come first; where locks do not work, no one can.
+    // A concurrent cleanup may hold the lock. If locks do not work, no cleanup can run.
     if (!folder || (::flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) ||
         !is_folder_of_ours(folder, path))
       continue;
@@ -90,7 +90,7 @@ void LockedFolder::remove() noexcept {
   try {
     (void)remove_files(locked_, path_);
   } catch (const std::bad_alloc&) {
-    // The next start finds it.
+    // The next start removes it.
   }
   (void)::rmdir(path_.c_str());
   locked_.close();

@@ -23,7 +23,7 @@ void put_text(std::vector<std::byte>& to, std::string_view text) {
   for (const char c : text) to.push_back(static_cast<std::byte>(c));
 }
 
-/// Reads what put_* wrote; remembers whether anything was missing.
+/// Reads the output of the put_ functions, and records whether anything was missing.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -60,7 +60,7 @@ class Reader {
 
 std::uint32_t cache_checksum(std::span<const std::byte> bytes, std::uint32_t before) {
   uLong sum = before;
-  constexpr std::size_t kMost = std::size_t{1} << 30;  // zlib counts in unsigned
+  constexpr std::size_t kMost = std::size_t{1} << 30;  // zlib counts in unsigned int
   while (!bytes.empty()) {
     const auto part = bytes.first(std::min(kMost, bytes.size()));
     sum = ::crc32(sum, reinterpret_cast<const Bytef*>(part.data()), static_cast<uInt>(part.size()));
@@ -145,7 +145,7 @@ std::optional<CacheEntry> read_cache_entry(std::span<const std::byte> bytes) {
   entry.head.fresh_for = static_cast<std::int64_t>(reader.number(8));
   const std::uint64_t count = reader.number(4);
   if (reader.failed() || count > CacheEntry::kMostExtents || reader.left() != count * kExtentBytes) return std::nullopt;
-  // A checksum is no signature: what is read must be safe whoever wrote it.
+  // A checksum is not a signature, so the values may be hostile.
   constexpr std::int64_t kSensible = std::int64_t{1} << 40;
   if (entry.head.stored_at < 0 || entry.head.stored_at > kSensible || entry.head.fresh_for < 0 ||
       entry.head.fresh_for > kSensible)
