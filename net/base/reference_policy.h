@@ -22,7 +22,7 @@ struct Origin {
   [[nodiscard]] bool is_file() const { return has_scheme(url, "file"); }
   /// Returns the site of the origin; documents of one site may refer to that site. All files are one site.
   [[nodiscard]] std::string site() const;
-  /// Returns the most private space whose hosts this document may refer to.
+  /// Returns the most private space to which this document may refer.
   [[nodiscard]] AddressSpace reach() const;
 
   friend bool operator==(const Origin&, const Origin&) = default;

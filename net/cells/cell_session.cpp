@@ -134,7 +134,7 @@ void CellSession::report_loss(const ReportMessage& report, Instant now) {
   const std::uint64_t lost = quiet ? std::max(report.lost, next_ - std::min(next_, report.received)) : report.lost;
   const bool settled = parity_.settled(~std::uint64_t{0});
   parity_.report(report.received, lost, quiet, now);
-  if (!settled && parity_.settled(~std::uint64_t{0})) sync_now_ = true;  // streams that have ended can be reported now
+  if (!settled && parity_.settled(~std::uint64_t{0})) sync_now_ = true;  // slots that have ended can be reported now
 }
 
 void CellSession::take_report(Slot& slot, const SlotReport& report, Instant now) {
@@ -261,7 +261,7 @@ CellSession::Datagram CellSession::datagram(Instant now) {
     if (slot_ready(slot, now) <= now && (!best || slot.turn < best->turn)) best = &slot;
   if (parity_.pending() && (!best || parity_.due())) {
     auto made = encode(parity_.next(next_, stamp(now)), true, now);
-    if (!parity_.pending()) sync_now_ = sync_now_ || !best;  // streams that have ended can be reported now
+    if (!parity_.pending()) sync_now_ = sync_now_ || !best;  // slots that have ended can be reported now
     return made;
   }
   if (!best) return {};

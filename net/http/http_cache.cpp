@@ -25,7 +25,8 @@ std::string hexadecimal(std::uint64_t value) {
   return result;
 }
 
-/// FNV-1a. Two keys with the same names only drive each other out: the entry holds the whole key.
+/// Computes FNV-1a. If the hashes of two keys collide, the keys only displace each other, because an entry holds its
+/// whole key.
 std::uint64_t hash(std::string_view text, std::uint64_t seed) {
   std::uint64_t value = 0xcbf29ce484222325 ^ seed;
   for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3;
@@ -145,7 +146,7 @@ Descriptor HttpCache::lock() const {
 }
 
 void HttpCache::touch(const std::string& path, std::int64_t now) {
-  // The nanoseconds keep the order within a second.
+  // The nanoseconds keep the order of uses within a second.
   const timespec time{static_cast<time_t>(now), static_cast<long>(touches_++ % 1'000'000'000)};
   const timespec times[2] = {time, time};
   (void)::utimensat(AT_FDCWD, path.c_str(), times, AT_SYMLINK_NOFOLLOW);
@@ -171,7 +172,7 @@ bool HttpCache::store(const CacheEntry& entry, std::int64_t now) {
   if (bytes.size() > kLargestEntryFile) return false;
   Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!file) return false;
-  // Not synced: what a power failure destroys is found by its checksum.
+  // Not synced: checksums detect damage after a power failure.
   if (!write_exactly(file.get(), bytes, 0) || ::rename(temporary.c_str(), path.c_str()) != 0) {
     ::unlink(temporary.c_str());
     return false;
@@ -187,7 +188,7 @@ std::optional<CachedResource> HttpCache::find(const std::string& key, std::int64
   result.file_ =
       Descriptor(::open(data_path(key, entry->data).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!result.file_) {
-    // Perhaps another process replaced it just now; then this removes nothing but a newer entry.
+    // Another process may have replaced the file just now; in that case, this only removes a newer entry.
     drop(key);
     return std::nullopt;
   }
@@ -225,7 +226,7 @@ void HttpCache::commit(CacheWriter& writer, std::int64_t now) {
     if (!locked) return;
     auto current = load(entry.key);
     const bool same_file = current && current->data == entry.data;
-    // Another process has replaced what was continued here.
+    // Another process has replaced the version that this writer continued.
     if (!same_file && !writer.own_file_) return;
     if (same_file) {
       CacheEntry merged = *current;
@@ -235,7 +236,7 @@ void HttpCache::commit(CacheWriter& writer, std::int64_t now) {
     } else if (current && !entry.head.encoded && !current->head.encoded && !entry.head.validator.strong().empty() &&
                entry.head.validator.strong() == current->head.validator.strong() &&
                current->present().size() > writer.present_.size()) {
-      return;  // someone else got more of the same
+      return;  // another process stored more of this version
     }
     if (!store(entry, now)) return;
     if (current && !same_file) ::unlink(data_path(entry.key, current->data).c_str());

@@ -25,7 +25,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// Calls `use` with each part between commas.
+/// Calls `use` with each element of a comma-separated list.
 template <class Use>
 void each_in_list(std::string_view list, Use use) {
   while (!list.empty()) {
@@ -53,7 +53,7 @@ const std::string& Validator::strong() const {
 
 bool Validator::agrees(const Validator& other) const {
   if (!etag.empty() && !other.etag.empty()) return etag == other.etag;
-  // A server that names its versions does so always.
+  // A server with entity tags sends them always.
   if (etag.empty() != other.etag.empty() && !empty() && !other.empty()) return false;
   return last_modified.empty() || other.last_modified.empty() || last_modified == other.last_modified;
 }
@@ -97,7 +97,7 @@ CacheControl parse_cache_control(std::string_view text) {
     std::string_view value = trimmed(part.substr(std::min(equals + 1, part.size())));
     if (value.size() >= 2 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
     if (name == "no-store") result.no_store = true;
-    // no-cache="field" speaks of a field; taking it for all is safe.
+    // no-cache="field" applies to one field; applying it to the whole response is safe.
     if (name == "no-cache") result.no_cache = true;
     if (name == "max-age") result.max_age = parse_seconds(value).value_or(0);
   });
@@ -123,7 +123,7 @@ void add_header(ResponseHead& head, std::string_view raw_name, std::string_view 
   if (name == "accept-ranges") head.accepts_ranges = lower(value) == "bytes";
   if (name == "content-encoding") head.encoded = !value.empty() && lower(value) != "identity";
   if (name == "date") head.date = parse_http_date(value);
-  // RFC 9111 5.3: what is no date, 0 above all, is in the past.
+  // RFC 9111 5.3: invalid dates, especially 0, are in the past.
   if (name == "expires") head.expires = parse_http_date(value).value_or(0);
   if (name == "age") head.age = parse_seconds(value).value_or(0);
   if (name == "retry-after") {
@@ -140,7 +140,7 @@ void add_header(ResponseHead& head, std::string_view raw_name, std::string_view 
   if (name == "vary")
     each_in_list(value, [&head](std::string_view part) {
       const std::string field = lower(part);
-      // The encoding is taken off; Accept is part of the cache's key; Origin and cookies are never sent.
+      // curl decodes the content; Accept is part of the cache key; Origin and cookies are never sent.
       if (field != "accept-encoding" && field != "accept" && field != "origin" && field != "cookie")
         head.other_answers = true;
     });

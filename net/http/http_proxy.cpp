@@ -22,7 +22,7 @@ std::string upper_name(std::string text) {
   return text;
 }
 
-/// Whether one of the names, domains, addresses or blocks of a list, parted by commas or blanks, means the host.
+/// Reports whether the host matches a name, domain, address or block of a list. Commas or blanks separate the elements.
 bool is_listed_host(const std::string& host, std::string_view list) {
   const auto address = ip_address_of(host);
   while (!list.empty()) {
@@ -53,7 +53,7 @@ struct FreeUrl {
 std::string proxy_of(const Url& url, const Environment& environment) {
   const auto place = host_and_port(url.authority);
   if (!place) return {};
-  // Of http only in lower case: to a program that a web server runs, HTTP_PROXY is a header of whoever asks.
+  // http_proxy is read in lower case only: in a program that a web server runs, HTTP_PROXY is a request header.
   std::string proxy = environment(url.scheme + "_proxy");
   if (proxy.empty() && url.scheme != "http") proxy = environment(upper_name(url.scheme) + "_PROXY");
   if (proxy.empty()) proxy = environment("all_proxy");
@@ -70,7 +70,7 @@ AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_o
   if (!curl().problem.empty()) return AddressSpace::special;
   const std::unique_ptr<CURLU, FreeUrl> parts(curl().curl_url());
   char* text = nullptr;
-  // curl writes numbers of any base as addresses.
+  // curl normalises addresses with numbers of any base.
   if (curl().curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
       curl().curl_url_get(parts.get(), CURLUPART_HOST, &text, CURLU_URLDECODE) != CURLUE_OK)
     return AddressSpace::special;

@@ -6,7 +6,7 @@
 namespace gs::net {
 namespace {
 
-/// How many transfers may be held half-way for more urgent ones, beyond the number of transfers at once.
+/// Maximum number of paused transfers, in addition to the concurrent ones.
 constexpr std::size_t kMostPreempted = 4;
 constexpr std::size_t kMostPreemptedPerHost = 2;
 
@@ -144,7 +144,7 @@ bool LoadEngine::fits(const LoadJob& job, const Load& load) const {
          (job.host().empty() || count_of(load.host, job.host()) < options_.max_transfers_per_host);
 }
 
-/// Holds a less urgent transfer back, so that one of `job` fits.
+/// Pauses a less urgent transfer, so that a transfer of `job` fits.
 bool LoadEngine::make_room(const LoadJob& job, Load& load) {
   const std::string& host = job.host();
   const bool host_full = !host.empty() && count_of(load.host, host) >= options_.max_transfers_per_host;
@@ -155,7 +155,7 @@ bool LoadEngine::make_room(const LoadJob& job, Load& load) {
     if (running.fetch->preempted || running.job->priority() >= job.priority()) continue;
     if (host_full && running.job->host() != host) continue;
     if (count_of(load.host_preempted, running.job->host()) >= kMostPreemptedPerHost) continue;
-    // The last begun of the least urgent has most of its way before it.
+    // Of the least urgent transfers, the one that started last has the most left to do.
     if (least && std::pair(-least->job->priority(), least_id) >= std::pair(-running.job->priority(), id)) continue;
     least = &running;
     least_id = id;
@@ -171,7 +171,7 @@ bool LoadEngine::make_room(const LoadJob& job, Load& load) {
 void LoadEngine::let_run(const Candidate& candidate, Load& load) {
   const auto& [job, fetch] = candidate;
   if (fetch->preempted) {
-    fetch->preempted = false;  // hold_back() of the next step lets it go on
+    fetch->preempted = false;  // hold_back() of the next step continues it
     load = count_load();
     next_ready_ = now_;
     return;
@@ -204,7 +204,7 @@ void LoadEngine::schedule() {
       else
         candidates.push_back({job.get(), fetch.get()});
     }
-  // Among equals the order of the requests stays.
+  // Requests of equal priority keep their order.
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.job->priority() > b.job->priority(); });
   Load load = count_load();
@@ -217,7 +217,7 @@ void LoadEngine::schedule() {
   }
 }
 
-/// Those of one priority: the viewport that has least gets the next place.
+/// Starts candidates of one priority: the viewport with the fewest transfers is next.
 void LoadEngine::schedule_equals(std::span<const Candidate> candidates, Load& load) {
   std::map<std::uint32_t, std::deque<Candidate>> waiting;
   for (const Candidate& candidate : candidates) waiting[candidate.job->request().viewport].push_back(candidate);

@@ -6,7 +6,7 @@
 namespace gs::net {
 namespace {
 
-/// Cached bytes handed out without looking at anything else.
+/// Cached bytes that are passed on before other work.
 constexpr std::size_t kPumpBytes = std::size_t{1} << 20;
 constexpr std::size_t kPumpedBlock = std::size_t{64} << 10;
 
@@ -30,7 +30,7 @@ LoadJob::LoadJob(JobContext& context, RequestId id, Request request)
 
 LoadJob::~LoadJob() {
   stop_all();
-  // What came before a cancel is of use the next time.
+  // Received bytes of a cancelled request stay useful.
   if (writer_ && !over_) writer_->commit(std::nullopt, context_.unix_seconds());
 }
 
@@ -38,14 +38,14 @@ void LoadJob::set_url(std::string url) {
   const std::string name = parse_url(std::string_view(url).substr(0, 32)).scheme;
   scheme_ = find_scheme(name);
   host_.clear();
-  // Schemes are spelt in lower case from here on.
+  // From here on, the scheme is in lower case.
   if (scheme_) url.replace(0, name.size(), name);
-  // A fragment of a data: URL is part of its text.
+  // In a data: URL, the fragment is part of the data.
   if (!scheme_ || scheme_->transport != TransportKind::data) url.resize(std::min(url.find('#'), url.size()));
   url_ = std::move(url);
   if (!scheme_ || !scheme_->has_host) return;
-  // The cache, the policy, the transport and the texts that come see one spelling. A URL without a host keeps its own;
-  // the policy refuses it.
+  // Cache, policy, transport and received documents all see the canonical URL. A URL without a host stays as it is; the
+  // policy refuses it.
   if (const auto canonical = canonical_url(parse_url(url_))) {
     url_ = canonical->text();
     host_ = canonical->scheme + "://" + canonical->authority;
@@ -110,7 +110,7 @@ void LoadJob::stop_all() {
 }
 
 void LoadJob::open_version() {
-  // Fetches may be on the stack above, so they stay until the engine asks for their next step.
+  // Callers on the stack may hold fetches, so they stay until the engine's next step.
   stop_all();
   for (const auto& fetch : fetches_) fetch->finished = true;
   needed_ = whole() ? RangeSet(std::array{ByteRange{}}) : RangeSet(request_.ranges);
@@ -138,14 +138,14 @@ void LoadJob::look_up() {
   const bool all = wanted.without(found->present()).empty() && (head.total || !whole());
   cached_part_ = {};
   if (whole() && !all) {
-    // Only what lies in front: the whole is handed out in order.
+    // Use only the cached start, because the whole resource is delivered in order.
     const RangeSet front = found->present().within(ByteRange{});
     cached_part_ = front.empty() || front.ranges().front().begin > 0 ? ByteRange{0, 0} : front.ranges().front();
   }
   const RangeSet missing = wanted.without(found->present().within(cached_part_));
   const bool fresh = found->fresh(now);
   const bool useless = !all && (!continuable || missing == wanted);
-  // Nothing to ask the server about.
+  // Without a validator, the server cannot confirm a stale version.
   const bool unconfirmable = !fresh && head.validator.empty();
   if (useless || unconfirmable) return plan(needed_);
   version_ = head.validator;
@@ -192,7 +192,7 @@ bool LoadJob::ready(const Fetch& fetch) const {
   if (fetch.finished || fetch.transfer || fetch.answer.held_end) return false;
   if (whole() && trusted_ && !cached_pending().empty()) return false;
   if (head_sent_ || context_.ranges_known.contains(url_)) return true;
-  // The first answer tells whether the others make sense.
+  // The first response shows whether the server supports ranges.
   for (const auto& other : fetches_)
     if (!other->finished) return other.get() == &fetch;
   return false;
@@ -290,7 +290,7 @@ bool LoadJob::pump(TimePoint now) {
     needed_.subtract({range.begin, range.begin + bytes->size()});
     context_.queue.push_data(id_, range.begin, *bytes);
   }
-  // Iterated by number: what is delivered may end the job.
+  // Iterate by index, because delivery may end the job.
   for (std::size_t i = 0; i < fetches_.size() && !over_; ++i) {
     Fetch& fetch = *fetches_[i];
     if (fetch.finished || (fetch.answer.held.empty() && !fetch.answer.held_end)) continue;
@@ -299,7 +299,7 @@ bool LoadJob::pump(TimePoint now) {
     if (!held.empty() && deliver(fetch, held) == DataVerdict::stop) continue;
     if (end && !over_) on_end(fetch, *end, now);
   }
-  // Now that no answer is being looked at.
+  // No response is in use now.
   std::erase_if(fetches_, [](const auto& fetch) { return fetch->finished && !fetch->transfer; });
   return false;
 }

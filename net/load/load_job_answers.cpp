@@ -6,7 +6,7 @@
 namespace gs::net {
 namespace {
 
-/// Rather read so many bytes that nobody wants than give up a connection.
+/// Bytes of an unneeded body that are read in order to keep the connection.
 constexpr std::uint64_t kWorthReading = std::uint64_t{16} << 10;
 
 std::string status_text(int status) {
@@ -69,7 +69,7 @@ HeadVerdict LoadJob::on_head(Fetch& fetch, const ResponseHead& head) {
   return HeadVerdict::discard;
 }
 
-/// Status 416: there is nothing where the range begins.
+/// Handles status 416: the range begins after the end of the resource.
 HeadVerdict LoadJob::accept_empty(Fetch& fetch, const ResponseHead& head) {
   const auto total = head.content_range ? head.content_range->total : std::nullopt;
   if (cached_ && !head_sent_) {
@@ -93,7 +93,7 @@ HeadVerdict LoadJob::accept_empty(Fetch& fetch, const ResponseHead& head) {
   return HeadVerdict::stop;
 }
 
-/// Whether the answer is one to the question. Fails the job when it is not.
+/// Checks whether a response matches its request. Fails the job if it does not.
 bool LoadJob::check_answer(Fetch& fetch, const ResponseHead& head) {
   const auto bad = [this](const std::string& what) {
     fail(LoadErrorKind::bad_response, what);
@@ -119,7 +119,7 @@ bool LoadJob::check_answer(Fetch& fetch, const ResponseHead& head) {
   return true;
 }
 
-/// The server has told enough to know whether the cached bytes are of its version.
+/// Decides whether the cached bytes belong to the server's version.
 void LoadJob::settle_cached(const ResponseHead& head, bool proven) {
   if (proven) {
     context_.cache->confirm(key(), version_, freshness(head), context_.unix_seconds());
@@ -154,7 +154,7 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
   }
   if (!head_sent_) adopt(head, total);
   if (over_) return HeadVerdict::stop;
-  // What comes later is of no more private a host: a name may mean another by then.
+  // Later responses may not come from a more private host, because a name can resolve to another address later.
   reach_ = std::max(reach_, head.space);
   if (!total_ && total) {
     total_ = total;
@@ -162,7 +162,7 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
   }
   fetch.answer.whole = whole_body;
   if (whole_body) {
-    // All that is wanted comes with this body, front to back.
+    // This body delivers all requested bytes in order.
     for (const auto& other : fetches_)
       if (other.get() != &fetch) {
         stop(*other);
@@ -179,7 +179,7 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
   return HeadVerdict::take;
 }
 
-/// The version of this answer is the one to read.
+/// Makes the version of this response the current one.
 void LoadJob::adopt(const ResponseHead& head, std::optional<std::uint64_t> total) {
   if (!cached_) {
     version_ = head.validator;
@@ -287,7 +287,7 @@ void LoadJob::end_body(Fetch& fetch, TimePoint now) {
   fetch.answer = {};
   fetch.finished = rest.empty();
   if (!fetch.finished) {
-    // A server may send less of a range than it was asked for.
+    // A server may send less than the requested range.
     if (++fetch.failures > context_.options.max_retries || fetch.attempts >= context_.options.max_attempts)
       return fail(LoadErrorKind::bad_response, "the server sent bytes up to " + std::to_string(fetch.position) +
                                                    " only; expected " + range_text(fetch.range.begin, fetch.range.end));
@@ -305,12 +305,12 @@ void LoadJob::follow(const std::string& location, AddressSpace space) {
   if (location.size() > kLongest) return fail(LoadErrorKind::bad_response, "the server redirects to no sensible URL");
   const Url target = resolve(parse_url(url_), parse_url(tidy_url(location)));
   const Scheme* const scheme = find_scheme(target.scheme);
-  // Tests redirect within their own scheme.
+  // Tests redirect within the memory: scheme.
   const bool within_memory = scheme && scheme == scheme_ && scheme->transport == TransportKind::memory;
   if (!scheme || (!scheme->redirect_target && !within_memory))
     return fail(LoadErrorKind::forbidden,
                 "the server redirects to " + url_for_messages(target.text()) + "; expected http or https");
-  // The answer is a text of the server's, however short.
+  // A redirect counts as a document of the server.
   reach_ = std::max(reach_, Origin{url_, space}.reach());
   if (const auto why = context_.options.policy.refuse({url_, space}, target))
     return fail(LoadErrorKind::forbidden,
@@ -325,7 +325,7 @@ void LoadJob::follow(const std::string& location, AddressSpace space) {
   open_version();
 }
 
-/// Status 304.
+/// Handles status 304.
 void LoadJob::use_confirmed(Fetch& fetch) {
   const ResponseHead head = *fetch.answer.not_modified;
   fetch.answer = {};
@@ -343,7 +343,7 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
   const LoaderOptions& options = context_.options;
   fetch.answer = {};
   ++fetch.failures;
-  // A server that was there a moment ago may be starting again.
+  // A server that responded a moment ago may be restarting.
   transient |= error.kind == LoadErrorKind::unreachable && received_ > 0;
   const auto longest = std::chrono::duration_cast<std::chrono::seconds>(options.max_retry_after).count();
   const bool asks_too_much = retry_after && *retry_after > longest;
@@ -355,7 +355,7 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
   }
   Milliseconds delay =
       std::min(options.max_retry_delay, options.retry_delay * (1 << std::min(fetch.failures - 1, 10u)));
-  // Chance keeps many clients of a server that fell over from coming back all at once.
+  // A random delay keeps the clients of a failed server from returning at once.
   delay -=
       Milliseconds(static_cast<std::int64_t>(context_.random() % static_cast<std::uint64_t>(delay.count() / 2 + 1)));
   if (retry_after) delay = std::max(delay, Milliseconds(*retry_after * 1000));

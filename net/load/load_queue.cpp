@@ -5,7 +5,7 @@
 namespace gs::net {
 namespace {
 
-/// Neighbouring blocks are handed out as one up to this size.
+/// Maximum size of consecutive blocks that are returned as one.
 constexpr std::size_t kJoinedBlock = std::size_t{64} << 10;
 
 }  // namespace
@@ -144,7 +144,7 @@ void LoadQueue::push_data(RequestId id, std::uint64_t offset, std::span<const st
     last->bytes.insert(last->bytes.end(), bytes.begin(), bytes.end());
   } else {
     LoadData data{offset, {}};
-    // Room for what will probably follow; never much more than what is counted.
+    // Reserve room for the next blocks, but never much more than is counted.
     data.bytes.reserve(continues ? std::max(bytes.size(), kJoinedBlock) : bytes.size());
     data.bytes.assign(bytes.begin(), bytes.end());
     box->events.push_back({id, std::move(data)});

@@ -20,7 +20,7 @@
 namespace gs::net {
 namespace {
 
-/// For transports without sockets.
+/// Waiter for transports without sockets.
 class ConditionWaiter final : public Waiter {
  public:
   void wait(Milliseconds time, std::span<const int>) override {
@@ -40,7 +40,7 @@ class ConditionWaiter final : public Waiter {
   bool woken_ = false;
 };
 
-/// A writing end that is gone is an error value here, not the end of the program.
+/// Blocks SIGPIPE, so that a broken pipe is an error value and does not end the program.
 void ignore_broken_pipes() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -57,7 +57,7 @@ struct LaneCommand {
   Request request;
 };
 
-/// A thread with its engine.
+/// Thread with its engine.
 class LaneThread {
  public:
   LaneThread(std::unique_ptr<Waiter> waiter, std::function<std::unique_ptr<LoadEngine>()> make_engine)
@@ -123,12 +123,13 @@ class LaneThread {
   std::mutex mutex_;
   std::vector<LaneCommand> commands_;
   bool stopping_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last member, because it uses the others
 };
 
 namespace {
 
-/// Hands the calls on: the engine owns its transports, and the thread its waiter, which for http is the same object.
+/// Forwards to a transport that it does not own: the engine owns its transports and the thread its waiter, but for http
+/// both are one object.
 class SharedHttp final : public Transport {
  public:
   explicit SharedHttp(Transport& http) : http_(http) {}
@@ -190,7 +191,7 @@ struct Loader::Parts {
         std::make_unique<LaneThread>(std::make_unique<ConditionWaiter>(), [this] { return make_local_engine(); });
   }
 
-  /// Who found no room may go on.
+  /// Wakes lanes that found the queue full.
   void wake_the_starved() {
     if (queue.take_starved())
       for (const auto& each : lanes) each->wake();
@@ -199,13 +200,13 @@ struct Loader::Parts {
 
   LoaderOptions options;
   LoadQueue queue;
-  std::unique_ptr<HttpCache> cache;  // the network thread's
+  std::unique_ptr<HttpCache> cache;  // used by the network thread
   mutable std::mutex problem_mutex;
   std::string problem;
-  HttpTransport* network = nullptr;  // of the network thread, of which only what any thread may call is called
+  HttpTransport* network = nullptr;  // owned by the network thread; only its thread-safe functions are called
   std::uint64_t last_id = 0;
-  std::unordered_map<std::uint64_t, Lane> open;      // where to send what concerns a request
-  std::array<std::unique_ptr<LaneThread>, 2> lanes;  // last: their threads use the others
+  std::unordered_map<std::uint64_t, Lane> open;      // lane of each open request
+  std::array<std::unique_ptr<LaneThread>, 2> lanes;  // last member, because their threads use the others
 };
 
 Loader::Loader(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}

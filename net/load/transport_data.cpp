@@ -61,7 +61,7 @@ bool is_base64_mark(std::string_view text) {
   return lower == "base64";
 }
 
-/// Hands the bytes over in the next step; there is nothing to wait for.
+/// Delivers the bytes in the next step.
 class DataTransport final : public Transport {
  public:
   void start(TransferId id, const TransferRequest& request, TimePoint) override { transfers_[id].request = request; }

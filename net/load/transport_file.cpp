@@ -14,7 +14,7 @@
 namespace gs::net {
 namespace {
 
-/// The version of a file: whoever writes it changes at least one of these, unless he hides it.
+/// Returns the version of a file. Writing changes at least one of these numbers, unless the writer resets them.
 std::string version_of(const struct stat& status) {
   return '"' + std::to_string(status.st_ino) + '-' + std::to_string(status.st_size) + '-' +
          std::to_string(status.st_mtim.tv_sec) + '.' + std::to_string(status.st_mtim.tv_nsec) + '"';
@@ -29,7 +29,7 @@ std::string what_is(const struct stat& status) {
 
 TransferEnd failure(LoadErrorKind kind, std::string message) { return {LoadError{kind, std::move(message)}, false}; }
 
-/// Reads a block of each transfer a step, so that a large file does not keep a small one waiting.
+/// Reads one block of each transfer per step, so that a large file does not delay a small one.
 class FileTransport final : public Transport {
  public:
   FileTransport() = default;
@@ -83,7 +83,7 @@ class FileTransport final : public Transport {
                      "files of the host " + url.authority.substr(0, 64) + " cannot be reached; expected file:///path");
     const std::string path = path_of_url(url);
     if (path.empty()) return failure(LoadErrorKind::bad_request, "it names no file; expected file:///path");
-    // Not waiting for the other end of a pipe, nor taking a terminal over.
+    // Do not wait for the other end of a pipe, and do not take over a terminal.
     transfer.file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     const int code = errno;
     if (transfer.file < 0) {
@@ -128,7 +128,7 @@ class FileTransport final : public Transport {
     const ssize_t got = ::pread(transfer.file, block_.data(), wanted, static_cast<off_t>(transfer.next));
     if (got < 0 && errno == EINTR) return std::nullopt;
     if (got < 0) return failure(LoadErrorKind::unreadable, std::generic_category().message(errno));
-    // Seen behind the reading, so that no bytes of a newer version are taken for the old one's.
+    // Checked after reading, so that bytes of a newer version are not accepted.
     struct stat status {};
     if (::fstat(transfer.file, &status) != 0 || version_of(status) != version_of(transfer.status) || got == 0)
       return TransferEnd{LoadError{LoadErrorKind::changed, "the file was changed while it was read"}, true};

@@ -22,16 +22,17 @@
 namespace gs::net {
 namespace {
 
-/// Bodies that nobody wants (of redirects and errors) are read up to here, so that the connection can be used again.
+/// Maximum bytes of an unneeded body (of a redirect or error) that are read to keep the connection.
 constexpr std::size_t kMostDiscarded = std::size_t{16} << 10;
-/// Connections that are kept for later.
+/// Maximum number of idle connections.
 constexpr long kIdleConnections = 32;
-/// One block of a compressed body may grow a thousandfold, and is held by curl while we have no room: so it is small.
+/// Block sizes. A block of a compressed body can grow a thousandfold, and curl holds it while the queue is full, so it
+/// is small.
 constexpr long kCompressedBlock = 16 << 10;
 constexpr long kPlainBlock = 64 << 10;
-/// Where curl waits for an answer of an FTP server and for nothing else meanwhile: no longer than this.
+/// Maximum time for which curl blocks while it waits for an FTP server.
 constexpr Milliseconds kLongestHold{1000};
-/// Where the rate is limited: what is handed over at once, and what the system may hold of a connection.
+/// With a rate limit: bytes that are delivered at once, and bytes that the system may buffer for a connection.
 constexpr std::uint64_t kLeastBlock = 1 << 10, kLeastAhead = 4 << 10, kMostAhead = 1 << 20;
 
 struct FreeEasy {
@@ -52,7 +53,7 @@ std::string environment_variable(const std::string& name) {
 class CurlTransport final : public HttpTransport {
  public:
   explicit CurlTransport(const LoaderOptions& options) : options_(options), asked_rate_(options.bytes_per_second) {
-    // Counted by curl, and safe beside other threads since 7.84.
+    // curl counts the calls; they are thread-safe since 7.84.
     curl().curl_global_init(CURL_GLOBAL_DEFAULT);
     multi_.reset(curl().curl_multi_init());
     CURLM* const multi = multi_.get();
@@ -94,18 +95,18 @@ class CurlTransport final : public HttpTransport {
     std::array<char, CURL_ERROR_SIZE> detail{};
     ResponseHead head;
     std::size_t header_bytes = 0, discarded = 0;
-    TimePoint progress;                // the start, the end of the headers, or the last byte of the body
-    std::optional<LoadError> failure;  // found by us, not by curl
+    TimePoint progress;                // time of the start, of the end of the headers, or of the last byte of the body
+    std::optional<LoadError> failure;  // detected by this class, not by curl
     AddressSpace reach = AddressSpace::special;
     AddressSpace space = AddressSpace::special;  // of the host
-    std::string refused_host;                    // why an address was passed over
-    std::string refused_url;                     // why no connection is made at all
-    bool proxied = false;                        // the host's address is the proxy's to find
+    std::string refused_host;                    // reason why an address was refused
+    std::string refused_url;                     // reason why no connection is made
+    bool proxied = false;                        // the proxy resolves the host
     bool by_ftp = false;
-    std::uint64_t left = 0;  // bytes of a file by FTP
+    std::uint64_t left = 0;  // remaining bytes of an FTP file
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
-    std::optional<TimePoint> slowed;  // since when it waits for its turn at the rate of all
+    std::optional<TimePoint> slowed;  // start of its wait for the shared rate
   };
 
   static std::size_t header_callback(char* data, std::size_t, std::size_t count, void* user) {
@@ -117,20 +118,20 @@ class CurlTransport final : public HttpTransport {
     return transfer.transport->on_body(transfer, {data, count});
   }
 
-  /// In place of a connection to an address that the text may not reach, none is made.
+  /// Refuses connections to addresses that the document may not reach.
   static curl_socket_t open_socket_callback(void* user, curlsocktype, curl_sockaddr* address) {
     auto& transfer = *static_cast<Transfer*>(user);
     if (!transfer.proxied && !transfer.transport->may_reach(transfer, ip_address_of(&address->addr)))
       return CURL_SOCKET_BAD;
     const int socket = ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
-    // What the system takes ahead of us has passed the line already.
+    // Limit the system's buffer, because its bytes have already used the line.
     if (const std::uint64_t rate = transfer.transport->rate_.rate(); rate > 0 && socket >= 0) {
       const int room = static_cast<int>(std::clamp<std::uint64_t>(rate / 2, kLeastAhead, kMostAhead));
       (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
     }
     return socket;
   }
-  /// Before each request, also on a connection that was made for another.
+  /// Checks the address before each request, also on a reused connection.
   static int request_callback(void* user, char* address, char*, int, int) {
     auto& transfer = *static_cast<Transfer*>(user);
     if (transfer.proxied) return CURL_PREREQFUNC_OK;
@@ -151,8 +152,8 @@ class CurlTransport final : public HttpTransport {
   bool tell_head(Transfer& transfer);
   bool begin_file(Transfer& transfer);
   std::size_t on_body(Transfer& transfer, std::string_view bytes);
-  /// Nothing is held back before its head has come: until curl knows from the first answer of a host whether others can
-  /// share its connection, it lets them all wait (CURLOPT_PIPEWAIT). What follows the head is held back by on_body.
+  /// Pauses a transfer only after its head. Before that, curl lets all transfers to a host wait, because the first
+  /// response shows whether they can share the connection (CURLOPT_PIPEWAIT). on_body pauses the rest.
   static bool pause_is_due(const Transfer& transfer) {
     return transfer.wants_pause != transfer.paused && (transfer.head_done || !transfer.wants_pause);
   }
@@ -185,10 +186,10 @@ class CurlTransport final : public HttpTransport {
   TransferSink* sink_ = nullptr;  // during step
   TimePoint now_{};
   std::chrono::steady_clock::time_point step_began_{};
-  mutable TokenBucket rate_;  // of all transfers together, where that is limited; is filled when it is asked
+  mutable TokenBucket rate_;  // shared by all transfers if the rate is limited; mutable because queries refill it
   std::atomic<std::uint64_t> asked_rate_;
   std::uint64_t followed_rate_ = 0;
-  bool dirty_ = false;  // something is to be done that no socket tells of
+  bool dirty_ = false;  // work is pending that no socket reports
 };
 
 void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoint now) {
@@ -199,7 +200,7 @@ void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoi
   transfer->reach = request.reach;
   transfer->easy.reset(curl().curl_easy_init());
   set_options(*transfer, request);
-  // What is refused already ends in the next step.
+  // Refused transfers end in the next step.
   if (transfer->refused_host.empty() && transfer->refused_url.empty())
     curl().curl_multi_add_handle(multi_.get(), transfer->easy.get());
   transfers_[id] = std::move(transfer);
@@ -217,7 +218,7 @@ bool CurlTransport::may_reach(Transfer& transfer, const std::optional<IpAddress>
 void CurlTransport::set_options(Transfer& transfer, const TransferRequest& request) {
   CURL* const easy = transfer.easy.get();
   const auto canonical = canonical_url(parse_url(request.url));
-  // curl would take a host from the path.
+  // curl would read a host from the path.
   if (!canonical) {
     transfer.refused_url = "it names no host or an invalid port";
     return;
@@ -226,12 +227,12 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_URL, url.c_str());
   transfer.by_ftp = canonical->scheme == "ftp";
   curl().curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, transfer.by_ftp ? "ftp" : "http,https");
-  // The loader follows redirects itself: each hop is checked, and looked up in the cache.
+  // The loader follows redirects, so that it can check each hop and look it up in the cache.
   curl().curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
   curl().curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_2TLS));
   curl().curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
-  curl().curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // not waiting for a name server at the end
+  curl().curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // do not wait for a name server at the end
   curl().curl_easy_setopt(easy, CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_TCP_KEEPALIVE, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
@@ -241,7 +242,7 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
   curl().curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
   if (!options_.ca_file.empty()) curl().curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
-  // A proxy would answer by HTTP.
+  // A proxy would answer FTP by HTTP.
   const std::string proxy =
       options_.proxy_from_environment && !transfer.by_ftp ? proxy_of(*canonical, environment_variable) : std::string();
   curl().curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
@@ -270,11 +271,11 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
     add("Range", "bytes=" + std::to_string(request.range->begin) + "-" +
                      (open ? std::string() : std::to_string(request.range->end - 1)));
     add("If-Range", request.if_range);
-    // Ranges of a compressed form would be of no use.
+    // Ranges of a compressed form would be useless.
     add("Accept-Encoding", "identity");
     curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
   } else {
-    // Only what cannot grow without bound between two of our looks.
+    // Only encodings with bounded growth per block.
     curl().curl_easy_setopt(easy, CURLOPT_ACCEPT_ENCODING, "gzip, deflate");
     curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kCompressedBlock));
   }
@@ -284,7 +285,8 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
 }
 
-/// Whole files of who asks without a name (RFC 959, 1635), by connections that we open (RFC 2428), each for one file.
+/// Sets options for anonymous transfers of whole files (RFC 959, 1635), over passive connections (RFC 2428), one file
+/// each.
 void CurlTransport::set_ftp_options(Transfer& transfer) {
   CURL* const easy = transfer.easy.get();
   curl().curl_easy_setopt(easy, CURLOPT_FTP_FILEMETHOD, static_cast<long>(CURLFTPMETHOD_NOCWD));
@@ -298,7 +300,7 @@ void CurlTransport::set_ftp_options(Transfer& transfer) {
 
 bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
   if (transfer.over) return false;
-  if (transfer.head_done) return true;  // trailers
+  if (transfer.head_done) return true;  // ignore trailers
   transfer.header_bytes += line.size();
   if (transfer.header_bytes > options_.max_header_bytes) {
     transfer.failure =
@@ -324,8 +326,8 @@ bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
   return tell_head(transfer);
 }
 
-/// FTP has no head; all that a server says before a file is how long it is (SIZE, RFC 3659). With that we need not wait
-/// for its last word, for which curl would let all others wait.
+/// Starts a file over FTP. FTP has no head; a server reports only the length of a file (SIZE, RFC 3659). With the
+/// length, the transfer need not wait for the server's last reply, during which curl blocks all other transfers.
 bool CurlTransport::begin_file(Transfer& transfer) {
   curl_off_t size = -1;
   curl().curl_easy_getinfo(transfer.easy.get(), CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &size);
@@ -384,7 +386,7 @@ void CurlTransport::apply_pauses() {
     transfer->paused = transfer->wants_pause;
     transfer->slowed.reset();
     transfer->progress = now_;
-    // Going on may hand over what curl has held back, and that may pause again.
+    // Continuing may deliver bytes that curl held, and that may pause the transfer again.
     curl().curl_easy_pause(transfer->easy.get(), transfer->paused ? CURLPAUSE_RECV : CURLPAUSE_CONT);
   }
 }
@@ -396,12 +398,12 @@ void CurlTransport::follow_rate() {
   const bool was_limited = rate_.rate() > 0;
   rate_.set_rate(rate, burst, instant(now_));
   if (was_limited) return;
-  // Empty at the start: what was not asked for has not been saved up.
+  // Start with an empty bucket, because unused time before now does not count.
   rate_ = TokenBucket(rate, burst, instant(now_));
   rate_.take(burst, instant(now_));
 }
 
-// One block each, who has waited longest first.
+// Delivers one block per transfer, the longest waiting first.
 void CurlTransport::go_on_at_rate() {
   while (rate_.rate() == 0 || rate_.has(1, instant(now_))) {
     Transfer* first = nullptr;
@@ -433,7 +435,7 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
   sink_ = nullptr;
 }
 
-/// Those that were never begun.
+/// Ends the transfers that were refused before they began.
 void CurlTransport::end_refused() {
   for (auto& [id, transfer] : transfers_)
     if (!transfer->over && !transfer->refused_url.empty())

@@ -23,7 +23,7 @@ struct MemoryAnswer {
   std::size_t block = 16384;                 // bytes delivered at a time
   std::optional<std::uint64_t> stall_after;  // no more bytes after this number of body bytes, until the time-out
   std::optional<std::uint64_t> break_after;  // the connection breaks after this number of bytes
-  bool answers = true;                       // false: no response at all
+  bool answers = true;                       // false means no response at all
   std::optional<LoadError> refused;          // connection refused
   Milliseconds stall_timeout{20'000};        // silence after which the transfer fails
 };

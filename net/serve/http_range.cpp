@@ -11,7 +11,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::uint64_t kPartCost = 120;  // bytes of a boundary and its headers, about
+constexpr std::uint64_t kPartCost = 120;  // approximate bytes of a boundary and its headers
 
 bool equal_word(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
@@ -30,13 +30,13 @@ void for_each_item(std::string_view list, const Each& each) {
   }
 }
 
-// Digits too many for the type are more than any body has.
+// Parses a number. Numbers that overflow become the maximum, which exceeds every body.
 std::optional<std::uint64_t> number(std::string_view digits) {
   if (digits.empty() || digits.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
   return parse_decimal(digits).value_or(UINT64_MAX);
 }
 
-// False: no range. Nothing added: a range without a byte.
+// Adds one range. Returns false if the text is not a range. Adds nothing if the range has no bytes.
 bool add_range(std::string_view item, std::uint64_t size, std::vector<ServedRange>& out) {
   const std::size_t dash = item.find('-');
   if (dash == std::string_view::npos) return false;
@@ -62,7 +62,7 @@ bool near(const ServedRange& a, const ServedRange& b) {
 std::vector<ServedRange> joined(const std::vector<ServedRange>& ranges) {
   std::vector<ServedRange> out;
   for (ServedRange range : ranges) {
-    // What grew may now touch others.
+    // The joined range may now touch others.
     for (std::size_t i = 0; i < out.size();) {
       if (!near(out[i], range)) {
         ++i;
@@ -79,7 +79,7 @@ std::vector<ServedRange> joined(const std::vector<ServedRange>& ranges) {
 
 std::string_view opaque(std::string_view etag) { return etag.starts_with("W/") ? etag.substr(2) : etag; }
 
-// `strong`: weak tags match nothing.
+// Reports whether a list of entity tags has a tag. With `strong`, weak tags never match.
 bool lists(std::string_view value, std::string_view etag, bool strong) {
   if (without_blanks(value) == "*") return true;
   if (strong && etag.starts_with("W/")) return false;

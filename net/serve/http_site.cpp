@@ -12,8 +12,7 @@
 namespace gs::net {
 namespace {
 
-// Smaller files gain nothing from gzip; larger ones should lie there
-// compressed.
+// Size limits for gzip on demand. Smaller files gain nothing; larger ones should be stored compressed.
 constexpr std::uint64_t kLeastGzip = 512, kMostGzip = std::uint64_t{64} << 20;
 constexpr std::chrono::milliseconds kGzipWait{5000};
 constexpr const char* kRetrySeconds = "2";
@@ -25,15 +24,14 @@ std::string text_tag(const std::string& body) {
   return tag;
 }
 
-// Where the authority of a target that is a whole URL ends; nothing for others.
+// Returns the end of the authority if the target is a whole URL, or nullopt.
 std::optional<std::size_t> end_of_authority(const std::string& target) {
   const std::size_t scheme = target.find("://");
   if (target.starts_with('/') || scheme == std::string::npos || scheme >= 8) return std::nullopt;
   return std::min(target.find_first_of("/?#", scheme + 3), target.size());
 }
 
-// The path and the query of a request's target, which may be a whole URL (RFC
-// 9112 3.2.2).
+// Splits a request's target, which may be a whole URL (RFC 9112 3.2.2), into path and query.
 std::pair<std::string, std::string> split_target(std::string target) {
   if (const auto end = end_of_authority(target)) {
     target = target.substr(*end);
@@ -83,7 +81,7 @@ HttpSite::HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFi
 
 void HttpSite::add_common(HttpAnswer& answer) { answer.headers.emplace_back("X-Content-Type-Options", "nosniff"); }
 
-// Whether pages of other origins may read the answer (https://fetch.spec.whatwg.org, CORS).
+// Allows pages of other origins to read the response, if the options say so (https://fetch.spec.whatwg.org, CORS).
 void HttpSite::add_sharing(const HttpRequest& request, HttpAnswer& answer) const {
   auto& headers = answer.headers;
   const auto lists = [&](const std::string& origin) {
@@ -142,14 +140,15 @@ HttpAnswer HttpSite::text(const HttpRequest& request, const std::string& mime, s
     return answer;
   }
   answer.headers.emplace_back("Content-Type", mime);
-  // Whatever names are in the listing, nothing in it may run.
+  // Nothing in a listing may run, whatever the file names are.
   answer.headers.emplace_back("Content-Security-Policy",
                               "default-src 'none'; img-src 'self'; style-src 'unsafe-inline'");
   answer.parts.push_back({std::move(body), {}});
   return answer;
 }
 
-// Both the Host field and a target that is a whole URL say who is asked (RFC 9112 3.2.2).
+// Reports whether the request names this server, in its Host field and in a target that is a whole URL (RFC 9112
+// 3.2.2).
 bool HttpSite::is_for_us(const HttpRequest& request) const {
   if (const auto end = end_of_authority(request.target)) {
     const std::size_t begin = request.target.find("://") + 3;
@@ -159,7 +158,7 @@ bool HttpSite::is_for_us(const HttpRequest& request) const {
 }
 
 HttpSite::Reply HttpSite::answer(const HttpRequest& request) const {
-  // Not shared with any page: who asks by a foreign name is one.
+  // These errors have no CORS headers, because a request by a foreign name comes from a page.
   if (request.hosts.size() > 1) return problem(400, "expected one Host field");
   if (!is_for_us(request)) return problem(421, "this server does not go by the name that was asked for");
   Reply reply = answer_here(request);
@@ -191,7 +190,8 @@ HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
   const auto [path, query] = split_target(request.target);
   if (path == "/health") return text(request, "text/plain; charset=utf-8", "ok\n");
   if (path == "/metrics") {
-    // On all interfaces any name may be asked for: a page that has its own resolve to this machine must not read this.
+    // A server on all interfaces accepts any name. A page with a name that resolves to this machine must not read the
+    // metrics.
     const bool own = !request.hosts.empty() && names_.is_own(request.hosts.front());
     if (!request.local || !own) return problem(404, "not found");
     return text(request, "text/plain; version=0.0.4; charset=utf-8", metrics_());
@@ -260,8 +260,7 @@ HttpSite::Reply HttpSite::file(const HttpRequest& request, const RequestPath& pa
   return send(request, std::move(chosen));
 }
 
-// Chooses what lies compressed beside the file or has been compressed, where
-// that is wanted.
+// Chooses a compressed file next to the file, or one compressed on demand, if the client accepts it.
 std::optional<WaitForMade> HttpSite::compress(const HttpRequest& request, const RequestPath& path,
                                               Representation& chosen) const {
   const FileStamp& stamp = chosen.file.stamp;
@@ -270,7 +269,7 @@ std::optional<WaitForMade> HttpSite::compress(const HttpRequest& request, const 
   beside.names.back() += ".gz";
   auto opened = root_.open(beside);
   auto* packed = std::get_if<ServedFile>(&opened);
-  // One that is older than the file was made of another version.
+  // A compressed file that is older than the file belongs to an earlier version.
   if (packed && (packed->folder || packed->stamp.seconds < stamp.seconds)) packed = nullptr;
   const bool on_the_fly = made_ && chosen.type.compress && stamp.size >= kLeastGzip && stamp.size <= kMostGzip;
   chosen.varies = packed || on_the_fly;
@@ -385,7 +384,7 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
       failed->message = message_for_clients(std::move(failed->message), root);
       return failed;
     }
-    // What was read may have been of two versions.
+    // The maker may have read two versions.
     const Descriptor now(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (!now || !(stamp_of(now) == stamp)) return MakeFailure{"the file was changed meanwhile", false};
     return std::nullopt;

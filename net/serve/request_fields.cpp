@@ -13,7 +13,7 @@ bool same_word(std::string_view text, std::string_view lower_case) {
                     [](char a, char b) { return lower_letter(a) == b; });
 }
 
-/// RFC 9110 5.6.2.
+/// Reports whether a text is a token (RFC 9110 5.6.2).
 bool is_token(std::string_view text) {
   constexpr std::string_view kMarks = "!#$%&'*+-.^_`|~";
   return !text.empty() && std::all_of(text.begin(), text.end(), [kMarks](char c) {

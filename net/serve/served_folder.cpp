@@ -19,7 +19,7 @@ namespace gs::net {
 namespace {
 
 constexpr std::size_t kMostPathBytes = 4096;
-// Nonblocking: a pipe must not make the server wait for its other end.
+// Non-blocking, so that the server does not wait for the other end of a pipe.
 constexpr int kFlags = O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY;
 
 bool is_plain(char c) {
@@ -27,7 +27,7 @@ bool is_plain(char c) {
          std::strchr("-._~", c) != nullptr;
 }
 
-// Nothing for a damaged percent sign.
+// Percent-decodes a text. Returns nullopt if a percent sign is invalid.
 std::optional<std::string> decode(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -43,7 +43,7 @@ std::optional<std::string> decode(std::string_view text) {
   return out;
 }
 
-// Why a decoded name must not be looked for; a status of 0: it may be.
+// Returns why a decoded name must not be opened. A status of 0 means that it may.
 PathRefusal refuse_name(const std::string& name) {
   if (name.empty()) return {404, "empty name in the path"};
   if (name == "." || name == "..") return {400, "'.' and '..' are not allowed in a path"};
@@ -119,13 +119,13 @@ std::variant<ServedFolder, std::string> ServedFolder::open(const std::string& pa
   return folder;
 }
 
-// errno tells why not.
+// Opens a path inside the folder. On failure, the descriptor is empty and errno is set.
 Descriptor ServedFolder::open_beneath(int folder, const std::string& relative) const {
   if (resolve_beneath_) {
     open_how how{};
     how.flags = static_cast<std::uint64_t>(kFlags);
     how.resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS;
-    // A rename elsewhere on the machine makes it ask to try again.
+    // openat2 returns EAGAIN if files are renamed meanwhile.
     for (int attempt = 0; attempt < 8; ++attempt) {
       Descriptor opened(static_cast<int>(syscall(SYS_openat2, folder, relative.c_str(), &how, sizeof how)));
       if (opened || errno != EAGAIN) return opened;
