@@ -14,7 +14,7 @@ namespace gs::app {
 
 namespace {
 
-// GLFW has loaded libX11 where it uses it; with Wayland these functions are absent.
+// Returns a function of an already loaded library; null if absent, as with Wayland. GLFW loads libX11 when it uses X11.
 template <class Function>
 Function* loaded(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_DEFAULT, name));
@@ -25,14 +25,14 @@ Function* loaded_from(void* library, const char* name) {
   return library ? reinterpret_cast<Function*>(::dlsym(library, name)) : nullptr;
 }
 
-/// Events to look for, and the result.
+/// Search criteria, and the result.
 struct Search {
   Atom protocols, delete_window;
   unsigned quit_key;
   bool found = false;
 };
 
-// Never takes an event, so that the main thread gets all of them.
+// Records a close request. Always returns False, so that the event stays in the queue for the main thread.
 Bool note_request(Display*, XEvent* event, XPointer argument) {
   auto& search = *reinterpret_cast<Search*>(argument);
   if (event->type == ClientMessage && event->xclient.message_type == search.protocols &&
@@ -47,7 +47,7 @@ Bool note_request(Display*, XEvent* event, XPointer argument) {
 
 CloseWatch::CloseWatch() {
   auto* const display = loaded<Display*()>("glfwGetX11Display");
-  // The library is open already; this only counts one more user.
+  // The library is already loaded; this only adds a reference.
   void* const library = ::dlopen("libX11.so.6", RTLD_NOW | RTLD_NOLOAD);
   auto* const atom = loaded_from<decltype(XInternAtom)>(library, "XInternAtom");
   auto* const key = loaded_from<decltype(XKeysymToKeycode)>(library, "XKeysymToKeycode");

@@ -2,12 +2,11 @@
 
 namespace gs::app {
 
-/// Looks for requests to close the window among events that the main thread has not taken from the X server yet: the
-/// window's close button and Ctrl+Q. Any thread may look while the main thread is busy with something else. Finds
-/// nothing on other window systems.
+/// Detector of requests to close the window (close button or Ctrl+Q) that still wait in the X server's event queue. Any
+/// thread may ask while the main thread is busy. Detects nothing on other window systems.
 class CloseWatch {
  public:
-  /// Main thread, while the window exists.
+  /// Call on the main thread while the window exists.
   CloseWatch();
 
   [[nodiscard]] bool is_asked_to_close() const;
