@@ -45,9 +45,9 @@ class Fact {
   /// Returns true for a value without list elements and without members.
   [[nodiscard]] bool empty() const;
 
-  /// JSON, indented, ASCII; what is no UTF-8 is replaced (U+FFFD). Ends with a line end.
-  [[nodiscard]] std::string json() const;
   /// Returns indented ASCII JSON with a trailing line end. Invalid UTF-8 becomes U+FFFD.
+  [[nodiscard]] std::string json() const;
+  /// Returns lines for users, one per named value. Lists of values other than numbers, and the member "metadata", have
   /// one line per element.
   [[nodiscard]] std::vector<std::string> lines() const;
 

@@ -12,7 +12,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kUnpackedBytes = std::size_t{256} << 10;
-constexpr int kGzipWindow = 15 + 16;  // zlib: the largest window, gzip framing
+constexpr int kGzipWindow = 15 + 16;  // zlib: largest window, gzip framing
 
 }  // namespace
 
@@ -24,11 +24,11 @@ struct Gunzip::State {
   z_stream stream{};
   std::vector<char> piece = std::vector<char>(kUnpackedBytes);
   WorldBudget budget;
-  std::uint64_t taken = 0, total = 0;  // packed, unpacked
-  std::size_t mark = 0;                // of the two bytes that another member would begin with, how many have come
-  bool between = false;                // a member has ended, and no other has begun
-  bool over = false;                   // nothing more is taken
-  bool stopped = false;                // by the sink
+  std::uint64_t taken = 0, total = 0;  // compressed and decompressed bytes
+  std::size_t mark = 0;                // number of received bytes of the two that start another member
+  bool between = false;                // after a member, before the next one
+  bool over = false;                   // further input is ignored
+  bool stopped = false;                // the sink returned false
   std::optional<std::string> problem;
 
   void fail(std::string message) {
@@ -36,7 +36,7 @@ struct Gunzip::State {
     over = true;
   }
 
-  // Another member may follow (RFC 1952 2.2); anything else behind the last one is ignored.
+  // Looks for another member (RFC 1952 2.2). Ignores other bytes after the last member.
   void look_for_member(std::span<const std::byte>& bytes) {
     static constexpr Bytef kMark[] = {0x1f, 0x8b};
     while (mark < 2 && !bytes.empty()) {
@@ -74,11 +74,11 @@ struct Gunzip::State {
       return fail("unpacks to more than " + std::to_string(limits.unpack_ratio) + " times its size");
     bool room = budget->take(vrml::Resource::unpacked, made);
     if (!room) {
-      // The same bytes come out, in whatever pieces the packed ones come in.
+      // The budget limits the output exactly, independent of the sizes of the input pieces.
       made = std::min<std::size_t>(made, budget->left(vrml::Resource::unpacked));
       (void)budget->take(vrml::Resource::unpacked, made);
     }
-    // What has come shows, however short the time is.
+    // Passes the output on even if the time is over.
     if (made > 0 && !sink(std::string_view(piece.data(), made))) {
       over = stopped = true;
       return;
@@ -90,7 +90,7 @@ struct Gunzip::State {
     else if (status != Z_OK && status != Z_BUF_ERROR)
       fail(std::string("the gzip data is damaged") + (stream.msg ? std::string(" (") + stream.msg + ")" : ""));
     else if (status == Z_BUF_ERROR && !bytes.empty())
-      fail("the gzip data is damaged");  // cannot be: there was room, and there were bytes
+      fail("the gzip data is damaged");  // unreachable: there is input and output space
   }
 };
 
@@ -109,7 +109,7 @@ bool Gunzip::push(std::span<const std::byte> bytes, const Sink& sink) {
     else
       s.inflate_some(bytes, sink);
   }
-  // What fills the last piece exactly is still inside zlib.
+  // If the output exactly fills a piece, zlib may hold more.
   while (!s.over && !s.between && s.stream.avail_out == 0) s.inflate_some(bytes, sink);
   return !s.over;
 }

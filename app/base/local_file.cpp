@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The path of an existing file that differs from `path` in upper and lower case only; empty for none.
+// Returns the path of an existing file that differs from `path` only in case, or an empty string.
 std::string find_ignoring_case(const fs::path& path) {
   std::error_code error;
   fs::path found = path.is_absolute() ? path.root_path() : fs::path(".");
@@ -36,7 +36,7 @@ LocalFile open_local_file(const net::Url& url, const net::ReferencePolicy& polic
                           const std::string& given, const net::CheckFirstBytes& check) {
   LocalFile result;
   result.path = given.empty() ? net::path_of_url(url) : given;
-  // False: it is not there.
+  // Returns false if the file does not exist.
   const auto open = [&](const std::string& path) {
     if (const auto refused = policy.refuse_file(from, path)) {
       result.problem = path + ": " + refused->message;

@@ -24,17 +24,17 @@ constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
 #elif defined(__riscv) && __riscv_xlen == 64
 constexpr std::uint32_t kArchitecture = AUDIT_ARCH_RISCV64;
 #else
-constexpr std::uint32_t kArchitecture = 0;  // numbers of others have not been looked at
+constexpr std::uint32_t kArchitecture = 0;  // other architectures are not supported
 #endif
 
-// Newer than the headers of Debian 12; the same numbers on all architectures.
+// Newer than the headers of Debian 12; the numbers are the same on all architectures.
 constexpr long kFchmodat2 = 452, kSetxattrat = 463, kRemovexattrat = 466, kOpenTreeAttr = 467, kFileSetattr = 469;
 
-// A list of what is refused, and not of what is allowed: libraries of C, OpenGL and LLVM change what they call from
-// version to version, and files are Landlock's matter. Here is what reaches beyond files, and what Landlock does not
-// cover of them (attributes, in any version; truncating, before version 3).
+// Deny list rather than allow list, because libraries of C, OpenGL and LLVM change their system calls with each
+// version. Landlock restricts files. This list contains calls that reach beyond files, and file operations that
+// Landlock lacks (attributes in all versions, truncation before version 3).
 constexpr long kRefused[] = {
-    // The network, and other ways to other processes
+    // Network and communication with other processes
     SYS_socket,
     SYS_socketpair,
     SYS_connect,
@@ -83,7 +83,7 @@ constexpr long kRefused[] = {
     SYS_fork,
     SYS_vfork,
 #endif
-    // Attributes of files and their names by other ways
+    // Attributes of files and their names
     SYS_fchmod,
     SYS_fchmodat,
     SYS_fchown,
@@ -113,7 +113,7 @@ constexpr long kRefused[] = {
     SYS_utimes,
     SYS_futimesat,
 #endif
-    // The machine
+    // State of the machine
     SYS_mount,
     SYS_umount2,
     SYS_pivot_root,
@@ -159,7 +159,7 @@ constexpr long kRefused[] = {
 #endif
 };
 
-// A program of BPF that is read from top to bottom: each rule ends it or lets it go on.
+// Builder of a BPF program. Rules run in order; each one ends the program or continues.
 class Filter {
  public:
   Filter() {
@@ -168,7 +168,7 @@ class Filter {
     finish(SECCOMP_RET_KILL_PROCESS);
     load(offsetof(seccomp_data, nr));
 #ifdef __x86_64__
-    constexpr std::uint32_t kX32 = 0x40000000;  // the same calls by other numbers
+    constexpr std::uint32_t kX32 = 0x40000000;  // the same calls with other numbers
     jump(BPF_JGE, kX32, 0, 1);
     finish(kRefuse);
 #endif
@@ -177,7 +177,7 @@ class Filter {
     jump(BPF_JEQ, static_cast<std::uint32_t>(call), 0, 1);
     finish(answer);
   }
-  /// Where an argument has all of these bits and, of `mask`, none but them.
+  /// Refuses a call if the argument has all of `bits` and no other bits of `mask`.
   void refuse_bits(long call, unsigned argument, std::uint32_t mask, std::uint32_t bits) {
     begin(call, 5);
     load(low_word(argument));
@@ -186,7 +186,7 @@ class Filter {
     finish(kRefuse);
     load(offsetof(seccomp_data, nr));
   }
-  /// Where an argument has not all of these bits.
+  /// Refuses a call unless the argument has all of these bits.
   void require_bits(long call, unsigned argument, std::uint32_t bits) {
     begin(call, 5);
     load(low_word(argument));
@@ -195,7 +195,7 @@ class Filter {
     finish(kRefuse);
     load(offsetof(seccomp_data, nr));
   }
-  /// Where the argument is another number.
+  /// Refuses a call unless the argument has this value.
   void require(long call, unsigned argument, std::uint32_t number) {
     begin(call, 6);
     load(low_word(argument));
@@ -223,7 +223,7 @@ class Filter {
     step(BPF_JMP | test | BPF_K, value, yes, no);
   }
   void finish(std::uint32_t answer) { step(BPF_RET | BPF_K, answer); }
-  // The rule for a call, so many steps long; other calls go on behind it.
+  // Begins the rule of a call, with `length` instructions. Other calls skip it.
   void begin(long call, unsigned length) { jump(BPF_JEQ, static_cast<std::uint32_t>(call), 0, length); }
   static std::size_t word(unsigned argument, bool high) {
     const bool second = high == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
@@ -245,20 +245,20 @@ bool can_refuse_calls() {
 bool refuse_calls() {
   Filter filter;
   for (const long call : kRefused) filter.refuse(call);
-  // Threads, but no processes. The flags of clone3 lie where a filter cannot read; without it clone is used.
+  // Allows threads, but no processes. A filter cannot read the flags of clone3; without it, libc uses clone.
   filter.refuse(SYS_clone3, Filter::kUnknown);
   filter.require_bits(SYS_clone, 0, CLONE_THREAD);
-  // Signals only to itself, limits only to be read.
+  // Allows signals only to this process, and limits only to be read.
   const auto self = static_cast<std::uint32_t>(::getpid());
   filter.require(SYS_kill, 0, self);
   filter.require(SYS_tgkill, 0, self);
   filter.require(SYS_prlimit64, 2, 0);
-  // Before version 3 of Landlock what may be read may be emptied so.
+  // Before version 3 of Landlock, readable files could be truncated this way.
   filter.refuse_bits(SYS_openat, 2, O_ACCMODE | O_TRUNC, O_RDONLY | O_TRUNC);
 #ifdef SYS_open
   filter.refuse_bits(SYS_open, 1, O_ACCMODE | O_TRUNC, O_RDONLY | O_TRUNC);
 #endif
-  // Memory that no limit of a process counts.
+  // Memory that process limits do not count.
   filter.refuse(SYS_memfd_create);
   filter.refuse_bits(SYS_mmap, 3, MAP_SHARED | MAP_ANONYMOUS, MAP_SHARED | MAP_ANONYMOUS);
   return filter.apply();

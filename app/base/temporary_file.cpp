@@ -47,7 +47,7 @@ void remove_abandoned_files() {
 void remove_unfinished_beside(const std::string& file) {
   if (file.empty()) return;
   std::error_code error;
-  const fs::path target = fs::weakly_canonical(file, error);  // a link is written where it leads
+  const fs::path target = fs::weakly_canonical(file, error);  // symbolic links are resolved, as for writing
   const std::string folder = (error ? fs::path(file) : target).parent_path().string();
   (void)net::remove_unfinished_files(folder.empty() ? "." : folder);
 }

@@ -20,16 +20,16 @@
 #include <utility>
 #include <vector>
 
-// `animate`: simulated time, or files of a series, picture by picture.
+// `animate`: draws simulated time or the files of a series, picture by picture.
 namespace gs::app {
 namespace {
 
-/// A world that is drawn again and again.
+/// World that is drawn repeatedly.
 class AnimatedWorld {
  public:
   explicit AnimatedWorld(const Options& options) : options_(options) {}
 
-  /// What is wrong, if anything: then it is told already where it is empty.
+  /// Opens a world. Returns the problem, or nullopt; an empty problem was already printed.
   std::optional<std::string> open(const std::string& file, const std::string& viewpoint) {
     show_ = nullptr;
     simulation_.reset();
@@ -46,7 +46,7 @@ class AnimatedWorld {
   }
   void run(double time) { simulation_->run(time); }
 
-  /// Where the viewer is before anything turns or tours.
+  /// Returns the camera before a turntable or tour changes it.
   [[nodiscard]] render::Camera own_camera() {
     const View& seen = simulation_->look();
     const auto asked = camera_of_options(options_, *seen.list);
@@ -60,7 +60,7 @@ class AnimatedWorld {
     scene.camera = camera;
     scene.draw = picture_draw(options_, simulation_->look());
     scene.unit = simulation_->look().scale;
-    // Last: levels of detail and billboards follow who looks.
+    // Call last, because levels of detail and billboards follow the camera.
     const render::RenderList& shown =
         simulation_->look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
     scene.list = &shown;
@@ -82,7 +82,7 @@ class AnimatedWorld {
   std::unique_ptr<VolumeShow> show_;
 };
 
-/// The cameras of a tour; a message where there is no such Viewpoint.
+/// Returns the cameras of a tour, or an error if a Viewpoint is missing.
 std::variant<std::vector<render::Camera>, std::string> tour_of(const Options& options, const render::RenderList& list) {
   std::vector<render::Camera> cameras;
   for (const std::string& name : options.animation.tour) {
@@ -169,7 +169,7 @@ int run_animate(const Options& given_options) {
       camera = camera_between(cameras[*step.from], cameras[*step.from + 1], step.part);
     else if (!series && !request.turntable)
       camera = world.own_camera();
-    // Of a world that moves the viewer may be carried along; who turns does so about where he began.
+    // The world may move its viewer, but a turntable always turns about the initial pose.
     auto picture =
         world.paint(*opened.renderer, request.turntable ? turned_camera(camera, center, up, step.turned) : camera);
     if (auto* problem = std::get_if<std::string>(&picture)) return fail(*problem);

@@ -24,7 +24,7 @@
 namespace gs::app {
 namespace {
 
-// Of the diagonal: what a group may deviate from its plane.
+// Default deviation of a group from its plane, as a fraction of the diagonal.
 constexpr double kOutlineTolerance = 1.0 / 200;
 
 std::string_view extension(const std::string& path) {
@@ -51,7 +51,7 @@ std::variant<OutlineModel, std::string> model_of(const Options& options, const O
   return isosurface_outlines(options, *volume, progress);
 }
 
-// Textures are named as seen from the file that is written.
+// Makes texture paths relative to the file that is written.
 void make_relative(std::vector<qnv::OutlineAppearance>& appearances, const std::string& out) {
   namespace fs = std::filesystem;
   for (qnv::OutlineAppearance& look : appearances) {
@@ -111,7 +111,7 @@ int encode_outlines(const Options& options) {
   settings.outline_tolerance = options.tolerance.value_or(kOutlineTolerance * diagonal);
   settings.tolerance = settings.outline_tolerance;
   if (options.groups > 0) {
-    // As many as were asked for, however bent they are.
+    // Makes the requested number of groups, even if they are not flat.
     settings.groups = options.groups;
     settings.tolerance = options.tolerance.value_or(std::numeric_limits<double>::infinity());
     settings.angle = 1.5;
@@ -136,7 +136,7 @@ int encode_outlines(const Options& options) {
     if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
     bytes = std::move(std::get<qnv::EncodedStream>(encoded).bytes);
   } else {
-    // What stands as VRML97 has it, is seen so without being told.
+    // A model with the axes of VRML97 needs no Viewpoint.
     qnv::Box box;
     for (const glm::vec3& position : model.model.positions) box.add(position);
     bytes = outline_world(groups, model.appearances, input->title,

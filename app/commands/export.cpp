@@ -23,7 +23,7 @@ const ExportFormat* format_of(const Options& options) {
   return options.vrml97 && format && !format->name.starts_with("vrml97") ? nullptr : format;
 }
 
-// The first `count` vectors of the progressive order; a surface keeps its area.
+// Returns the first `count` vectors of the progressive order. A surface keeps its area.
 qnv::Cloud thinned(const qnv::Cloud& cloud, std::size_t count, const Options& options, qnv::Progress& progress) {
   qnv::OrderOptions order_options;
   order_options.seed = options.seed;
@@ -50,7 +50,7 @@ qnv::Cloud thinned(const qnv::Cloud& cloud, std::size_t count, const Options& op
   return out;
 }
 
-// How a world at `out` names the stream `in`.
+// Returns the URL of the stream `in`, relative to a world at `out`.
 std::string url_between(const std::string& out, const std::string& in) {
   std::error_code error;
   const auto folder = std::filesystem::absolute(out, error).parent_path();
@@ -60,9 +60,9 @@ std::string url_between(const std::string& out, const std::string& in) {
   return url.substr(std::min<std::size_t>(url.size(), 1));
 }
 
-// A stream of outlines as a world that any VRML97 browser shows.
+// Writes a stream of outlines as a world for any VRML97 browser.
 int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out) {
-  // What the browser sets is no part of the world.
+  // `complete` is set by the browser and does not belong to the world.
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
     if (const vrml::NodeId id = scene.resolve_as(scene.id_at(i), vrml::NodeKind::outline_group))
       scene.set<vrml::SFBool>(id, "complete", false);

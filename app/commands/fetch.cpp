@@ -18,10 +18,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What a fetch is told by.
+/// Measurements of a fetch.
 struct Report {
   std::uint64_t bytes = 0, first_bytes = 0;
-  double seconds = 0, first_seconds = -1;  // -1: there was no picture
+  double seconds = 0, first_seconds = -1;  // first_seconds is -1 if no picture was possible
   std::uint64_t vectors = 0, triangles = 0;
   bool is_cells = false, complete = true;
   net::CellClientStatistics cells;
@@ -108,8 +108,8 @@ std::optional<std::string> check_fetch(const Options& options) {
 int run_fetch(const Options& options) {
   const std::string& url = options.files.front();
   LoadOptions load = load_options(options);
-  load.whole_surfaces = true;  // whose vectors are counted
-  load.cache_folder.clear();   // what comes is measured
+  load.whole_surfaces = true;  // their vectors are counted
+  load.cache_folder.clear();   // network transfers are measured
   Report report;
   report.is_cells = comes_as_cells(url);
   ProgressBar progress;

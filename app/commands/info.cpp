@@ -40,7 +40,7 @@ void put_metadata(Fact& facts, const std::vector<std::pair<std::string, std::str
   if (!all.empty()) facts.put("metadata", std::move(all));
 }
 
-// As the web writes colours.
+// Returns the colour in the notation of the web.
 std::string written(const qnv::Rgb8& color) {
   char text[8];
   std::snprintf(text, sizeof text, "#%02x%02x%02x", static_cast<unsigned>(color.r), static_cast<unsigned>(color.g),
@@ -67,12 +67,12 @@ void put_cloud(Fact& facts, const qnv::Cloud& cloud) {
   if (d.origin != glm::dvec3(0)) facts.put("local_origin", fact_of(d.origin));
 }
 
-// What has arrived of one level of the octree, or one layer.
+// Received parts of one octree level or layer.
 struct Level {
   std::size_t chunks = 0, bytes = 0, vectors = 0;
 };
 
-// Chunks of a stream by level; vectors only of records, which say how many they are.
+// Returns the chunks of a stream by level. Counts vectors only for records, because their chunks give the number.
 std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
   std::map<int, Level> levels;
   qnv::StreamReader reader;
@@ -114,7 +114,7 @@ void put_levels(Fact& facts, const qnv::StreamHeader& header, const qnv::Cloud& 
     while (level > 0 && header.lattice.reach(level) < cell.edge) --level;
     return level;
   };
-  // Of an octree those are counted that no finer ones have replaced.
+  // Counts the voxels of an octree that no finer voxels have replaced.
   if (octree)
     for (const qnv::Cell& cell : cloud.cells)
       if (voxels || cell.edge > 0) ++levels[level_of(cell)].vectors;

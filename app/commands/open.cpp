@@ -55,7 +55,7 @@ int run_open(const Options& options) {
   viewer.size_given = options.size_given;
   if (options.files.empty()) viewer.not_kept = first;
   LoadOptions load = load_options(options);
-  // Who looks at a window sees how far it is, and can cancel.
+  // In a window, the user sees the progress and can cancel, so there is no default timeout.
   load.timeout_seconds = options.timeout_given ? options.timeout_seconds : kNoTimeout;
   load.by_view = true;
   std::string error;

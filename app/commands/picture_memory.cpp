@@ -24,10 +24,10 @@ bool addresses_are_limited() {
   return ::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY;
 }
 
-/// Whether this machine is a virtual one that hands free large pages back to its host (the balloon of virtio, "free
-/// page reporting"): a large page then takes milliseconds where nobody had it a moment ago.
+/// Returns true in a virtual machine that gives free large pages back to its host (virtio balloon, "free page
+/// reporting"). A large page then takes milliseconds unless it was in use a moment ago.
 bool host_takes_pages_back() {
-  constexpr std::size_t kReporting = 5;  // the bit of VIRTIO_BALLOON_F_REPORTING; files show bits as 0 and 1
+  constexpr std::size_t kReporting = 5;  // bit of VIRTIO_BALLOON_F_REPORTING; files list bits as 0 and 1
   std::error_code error;
   for (const auto& device : std::filesystem::directory_iterator("/sys/bus/virtio/devices", error)) {
     std::string kind, features;
@@ -43,10 +43,10 @@ std::uintptr_t end_of_heap() { return reinterpret_cast<std::uintptr_t>(::sbrk(0)
 }  // namespace
 
 void keep_memory() {
-  constexpr int kMapped = 32 << 20;     // bytes of a block that the system gives and takes back alone
-  constexpr int kKept = 1 << 30;        // bytes that are kept
-  constexpr int kAhead = 16 << 20;      // bytes that the heap grows by
-  constexpr int kReserved = 512 << 20;  // bytes of addresses, without memory until they are written to
+  constexpr int kMapped = 32 << 20;     // min bytes of a block with an own system mapping
+  constexpr int kKept = 1 << 30;        // max free bytes that the heap keeps
+  constexpr int kAhead = 16 << 20;      // bytes by which the heap grows
+  constexpr int kReserved = 512 << 20;  // bytes of address space; memory is used on the first write
   constexpr std::uintptr_t kLargePage = 2 << 20;
   (void)mallopt(M_MMAP_THRESHOLD, kMapped);
   (void)mallopt(M_TRIM_THRESHOLD, kKept);
@@ -54,7 +54,7 @@ void keep_memory() {
     (void)mallopt(M_ARENA_MAX, 1);
     const std::uintptr_t before = end_of_heap();
     (void)mallopt(M_TOP_PAD, kReserved);
-    void* volatile block = std::malloc(kMapped / 2);  // volatile: or the compiler leaves both out
+    void* volatile block = std::malloc(kMapped / 2);  // volatile, so that the compiler keeps both calls
     std::free(block);
     const std::uintptr_t first = (before + kLargePage - 1) / kLargePage * kLargePage;
     const std::uintptr_t last = end_of_heap() / kLargePage * kLargePage;

@@ -25,8 +25,7 @@ std::string place(const ArchiveOptions& options, std::uint16_t port) {
 }  // namespace
 
 int serve(const ArchiveOptions& options) {
-  // Before any thread is there, so that all have it: the signals come to
-  // sigwait below.
+  // Blocks the signals before any thread exists, so that all threads inherit this and only sigwait below receives them.
   sigset_t signals, before;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -49,7 +48,7 @@ int serve(const ArchiveOptions& options) {
   int signal = 0;
   while (sigwait(&signals, &signal) != 0) {
   }
-  // A second signal ends it at once, as it would any program.
+  // A second signal has its default action and ends the program at once.
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   complain("ghostspace: stopping; transfers have %d s to end", static_cast<int>(kGrace.count()));
   archive.stop(kGrace);

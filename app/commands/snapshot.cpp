@@ -49,15 +49,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Bytes of a world beside which the code of the driver's compiler counts; it takes 5 ms to have it back.
+// Bytes of a world above which the memory of the driver's compiler is worth freeing, which takes 5 ms.
 constexpr std::size_t kLargeWorld = 16 << 20;
-constexpr int kMostAtFirst = 2048;  // pixels a side that the driver makes ready; of larger pictures parts are drawn
+constexpr int kMostAtFirst = 2048;  // max side in pixels that the driver prepares; larger pictures are drawn in parts
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double seconds_now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
-/// What the program has done before it came here, most of which is linking, takes the processor all the time.
+/// Returns the processor time before this call. It is mostly dynamic linking, which keeps the processor busy.
 double seconds_so_far() {
   timespec used{};
   return clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used) == 0
@@ -65,7 +65,7 @@ double seconds_so_far() {
              : 0;
 }
 
-/// The phases of the program, in sum `total_s`, so far.
+/// Adds the phases of the program so far; their sum is `total_s`.
 void add_phases(render::PhaseClock& phases, Fact& stats) {
   phases.enter(render::Phase::other);
   for (std::size_t i = 0; i < render::kPhaseNames.size(); ++i)
@@ -73,7 +73,8 @@ void add_phases(render::PhaseClock& phases, Fact& stats) {
   stats.put("total_s", phases.total());
 }
 
-// A picture is only ever written over a picture: a mistyped OUT.png must not cost a world.
+// Returns true if `path` may be written: only pictures are replaced, so that a mistyped OUT.png does not destroy a
+// world.
 bool may_write(const std::string& path, const std::string& world) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return true;
@@ -85,7 +86,7 @@ bool may_write(const std::string& path, const std::string& world) {
   return file->bytes().empty() || (file->bytes().size() >= 4 && std::memcmp(file->bytes().data(), kPng, 4) == 0);
 }
 
-// How many different colours a picture has; tells a blank one.
+// Counter of the different colours of a picture, to detect a blank one.
 class ColorCount {
  public:
   void add(const render::Image& image) {
@@ -100,8 +101,8 @@ class ColorCount {
   std::unordered_set<std::uint32_t> seen_;
 };
 
-// A world of two kilobytes can ask for more pixels than a software rasteriser fills in a day, and a frame
-// that was begun cannot be stopped: after this long the program gives up in one line.
+// Limit of the drawing time. A world of two kilobytes can request more pixels than a software rasteriser fills in a
+// day, and a frame cannot be interrupted. The program then exits with one line.
 
 extern "C" void give_up(int) {
   static constexpr char kMessage[] = "ghostspace: error: drawing takes longer than --timeout; given up\n";
@@ -109,7 +110,7 @@ extern "C" void give_up(int) {
   _exit(kFailed);
 }
 
-// 0 seconds: no limit any more.
+// Starts the time limit; 0 seconds removes it.
 void limit_drawing(double timeout_seconds) {
   const double seconds = std::min(timeout_seconds, 1e6);
   std::signal(SIGALRM, give_up);
@@ -119,9 +120,9 @@ void limit_drawing(double timeout_seconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
-/// The picture is in its file, and nobody needs any more what it was made of: to take a world of many nodes and a
-/// driver apart takes a tenth of the time that all took. Only who looks for leaks wants it done; and what is still
-/// being read may have files of its own.
+/// Exits without destructors after the picture was written. Destroying a large world and the driver takes a tenth of
+/// the total time. Leak checkers still need the destructors. The loader is always destroyed, because it may own
+/// temporary files.
 int leave(std::optional<WorldLoading>& loading, int status) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   loading.reset();
@@ -152,7 +153,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   load.phases = measured;
   if (options.backend == "glfw")
     return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
-  // Who is confined has no business with drivers and devices: drawn by the processor.
+  // A confined process must not use drivers and devices, so it draws on the processor.
   const bool confined = !options.confine.empty() && options.backend == "auto";
   render::DrawOptions first_part;
   first_part.width = std::min(options.width, kMostAtFirst);
@@ -193,7 +194,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   simulation.stand_at(camera);
   const render::DrawOptions draw = picture_draw(options, simulation.look());
   const double unit = simulation.look().scale;
-  // Levels of detail and billboards follow the viewer, who is only known now.
+  // Levels of detail and billboards follow the camera, which is known only now.
   const render::RenderList& list =
       simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
   if (options.display != render::DisplayMode::surface && !has_faces(list))
@@ -223,7 +224,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
     return fail(*problem);
   volume.apply(scene);
   auto picture = paint_png(renderer, scene, options.picture, &statistics, [&](double) {
-    limit_drawing(options.timeout_seconds);  // each band of a large picture may take as long
+    limit_drawing(options.timeout_seconds);  // for each band of a large picture
     return true;
   });
   if (auto* problem = std::get_if<std::string>(&picture)) return fail(*problem);

@@ -55,7 +55,7 @@ void tell_of_simulation(const Options& options, Simulation& simulation) {
     complain("%s: warning: %s", file, problem.c_str());
 }
 
-// A sound is only ever written over a sound: a mistyped FILE.wav must not cost a world.
+// Writes the sound. Replaces only sound files, so that a mistyped FILE.wav does not destroy a world.
 int write_sound(const Options& options, const WaveFile& sound) {
   if (options.sound.empty()) return kDone;
   const auto opened = net::map_file(options.sound);

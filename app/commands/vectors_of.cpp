@@ -83,13 +83,13 @@ std::optional<Opened> open_cloud_input(const Options& options, const ContentType
 std::optional<Opened> open_world_input(const Options& options, const std::string& path, std::string& title) {
   auto surface = std::make_unique<OpenedSurface>();
   LoadOptions load = load_options(options);
-  load.max_bytes = LoadOptions{}.max_bytes;  // `--max-bytes` bounds what is written
+  load.max_bytes = LoadOptions{}.max_bytes;  // here, `--max-bytes` limits the output
   load.whole_surfaces = true;
   surface->world = load_world(path, load);
   print_diagnostics(surface->world.diagnostics);
   if (!surface->world.scene) return std::nullopt;
   title = surface->world.title;
-  // Text as finely as for the largest pictures: vectors may be seen from anywhere.
+  // Text is tessellated for the largest pictures, because vectors can be viewed from any distance.
   constexpr float kPixelsPerRadian = 20'000;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
                                   surface->world.clouds, nullptr, kPixelsPerRadian);
@@ -99,7 +99,8 @@ std::optional<Opened> open_world_input(const Options& options, const std::string
   return surface;
 }
 
-// A mesh that is too large to be a world, and so is read out of its file again and again.
+// Opens a mesh that is too large for a world, to be read from its file in several passes. Returns nullopt for other
+// meshes.
 std::optional<MeshStream> large_mesh(const Options& options, const ContentType& type,
                                      const std::shared_ptr<const net::MappedFile>& file) {
   if (!type.in_order) return std::nullopt;
@@ -108,7 +109,7 @@ std::optional<MeshStream> large_mesh(const Options& options, const ContentType& 
   return mesh;
 }
 
-// What a stream says of where it comes from: before what the source says of itself.
+// Returns the metadata of a stream. Values about its origin override those of the source.
 Metadata metadata_of(const Options& options, const OpenedInput& input, const std::string& path, const Metadata& own) {
   const bool chosen_up = options.up && *options.up != UpAxis::automatic;
   Metadata all{{"title", input.title}, {"source", file_name(path)}};
@@ -123,7 +124,7 @@ Metadata metadata_of(const Options& options, const OpenedInput& input, const std
   upright.three_quarter = input.upright.three_quarter;
   if (chosen_up || !stated_upright(own))
     for (auto& pair : metadata_of(upright)) all.push_back(std::move(pair));
-  // What stands as VRML97 has it need not say so, unless something else would.
+  // The default axes of VRML97 are written only if they override other axes.
   if (chosen_up && upright == Upright{} && stated_upright(own)) all.emplace_back("up", name_of(*options.up));
   return all;
 }
@@ -132,16 +133,16 @@ std::size_t part_of(double fraction, std::size_t count) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(fraction * static_cast<double>(count))));
 }
 
-// Of the JPEG files of textures, where the mesh itself was asked for.
+// JPEG quality of textures if the exact mesh is requested.
 constexpr int kExactTextureQuality = 95;
 
-// So that a message says which of several it was.
+// Surface to encode; `problem` identifies it among several.
 struct Surface {
   qnv::TriangleSource source;
   std::size_t triangles = 0;
   bool two_sided = false;
-  glm::dvec3 origin{0};                          // from which triangles count
-  const render::RenderList* textured = nullptr;  // some of its shapes have textures
+  glm::dvec3 origin{0};                          // origin of the triangles' coordinates
+  const render::RenderList* textured = nullptr;  // set if some of its shapes have textures
   std::optional<render::Shine> shine;
   std::shared_ptr<std::string> problem = std::make_shared<std::string>();
 };
@@ -160,8 +161,8 @@ Surface surface_of(const OpenedSurface& opened) {
   return surface;
 }
 
-// Mostly a scan, of which nobody knows whether it is closed: its faces are seen from both sides, as those of such files
-// are in a world.
+// Returns the surface of a mesh file. Such files are mostly scans that may not be closed, so faces are two-sided, as in
+// a world.
 Surface surface_of(const MeshStream& mesh) {
   Surface surface;
   surface.two_sided = true;
@@ -171,7 +172,7 @@ Surface surface_of(const MeshStream& mesh) {
   return surface;
 }
 
-// An isosurface is open where it meets the border of the volume: one can look inside.
+// Returns an isosurface. It is open at the border of the volume, where its inside is visible.
 Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar& progress) {
   Surface surface;
   surface.two_sided = true;
@@ -204,12 +205,12 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   const auto encode_as = [&](qnv::Payload payload) {
     return qnv::row_of(payload).encode(std::cref(surface.source), encode_options, &progress.whole());
   };
-  // A number of vectors is the octree's to choose; a base is as fine as its source.
+  // Only the octree payload can choose a number of vectors; a base mesh is as fine as its source.
   const bool counted = encode_options.vectors > 0;
   encode_options.exact_bits = options.exact_bits;
   encode_options.most_triangles = most_encoded_triangles(options.limits);
   encode_options.only_if_suited = !options.displaced && options.exact_bits <= 0;
-  // The mesh itself has its textures; all else has their colours.
+  // Only the exact mesh has textures; other payloads have their colours.
   std::optional<qnv::TexturedSurface> textured;
   if (surface.textured && !options.records && !options.packed && !counted && options.exact_bits != 0 &&
       (options.exact_bits > 0 || surface.triangles <= qnv::kMostChosenTriangles))
@@ -366,7 +367,7 @@ std::variant<OutlineModel, std::string> isosurface_outlines(const Options& optio
       const std::uint64_t bytes = triangles.size() * kOutlineTriangleBytes;
       if (budget.take(vrml::Resource::meshes, bytes)) {
         if (surface.origin == glm::dvec3(0)) return sink(triangles);
-        std::vector<qnv::Triangle> moved(triangles.begin(), triangles.end());  // polygons count from 0
+        std::vector<qnv::Triangle> moved(triangles.begin(), triangles.end());  // polygons have the origin 0
         for (qnv::Triangle& triangle : moved)
           for (glm::vec3& p : triangle.positions) p = glm::vec3(surface.origin + glm::dvec3(p));
         return sink(moved);

@@ -9,10 +9,10 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostSeen = 20'000;  // events that wait to be told
-constexpr std::size_t kMostId = 256;       // bytes of the id of a call
+constexpr std::size_t kMostSeen = 20'000;  // max number of events that wait to be sent
+constexpr std::size_t kMostId = 256;       // max bytes of the id of a call
 
-// JSON-RPC 2.0, 5.1.
+// Error codes of JSON-RPC 2.0, 5.1.
 enum class RpcError : int {
   parse = -32700,
   invalid = -32600,
@@ -31,10 +31,10 @@ void append_error(std::string& out, std::string_view id, RpcError code, std::str
 
 std::uint64_t node_key(vrml::NodeId id) { return std::uint64_t{id.generation} << 32 | id.index; }
 
-/// A call, as JSON-RPC 2.0 has it; nothing in `method` where it is none.
+/// Call of JSON-RPC 2.0; `method` is nullopt if it is invalid.
 struct RpcCall {
   std::optional<std::string> method;
-  std::string_view id, parameters;  // texts of JSON; empty: not given
+  std::string_view id, parameters;  // JSON texts; empty means not given
   std::string problem;
 };
 
@@ -73,7 +73,7 @@ RpcCall read_call(JsonCursor& json) {
   return call;
 }
 
-// Parameters by name or by place. What is wrong with them, if anything.
+// Reads parameters by name or position. Returns the problem, or nullopt.
 std::optional<std::string> take_parameters(std::string_view text, const ServiceRow& row,
                                            std::vector<std::optional<std::string_view>>& given) {
   const std::size_t count = parameter_count(row);
@@ -113,7 +113,7 @@ Control::~Control() {
       document->living->execution().observe({}, this);
 }
 
-// A step ------------------------------------------------------------------------------------------
+// Steps -------------------------------------------------------------------------------------------
 
 bool Control::act(Session& session) {
   changed_ = false;
@@ -141,7 +141,7 @@ bool Control::act(Session& session) {
 
 void Control::step_is_over() { tell_events(); }
 
-// Worlds that are gone take with them what clients had of them.
+// Removes worlds that no longer exist, with the state of their clients.
 void Control::prune() {
   for (auto& [number, client] : clients_)
     if (client.world && client.world->document.expired()) {
@@ -246,7 +246,7 @@ void Control::answer_call(Session& session, ControlClient& client, JsonCursor js
     return append_error(out, asked.id.empty() ? "null" : asked.id, RpcError::invalid, asked.problem);
   const auto fail = [&](RpcError code, const std::string& why) {
     if (!asked.id.empty()) return append_error(out, asked.id, code, why);
-    // Who wants no answer is told nevertheless, unless it reads too slowly for that.
+    // Notifications get errors, too, unless the client reads too slowly.
     if (channel_.is_behind(client.number)) return;
     std::string told = "{\"jsonrpc\":\"2.0\",\"method\":\"problem\",\"params\":{\"method\":";
     append_json_string(told, asked.method->substr(0, 80));
@@ -307,7 +307,7 @@ vrml::NodeId Control::find_name(ControlClient& client, std::string_view name) {
   return client.world->names->find(name);
 }
 
-// Events that are watched ---------------------------------------------------------------------------
+// Watched events ------------------------------------------------------------------------------------
 
 std::uint64_t Control::watch(ControlClient& client, const PlacedNode& node, const vrml::InterfaceDeclaration& event) {
   const WatchedEvent watched{node.id, &event};
@@ -329,7 +329,7 @@ bool Control::unwatch(ControlClient& client, std::uint64_t number) {
   return true;
 }
 
-// Only while somebody watches: an observer makes all events pass by.
+// Observes the events of a world only while a client watches, because an observer receives all events.
 void Control::observe(ControlledWorld& world) {
   const auto document = world.document.lock();
   if (!document || !document->living) return;
@@ -350,7 +350,7 @@ void Control::note(ControlledWorld& world, const vrml::SentEvent& event) {
       seen_.push_back({number, place, event.time, *event.value});
       continue;
     }
-    // The last one counts (ISO/IEC 14772-2 leaves open what a slow client sees).
+    // Keeps only the last event for a slow client; ISO/IEC 14772-2 leaves this open.
     if (watch.latest) {
       ++watch.missed;
     } else {
@@ -388,7 +388,7 @@ void Control::tell_events() {
   }
 }
 
-// Who was slow, and is not any more, is told how things are.
+// Sends the latest values to clients that read slowly but have caught up.
 void Control::tell_late() {
   for (auto& [number, client] : clients_) {
     if (client.late.empty() || channel_.is_behind(number)) continue;

@@ -13,7 +13,7 @@ constexpr std::size_t kDeepest = 64;
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Of "\u12AB" behind the u; -1: these are no four digits.
+// Parses the four digits of "\u12AB". Returns -1 if there are not four hexadecimal digits.
 int code_unit(const char* at, const char* end) {
   if (end - at < 4) return -1;
   unsigned value = 0;
@@ -32,7 +32,7 @@ void append_utf8(std::string& out, unsigned code) {
   for (int i = more - 1; i >= 0; --i) out += static_cast<char>(0x80 | (code >> (6 * i) & 0x3f));
 }
 
-/// One pass over a text, with a bit a level for what is open.
+/// One-pass checker with one bit per nesting level.
 class Checker {
  public:
   explicit Checker(std::string_view text) : begin_(text.data()), at_(begin_), end_(begin_ + text.size()) {}
@@ -56,7 +56,7 @@ class Checker {
   }
   [[nodiscard]] bool is(char c) const { return at_ != end_ && *at_ == c; }
 
-  // A value, or the beginning of a list or an object.
+  // Checks a value, or the start of a list or an object.
   bool value() {
     blanks();
     if (at_ == end_) return fail("the text ends where a value is expected");
@@ -81,7 +81,7 @@ class Checker {
         return number();
     }
   }
-  // What stands in the innermost list or object, up to the next value.
+  // Checks the innermost list or object up to its next value or its end.
   bool go_on() {
     const bool object = is_object_[depth_ - 1];
     blanks();
@@ -163,7 +163,7 @@ class Checker {
   const char *begin_, *at_, *end_;
   bool is_object_[kDeepest] = {};
   std::size_t depth_ = 0;
-  bool first_ = false;  // nothing stands in the innermost one yet
+  bool first_ = false;  // the innermost list or object is still empty
   std::optional<JsonProblem> problem_;
 };
 
@@ -206,7 +206,7 @@ double JsonCursor::number() {
   double value = 0;
   const auto result = std::from_chars(at_, end_, value);
   if (result.ec == std::errc::result_out_of_range) {
-    // Either way; the digits tell which: below 1 there is a negative exponent, or zeros behind a point.
+    // Too large or too small: a negative exponent, or zeros after the point, mean too small.
     const std::string_view text(at_, static_cast<std::size_t>(result.ptr - at_));
     const std::size_t exponent = text.find_first_of("eE");
     const bool small = exponent != std::string_view::npos ? text.substr(exponent + 1).starts_with('-')
@@ -239,7 +239,8 @@ std::string_view JsonCursor::string(std::string& made) {
           at_ += 6;
         }
       }
-      append_utf8(made, code >= 0xd800 && code < 0xe000 ? 0xfffd : code);  // half of a pair is no character
+      /// Half of a surrogate pair is not a character.
+      append_utf8(made, code >= 0xd800 && code < 0xe000 ? 0xfffd : code);
     } else {
       constexpr std::string_view kEscapes = "bfnrt", kMeant = "\b\f\n\r\t";
       const std::size_t known = kEscapes.find(*at_);
@@ -307,7 +308,7 @@ void append_json_string(std::string& out, std::string_view text) {
       out += kDigits[c & 15];
       ++i;
     } else {
-      // The longest beginning of what follows that may be a character of UTF-8 (RFC 3629).
+      // The longest prefix of the rest that may be a UTF-8 character (RFC 3629).
       const std::size_t size = c >= 0xc2 && c <= 0xdf ? 2 : c >= 0xe0 && c <= 0xef ? 3 : c >= 0xf0 && c <= 0xf4 ? 4 : 0;
       bool good = size != 0 && i + size <= text.size();
       for (std::size_t j = 1; good && j < size; ++j) good = (static_cast<unsigned char>(text[i + j]) & 0xc0) == 0x80;

@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-/// What is made of numbers alone: how many, and the value of them.
+/// Value types that consist of numbers: their count and conversion.
 template <class T>
 struct Tuple {
   static constexpr std::size_t kSize = 0;
@@ -103,7 +103,7 @@ class ValueReader {
     value = static_cast<Whole>(number);
     return true;
   }
-  // VRML97 5.5: as many pixels as width and height say, and in each as many bytes as there are components.
+  // VRML97 5.5: width times height pixels, with one byte per component.
   bool read_image(vrml::PixelImage& value) {
     if (json_.kind() != JsonKind::list) return expected("a list of width, height, components and pixels");
     json_.open();

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-// Services of the browser (ISO/IEC 14772-2 4.4), and of clients among themselves.
+// Services of the browser (ISO/IEC 14772-2 4.4), and messages between clients.
 namespace gs::app {
 namespace {
 
@@ -62,7 +62,7 @@ bool get_world_url(ServiceCall& call) {
   return true;
 }
 
-// What a client wants of the session is wanted in the name of the world's file.
+// Makes a request to the session with the permissions of the world's file.
 ScriptRequest request_of(const ServiceCall& call, ScriptRequest::Kind kind) {
   ScriptRequest request;
   request.kind = kind;
@@ -121,7 +121,7 @@ bool create_from_string(ServiceCall& call) {
   call.result = "{";
   put_nodes(call, call.result, scene, made.roots);
   call.result += ",\"messages\":" + messages + "]}";
-  call.changes = true;  // a TimeSensor among them lives from the next step on
+  call.changes = true;  // a new TimeSensor runs from the next step on
   return true;
 }
 
@@ -178,7 +178,7 @@ bool change_route(ServiceCall& call) {
   }
   const vrml::Route& route = std::get<vrml::Route>(found);
   vrml::Execution& execution = call.document->living->execution();
-  // One more of the same changes nothing, and so does one less of none (VRML97 4.10.2).
+  // Adding an existing ROUTE or removing a missing one has no effect (VRML97 4.10.2).
   const bool done = kAdd ? execution.add_route(*from->scene, route) : execution.remove_route(*from->scene, route);
   call.result = done ? "{\"changed\":true}" : "{\"changed\":false}";
   return true;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr ParameterRow kNode{"node", "node"};
 constexpr ParameterRow kEventOut{"event", "string: an eventOut or exposedField"};
-constexpr std::size_t kMostWatches = 100'000, kMostNodes = 1'000'000;  // of a client
+constexpr std::size_t kMostWatches = 100'000, kMostNodes = 1'000'000;  // max numbers per client
 
 void put_node(ServiceCall& call, const PlacedNode& node) {
   const vrml::Node& of = node.scene->node(node.id);
@@ -61,7 +61,7 @@ bool dispose(ServiceCall& call) {
   return true;
 }
 
-// The node of the first parameter, and the eventOut that the second one names.
+// Returns the eventOut that the second parameter names, of the node of the first parameter; null on failure.
 const vrml::InterfaceDeclaration* event_out(ServiceCall& call, std::optional<PlacedNode>& node) {
   node = call.node(0);
   const auto name = node ? call.text(1) : std::nullopt;

@@ -10,11 +10,11 @@
 #include <algorithm>
 #include <cmath>
 
-// Services of what the viewer sees: ours, where ISO/IEC 14772-2 has none.
+// Services of views. They are ours, because ISO/IEC 14772-2 has none.
 namespace gs::app {
 namespace {
 
-constexpr int kMostSide = 4096;  // of a side
+constexpr int kMostSide = 4096;  // max pixels per side
 
 void put_numbers(std::string& out, std::string_view name, std::span<const double> numbers) {
   out += (out.size() > 1 ? ",\"" : "\"") + std::string(name) + "\":[";
@@ -99,7 +99,7 @@ bool set_viewer(ServiceCall& call) {
     }
     pose.orientation = glm::angleAxis(turn[3], axis / length);
   }
-  // Made valid, whatever the numbers are.
+  // Normalises the pose, because the numbers may be arbitrary.
   const double height = pose.height;
   pose = pose_of(world_from_viewer(pose), pose.field_of_view);
   pose.height = height;

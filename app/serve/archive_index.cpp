@@ -47,18 +47,18 @@ constexpr WebType kWebTypes[] = {
     {".zip ", "application/zip", false},
     {kLinkWebExtension, kLinkMime, false},
 };
-// Of our types, those that are mostly text.
+// Content types that are mostly text.
 constexpr std::string_view kTexts = ".wrl .vrml .obj .mgf .geom .geo .inp .ucd .xyz ";
 
-// ".wrl " of "a.WRL"; empty where there is none.
+// Returns ".wrl " for "a.WRL", or an empty string without an extension.
 std::string extension_of(std::string_view name) {
   const std::size_t point = name.rfind('.');
   if (point == std::string_view::npos || point + 1 == name.size() || point == 0) return {};
   return lower_case(name.substr(point)) + " ";
 }
 
-// Extensions begin with a point and end with a blank, so that no part of one is
-// found.
+// Returns true if the list contains the extension. Extensions begin with a point and end with a blank, so that parts
+// never match.
 bool lists(std::string_view extensions, const std::string& extension) {
   return !extension.empty() && extensions.find(extension) != std::string_view::npos;
 }
@@ -89,7 +89,7 @@ std::string html(std::string_view text) {
   return out;
 }
 
-// A "./" before names keeps one with a colon from being taken for a URL.
+// Returns a relative link. The leading "./" keeps names with a colon from being parsed as URLs.
 std::string link(std::string_view name, bool folder) { return "./" + net::encode_name(name) + (folder ? "/" : ""); }
 
 std::string json_page(const net::FolderListing& listing, bool made) {
@@ -109,13 +109,14 @@ std::string json_page(const net::FolderListing& listing, bool made) {
   return page.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-// What a click opens: streams of what is none, worlds and streams themselves.
+// Returns the name that a click opens: the made stream of other files, or the world or stream itself.
 std::string opened_name(const std::string& name, bool made) {
   const ContentType* type = content_type_by_name(name);
   return type && made && type->content != ContentClass::vrml && can_be_encoded(name) ? name + ".qnv" : name;
 }
 
-// In order of its parts, so that it can be compared at sight; the server does not know its readers' time zones.
+// Formats a date from year to minute, so that dates compare at a glance. Uses UTC, because the reader's time zone is
+// unknown.
 std::string readable_date(std::int64_t unix_seconds) {
   const auto time = static_cast<std::time_t>(unix_seconds);
   std::tm parts{};
@@ -126,7 +127,7 @@ std::string readable_date(std::int64_t unix_seconds) {
   return text;
 }
 
-// The value of a field of a form, decoded: "search=a+b%20c&sort=size".
+// Returns the decoded value of a form field: "search=a+b%20c&sort=size".
 std::string field_of(std::string_view query, std::string_view name) {
   while (!query.empty()) {
     const std::size_t end = std::min(query.find('&'), query.size());
@@ -165,7 +166,7 @@ constexpr std::string_view kIndexStyle =
     "}\n"
     "tr:hover td { background: #8881; }\nfooter { margin-top: 1.5em; font-size: 85%; }\n";
 
-// "Archive / a / b", each part a link to that folder.
+// Returns the heading "Archive / a / b", with a link to each folder.
 std::string path_heading(std::string_view path) {
   std::vector<std::string> names;
   for (std::size_t begin = 1; begin < path.size();) {
@@ -201,7 +202,7 @@ std::string html_row(const net::FolderEntry& entry, bool made) {
          "</td><td class=\"number\">" + readable_date(entry.modified) + "</td></tr>\n";
 }
 
-/// The columns by which a folder is sorted; folders come first in any case.
+/// Sort columns of a folder. Folders always come first.
 struct SortRow {
   std::string_view name, heading;
   bool (*before)(const net::FolderEntry& a, const net::FolderEntry& b);
@@ -242,7 +243,7 @@ std::string form_text(std::string_view text) {
 }
 
 std::string column_heading(const SortRow& row, const std::string& search, const std::string& sort) {
-  const bool down = sort == row.name;  // the other way round next time
+  const bool down = sort == row.name;  // the next click reverses the order
   const bool chosen = down || sort == "-" + std::string(row.name);
   std::string href = "?sort=" + std::string(down ? "-" : "") + std::string(row.name);
   if (!search.empty()) href += "&amp;search=" + form_text(search);

@@ -18,7 +18,7 @@
 namespace gs::app {
 namespace {
 
-// Ten symbols of the erasure code: what a server sends in the first round trip, before it knows the line (RFC 6928).
+// Ten symbols of the erasure code: the initial window of a server before it knows the path (RFC 6928).
 constexpr std::size_t kBaseBytes = 12'000;
 constexpr std::uint32_t kMostIndexed = std::uint32_t{1} << 20;
 constexpr std::size_t kMostDirectoryBytes = std::size_t{64} << 20;
@@ -29,11 +29,11 @@ struct Place {
   std::optional<net::CellBox> box;
 };
 
-/// One file, open as long as someone wants it.
+/// Source for one file, which stays open while clients use it.
 class QnvSource : public net::CellSource {
  public:
   explicit QnvSource(net::ServedFile file) : file_(std::move(file)) {}
-  /// What is wrong with it.
+  /// Reads the header and the directory. Returns the problem, or nullopt.
   [[nodiscard]] std::optional<std::string> read();
 
   [[nodiscard]] std::uint32_t version() const override { return version_; }
@@ -58,7 +58,7 @@ class QnvSource : public net::CellSource {
   std::vector<Place> places_;
 };
 
-// Fewer bytes at the end of the file.
+// Reads bytes of the file. Returns fewer at its end.
 std::vector<std::byte> QnvSource::bytes(std::uint64_t offset, std::size_t count) const {
   if (offset >= file_.stamp.size) return {};
   std::vector<std::byte> all(static_cast<std::size_t>(std::min<std::uint64_t>(count, file_.stamp.size - offset)));
@@ -74,14 +74,14 @@ std::vector<std::byte> QnvSource::bytes(std::uint64_t offset, std::size_t count)
   return all;
 }
 
-// Nothing where the directory is missing or damaged.
+// Returns the chunks of the directory; empty if it is missing or damaged.
 std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) const {
   if (header.directory == 0 || header.directory >= file_.stamp.size) return {};
   const std::uint64_t length = file_.stamp.size - header.directory;
   if (length > kMostDirectoryBytes) return {};
   const auto raw = bytes(header.directory, static_cast<std::size_t>(length));
   std::vector<Place> places;
-  // A reader wants a header first.
+  // The reader needs a header first.
   qnv::StreamReader reader;
   const auto on_chunk = [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
     if (type != qnv::ChunkType::directory) return;
@@ -95,8 +95,7 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   return places;
 }
 
-// Where the file has no directory: from chunk to chunk, until what follows is
-// none.
+// Finds the chunks of a file without directory, one after the other, until the bytes are not a chunk.
 std::vector<Place> QnvSource::from_chunks(std::uint64_t begin) const {
   std::vector<Place> places;
   while (places.size() < kMostIndexed) {
@@ -119,8 +118,7 @@ std::optional<std::string> QnvSource::read() {
   payload_ = &qnv::row_of(header.payload);
   std::vector<Place> all = from_directory(header);
   if (all.empty()) all = from_chunks(header_bytes);
-  // The base is the start of the file: the header, and as many chunks as follow
-  // it and fit.
+  // The protected base is the start of the file: the header and the following chunks that fit.
   std::uint64_t end = header_bytes;
   std::size_t first = 0;
   while (first < all.size() && all[first].offset == end &&
@@ -139,7 +137,7 @@ std::optional<net::CellChunk> QnvSource::chunk(std::size_t, std::uint32_t number
   const Place& place = places_[number];
   if (place.bytes > qnv::kChunkHeaderBytes + qnv::kMostChunkBytes) return std::nullopt;
   const std::vector<std::byte> all = bytes(place.offset, place.bytes);
-  // Another version, or a directory that lies.
+  // The file has changed, or its directory is wrong.
   const auto parts = all.size() == place.bytes ? qnv::cut_chunk(*payload_, all) : std::nullopt;
   if (!parts || !(net::stamp_of(file_.descriptor) == file_.stamp)) return std::nullopt;
   return net::CellChunk{{parts->head.begin(), parts->head.end()}, {parts->body.begin(), parts->body.end()}};

@@ -24,9 +24,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kCannotStart = 127;  // as shells have it
+constexpr int kCannotStart = 127;  // as in shells
 
-// The last line that is there.
+// Returns the last line of a file.
 std::string last_line(const net::Descriptor& file) {
   std::array<char, 4096> end{};
   const off_t size = ::lseek(file.get(), 0, SEEK_END);
@@ -41,7 +41,7 @@ std::string last_line(const net::Descriptor& file) {
 // Runs between fork and exec, in a process without its other threads: makes system calls only.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment, int error_output,
                          const ChildLimits& limits) {
-  // It ends when this program does, and Ctrl-C on the terminal is not for it.
+  // The child ends with this program, and ignores Ctrl-C on the terminal.
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
   (void)::setpgid(0, 0);
   sigset_t none;
@@ -55,19 +55,19 @@ std::string last_line(const net::Descriptor& file) {
     return ::setrlimit(which, &both) == 0;
   };
   bool good = set(RLIMIT_FSIZE, limits.file_bytes) && set(RLIMIT_CORE, 0);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // whose shadows take terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // shadow memory needs terabytes
   good = good && set(RLIMIT_DATA, limits.memory);
 #endif
   const int nothing = ::open("/dev/null", O_RDWR);
   good = good && ::dup2(nothing, STDIN_FILENO) >= 0 && ::dup2(nothing, STDOUT_FILENO) >= 0 &&
          ::dup2(error_output, STDERR_FILENO) >= 0;
-  // Whatever else is open here, and whoever forgot to say that it is not for others.
+  // Closes all other descriptors, including those that lack the close-on-exec flag.
   (void)::close_range(STDERR_FILENO + 1, ~0U, 0);
   if (good) (void)::execve(program, arguments, environment);
   ::_exit(kCannotStart);
 }
 
-// 0 when there is no process.
+// Starts the program. Returns 0 if no process could be created.
 pid_t spawn(const std::string& program, const std::vector<std::string>& arguments, int error_output,
             const ChildLimits& limits) {
   std::vector<char*> list{const_cast<char*>(program.c_str())};
@@ -79,11 +79,11 @@ pid_t spawn(const std::string& program, const std::vector<std::string>& argument
   return std::max<pid_t>(child, 0);
 }
 
-// What its end says; `line`: the last that it wrote.
+// Returns the failure for an exit status. `line` is the last line on standard error.
 std::optional<ChildFailure> failure_of(int status, const std::string& line) {
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    // SIGKILL is the system's, when memory runs out for all.
+    // SIGKILL comes from the system when memory runs out, so a retry may succeed.
     return ChildFailure{std::string("ended by signal ") + ::strsignal(signal), signal != SIGKILL};
   }
   if (WEXITSTATUS(status) == kDone) return std::nullopt;

@@ -18,9 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 constexpr char kMemoryFile[] = "/memory.json", kLogFile[] = "/log", kSessionStart[] = "session-",
                kSessionEnd[] = ".json";
-constexpr std::size_t kMostSessions = 16;  // that are looked at
+constexpr std::size_t kMostSessions = 16;  // max number of files that are read
 
-// The process that a session file is of.
+// Returns the process ID in the name of a session file.
 std::optional<pid_t> process_of(const std::string& name) {
   if (!name.starts_with(kSessionStart) || !name.ends_with(kSessionEnd)) return std::nullopt;
   const std::size_t first = sizeof kSessionStart - 1, end = name.size() - (sizeof kSessionEnd - 1);
@@ -92,7 +92,7 @@ void UserKeeper::read() {
 void UserKeeper::write(const std::string& path, const std::string& text) {
   if (path.empty()) return;
   if (auto problem = write_user_file(path, text)) {
-    // Once: it would be the same each time.
+    // Reports the same problem only once.
     if (std::find(problems_.begin(), problems_.end(), *problem) == problems_.end())
       problems_.push_back(std::move(*problem));
   }
@@ -131,7 +131,7 @@ SessionMemory UserKeeper::take_lost_sessions() {
     std::string problem;
     const auto text = read_user_file(file.string(), problem);
     const auto session = text ? read_session(*text) : std::nullopt;
-    // Of several windows the first one is restored as it was split; the files of others are only listed.
+    // Restores the split of the first window; the files of other windows are only listed.
     if (session && lost.files.empty()) {
       lost.split = session->split;
       lost.viewports = session->viewports;

@@ -27,7 +27,7 @@ std::string string_in(const json& object, const char* name) {
   const json& value = member(object, name);
   if (!value.is_string()) return {};
   std::string text = value.get<std::string>();
-  // Nothing that is kept here has lines or ends inside.
+  // Stored texts never contain line ends or zero bytes.
   return text.size() > kMostText || text.find_first_of(std::string("\n\r\0", 3)) != std::string::npos ? std::string()
                                                                                                       : text;
 }

@@ -22,7 +22,7 @@ struct LineReader {
   const std::string& file;
   vrml::Diagnostics& diagnostics;
 
-  // Where a key stands, counting from 1; the first column where it cannot be found (it may be written with escapes).
+  // Returns the position of a key in the line, in columns from 1. Returns column 1 if the key is written with escapes.
   [[nodiscard]] vrml::SourceLocation place_of(std::string_view key) const {
     const std::size_t at = line.find('"' + std::string(key) + '"');
     return {number, at == std::string_view::npos ? 1 : static_cast<std::uint32_t>(at + 1)};

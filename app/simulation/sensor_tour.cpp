@@ -8,7 +8,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::uint64_t kPressesOfVisit = 4;  // a ProximitySensor is visited behind so many presses
+constexpr std::uint64_t kPressesOfVisit = 4;  // presses between two visits of a ProximitySensor
 
 void add_scenes(const vrml::SceneGraph& scene, std::vector<const vrml::SceneGraph*>& scenes) {
   scenes.push_back(&scene);
@@ -55,7 +55,7 @@ bool SensorTour::press_next() {
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.presses < b.presses; });
-  // Of those that cannot be met, lines for example, no more than a few are tried.
+  // Tries only a few, because some sensors have no collidable geometry, for example lines.
   constexpr std::size_t kTries = 4;
   for (std::size_t i = 0; i < std::min(kTries, candidates.size()); ++i) {
     const Candidate& one = candidates[i];
@@ -98,7 +98,7 @@ void SensorTour::step() {
       session_.drag_sensor(round_ % 2 == 0 ? kWay : -kWay);
       break;
     case 2:
-      // What is clicked is released where it was pressed, what is dragged is left there.
+      // A click releases at the pressed position; a drag releases at its end.
       if (!drags_) session_.drag_sensor(round_ % 2 == 0 ? -kWay : kWay);
       break;
     default:

@@ -147,14 +147,14 @@ const View& Simulation::look() {
 
 render::Camera Simulation::camera() {
   const View& seen = look();
-  // The Viewpoint's own place, without what a pose leaves of it.
+  // Uses the Viewpoint's own matrix, because a pose is less exact.
   if (at_home(seen) && seen.viewpoint && !seen.style.parallel)
     return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
 }
 
 void Simulation::stand_at(const render::Camera& camera) {
-  constexpr double kSame = 1e-9;  // of his distance from the origin
+  constexpr double kSame = 1e-9;  // relative to the distance from the origin
   vrml::Execution& world = execution();
   const glm::dmat4 before = world.viewer(), &after = camera.world_from_camera;
   bool there = true;
@@ -233,7 +233,7 @@ void Simulation::act(double time) {
   }
 }
 
-// What comes may be of use in the next step: so many steps, so many urls.
+// Fetches the urls that the last step has set. Urls that their contents set are fetched after the next step.
 void Simulation::fetch() {
   if (!loading_) return;
   std::vector<UrlRequest> requests = document_->living->take_url_requests();
@@ -254,14 +254,14 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
     step(0, false);
     act(0);
     if (begins_elsewhere_) {
-      // Sensors have looked for this time; what is fixed to the viewer has to go with him.
+      // The sensors already have this time; objects that follow the viewer are updated again.
       execution().begin_update();
       step(0, false);
     }
     fetch();
     steps_ = 1;
   }
-  // The grid's times are multiples, not sums: errors of rounding do not add up.
+  // Step times are multiples of the step, so that rounding errors do not accumulate.
   double time = time_;
   while (time < seconds && (!go_on || go_on())) {
     const double tick = static_cast<double>(steps_) * kSimulationStep;

@@ -11,20 +11,20 @@
 namespace gs::app {
 namespace {
 
-constexpr int kParts = 8;     // of a box, an axis, that are looked at one by one
-constexpr int kPasses = 5;    // each looks closer at what the last one found, down to 1/32768 of the whole
-constexpr float kAll = 0.9f;  // of the volume: so much is as good as everything
+constexpr int kParts = 8;     // parts per axis of a box that are tested one by one
+constexpr int kPasses = 5;    // each pass refines the result of the last one, down to 1/32768 of the whole
+constexpr float kAll = 0.9f;  // fraction of the volume above which the whole stream is requested
 
 bool outside(const glm::vec3& lower, const glm::vec3& upper, const qnv::LodView& view) {
   return std::any_of(view.planes.begin(), view.planes.end(), [&](const glm::vec4& plane) {
-    // The corner that lies furthest inwards.
+    // The corner that is furthest inside.
     const glm::vec3 p(plane.x >= 0 ? upper.x : lower.x, plane.y >= 0 ? upper.y : lower.y,
                       plane.z >= 0 ? upper.z : lower.z);
     return plane != glm::vec4(0) && plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < 0;
   });
 }
 
-// The box around the parts of a box that a view may see; nothing where it sees none.
+// Returns the bounds of the parts of a box that a view may see, or nullopt.
 std::optional<qnv::Box> seen_part(const qnv::Box& box, const qnv::LodView& view) {
   const glm::vec3 step = (box.upper - box.lower) / static_cast<float>(kParts);
   std::optional<qnv::Box> seen;
@@ -40,7 +40,7 @@ std::optional<qnv::Box> seen_part(const qnv::Box& box, const qnv::LodView& view)
   return seen;
 }
 
-// Of the box, counting axes along which it has no extent as seen wholly.
+// Returns the volume fraction of a part. Ignores axes without extent.
 float share(const qnv::Box& part, const qnv::Box& all) {
   float share = 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -59,7 +59,7 @@ net::CellBox cell_box(const qnv::Box& box, const qnv::Box& all) {
     const auto part = [&](double value, bool up) {
       if (!(extent > 0)) return up ? 65535.0 : 0.0;
       const double scaled = (value - begin) / extent * 65535;
-      // The directory's own steps must not be rounded twice.
+      // Avoids rounding the directory's own steps twice.
       const double nearest = std::round(scaled);
       const double exact = std::abs(scaled - nearest) < 1e-2 ? nearest : up ? std::ceil(scaled) : std::floor(scaled);
       return std::clamp(exact, 0.0, 65535.0);

@@ -10,14 +10,14 @@
 namespace gs::app {
 namespace {
 
-// A gap that is read rather than asked for around: another question costs about as much.
+// Max gap between ranges that is read along, because another request costs about as much.
 constexpr std::uint64_t kJoin = 16384;
-constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // bytes that are asked for at a time
-constexpr std::size_t kMostOpen = 3;                        // such batches, so that the line never falls silent
+constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // bytes per request
+constexpr std::size_t kMostOpen = 3;  // max concurrent requests, so that the connection never idles
 constexpr unsigned kMostFailures = 5;
 constexpr std::uint64_t kLongDirectory = std::uint64_t{128} << 10;
 constexpr std::uint64_t kMostDirectory = std::uint64_t{256} << 20;
-constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // of vectors; see Urgency
+constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // for vectors; see Urgency
 
 }  // namespace
 
@@ -28,7 +28,7 @@ RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed
     give_up("its directory is too long");
   else
     directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
-  // The order of the stream is a good one as long as views cannot choose.
+  // Until views can choose chunks, the file order is a good order.
   if (!over_ && place_.total - place_.directory > kLongDirectory)
     front_request_ = request({{place_.front, place_.directory}}, kDirectoryPriority);
 }
@@ -47,7 +47,7 @@ bool RangedStream::ask_for_more() {
   if (over_ || directory_request_) return false;
   (void)feed_->take_wanted(wanted_);
   bool any = false;
-  // Of a line that they share, streams get as much as they have asked for and not got yet.
+  // Streams share a connection in proportion to their requested bytes.
   const std::uint64_t most = std::max(static_cast<std::uint64_t>(kBatch * feed_->weight()), kJoin);
   while (open_.size() < kMostOpen) {
     Batch batch;
@@ -110,7 +110,7 @@ bool RangedStream::take(net::LoadEvent& event) {
   return true;
 }
 
-// Ranges begin where chunks do, and those between are whole as well.
+// Ranges begin at chunks, and the gaps between them contain complete chunks.
 void RangedStream::take_data(Batch& batch, const net::LoadData& data) {
   std::vector<std::byte> run;
   if (const auto before = batch.runs.find(data.offset); before != batch.runs.end()) {

@@ -23,7 +23,7 @@ void StreamFeed::add(std::uint64_t offset, std::vector<std::byte> chunk) {
 }
 
 void StreamFeed::add_loose(std::uint32_t number, std::vector<std::byte> chunk) {
-  // Behind the end of any stream, so that it stands nowhere else.
+  // Beyond the end of any stream, so that the offset is unique.
   constexpr std::uint64_t kNowhere = std::uint64_t{1} << 62;
   add(kNowhere + number, std::move(chunk));
 }

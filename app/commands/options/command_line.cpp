@@ -49,12 +49,12 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
       parser.add_flag_callback(
           std::string(row.name), [take] { take(""); }, help);
     } else if (has_optional_value(row)) {
-      // Behind "=" alone: a word behind the option is the next argument.
+      // The value must follow "=", because the next word is an argument of its own.
       static constexpr std::string_view kAlone = "true";
       parser.add_flag(std::string(row.name), std::as_const(help))
           ->type_name(std::string(row.argument))
           ->each([&options, &row](const std::string& value) {
-            // The parser says which option it was.
+            // The parser adds the name of the option.
             if (const auto problem = row.set(options, value == kAlone ? "" : value))
               throw CLI::ValidationError(*problem + ", not '" + value + "'");
           });
@@ -68,14 +68,14 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
   if (command.most_files > 0) parser.add_option("files", options.files, "")->type_name("")->group("");
 }
 
-// The file that a command writes; empty for none.
+// Returns the file that a command writes, or an empty string.
 std::string output_of(const Options& options, const CommandRow& command) {
   if (!options.snapshot.empty()) return options.snapshot;
   const bool writes = command.run == run_encode || command.run == run_export;
   return writes ? options.files.back() : std::string();
 }
 
-// Returns the files that a command writes at a place that the user named.
+// Returns all files that a command writes to paths from the user.
 std::vector<std::string> written_files(const Options& options, const CommandRow& command) {
   std::vector<std::string> files{output_of(options, command), options.sound};
   if (command.run == run_animate) files.push_back(options.files.back());
@@ -88,7 +88,8 @@ std::string folder_of(const std::string& file) {
   return slash == std::string::npos ? "." : file.substr(0, slash + 1);
 }
 
-// A first argument that is a word, and neither a command nor the name of a file: what to say of it. Else nothing.
+// Returns an error for a first argument that is a plain word, but neither a command nor a file. Otherwise returns
+// nullopt.
 std::optional<std::string> unknown_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_';
@@ -101,7 +102,7 @@ std::optional<std::string> unknown_word(const std::string& word) {
   return "neither a file nor a command; expected a file, a URL or one of " + names;
 }
 
-// "-" among what is read is standard input. What is wrong with it, or nothing.
+// Replaces "-" among the inputs by standard input. Returns the problem, or nullopt.
 std::optional<std::string> take_standard_input(Options& options, const CommandRow& command) {
   const bool writes = command.run == run_encode || command.run == run_export;
   const std::span<std::string> inputs = std::span(options.files).first(options.files.size() - (writes ? 1 : 0));
@@ -175,7 +176,7 @@ int parse_and_run(int count, char** arguments) {
 
 constexpr char kNoMemory[] = "ghostspace: error: there is not enough memory for this";
 
-// An exception that nobody took, of any thread: one line in the place of a crash where it is about what the system has.
+// Handles an uncaught exception of any thread. Prints one line; if memory ran out, exits instead of crashing.
 [[noreturn]] void end_at_exception() {
   const std::exception_ptr exception = std::current_exception();
   try {
@@ -190,7 +191,7 @@ constexpr char kNoMemory[] = "ghostspace: error: there is not enough memory for 
   std::abort();
 }
 
-// As roff has it: a dash that is one, a first character that commands nothing.
+// Escapes text for roff: dashes, and a first character that would start a command.
 std::string escaped(std::string_view text) {
   std::string result = "\\&";
   for (const char c : text) {
@@ -242,10 +243,10 @@ std::string manual_page() {
 
 int run_command_line(int count, char** arguments) {
   prepare_console();
-  // A file that may not become larger is an error of writing, as a full disk is.
+  // Exceeding the file size limit becomes a write error, like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(end_at_exception);
-  // A command without a window ends by itself; those with one wait for the user (EndOverdueScripts).
+  // Commands without a window end when a Script hangs; windows wait for the user (EndOverdueScripts).
   ScriptRunner::on_overdue([](const std::string& message) {
     complain("%s; it cannot be interrupted, so the command ends", message.c_str());
     std::_Exit(kFailed);
@@ -255,7 +256,7 @@ int run_command_line(int count, char** arguments) {
     status = parse_and_run(count, arguments);
   } catch (const std::bad_alloc&) {
     complain("%s", kNoMemory);
-  } catch (const std::length_error&) {  // of a vector that no memory could hold
+  } catch (const std::length_error&) {  // from a vector larger than the address space
     complain("%s", kNoMemory);
   } catch (const std::exception& problem) {
     complain("ghostspace: error: %s", problem.what());

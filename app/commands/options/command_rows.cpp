@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <limits>
 
-// The table of commands.
+// Table of commands.
 namespace gs::app {
 namespace {
 

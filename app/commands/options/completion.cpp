@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-// What shells complete on the command line, of the tables of options and commands.
+// Shell completions of the command line, made from the tables of options and commands.
 namespace gs::app {
 namespace {
 
@@ -17,7 +17,7 @@ bool stands_with(const OptionRow& option, const CommandRow& command) {
 
 enum class ValueKind : std::uint8_t { none, words, file, folder, other };
 
-// By what the help calls the value.
+// Returns the kind of value, from its name in the help.
 ValueKind value_kind_of(const OptionRow& row) {
   const std::string_view value = row.argument;
   if (value.empty() || has_optional_value(row)) return ValueKind::none;
@@ -35,7 +35,7 @@ std::string words_of(const OptionRow& row, char between) {
   return words;
 }
 
-// Of all files that open: "wrl", "wrz", ...
+// Returns the extensions of all files that can be opened: "wrl", "wrz", ...
 std::vector<std::string> extensions() {
   std::set<std::string> all;
   for (const ContentType& type : content_types()) {
@@ -70,7 +70,7 @@ std::string option_names(const CommandRow& command) {
   return joined(names, " ");
 }
 
-// Within single quotes of a shell.
+// Quotes text for a shell's single quotes.
 std::string quoted_help(std::string_view text, std::string_view apostrophe, std::string_view marked = {}) {
   std::string out;
   for (const char c : text) {

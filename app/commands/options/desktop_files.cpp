@@ -15,14 +15,15 @@
 namespace gs::app {
 namespace {
 
-/// How a type is known by its first bytes, in the words of shared-mime-info; and by which of its extensions it is not,
-/// since others use them for something else.
+/// Rules by which a desktop detects a MIME type, for shared-mime-info. Some extensions do not identify the type,
+/// because other programs use them.
 struct DesktopType {
   std::string_view mime;  // of one or more content types
   std::string_view comment;
-  std::string_view magic;      // texts at offset 0, a line each, with escapes of C; empty: only the name tells
+  /// Texts at offset 0, one per line, with C escapes; if empty, only the name identifies the type.
+  std::string_view magic;
   std::string_view ambiguous;  // extensions, as in the table of content types
-  std::string_view aliases;    // other names that servers give it, a blank behind each
+  std::string_view aliases;    // other MIME types that servers send, each followed by a blank
 };
 constexpr DesktopType kDesktopTypes[] = {
     {"model/vrml", "VRML world", "#VRML V2.0\n#VRML V1.0", "", "x-world/x-vrml application/x-vrml "},
@@ -67,7 +68,7 @@ std::vector<std::string> parts_of(std::string_view text, char end) {
   return parts;
 }
 
-// "*.wrl" ..., of the extensions by which a type is known.
+// Returns the patterns ("*.wrl", ...) of the extensions that identify the type.
 std::vector<std::string> globs_of(const ContentType& type, const DesktopType& desktop) {
   std::vector<std::string> globs;
   for (const std::string& extension : parts_of(type.extensions, ' '))
@@ -75,7 +76,7 @@ std::vector<std::string> globs_of(const ContentType& type, const DesktopType& de
   return globs;
 }
 
-// Those that a desktop can tell from others, in the order of the table, each once.
+// Returns the MIME types that a desktop can detect, in table order, without duplicates.
 std::vector<std::string> desktop_mime_types() {
   std::vector<std::string> names;
   for (const ContentType& type : content_types()) {
@@ -99,7 +100,7 @@ std::string shared_mime_info() {
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<mime-info xmlns=\"http://www.freedesktop.org/standards/shared-mime-info\">\n";
-  // Several rows may be of one type.
+  // Several rows may have the same MIME type.
   std::map<std::string_view, std::pair<std::string, std::string>> types;
   std::vector<std::string_view> order;
   for (const ContentType& type : content_types()) {

@@ -33,7 +33,7 @@ Problem set_size(Options& options, const std::string& value) {
   return {};
 }
 
-// Thumbnailers are given names without an extension, too.
+// Sets the image. The name may lack an extension, as desktops request for thumbnails.
 Problem set_snapshot(Options& options, const std::string& value) {
   options.snapshot = value;
   const std::string extension = lower_case(std::filesystem::path(value).extension().string());
@@ -82,7 +82,7 @@ Problem set_headlight(Options& options, const std::string& value) {
   return {};
 }
 
-// Simulated time; a day of it is more than five million steps.
+// Parses simulated time. The limit is a day, more than five million steps.
 Problem set_seconds(double& seconds, const std::string& value) {
   constexpr double kLongest = 86400;
   return read(value, seconds) && seconds >= 0 && seconds <= kLongest ? Problem{} : "expected seconds, from 0 to 86400";
