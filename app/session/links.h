@@ -40,8 +40,8 @@ struct GivenPlace {
                            const vrml::SourceText& text,
                            const std::shared_ptr<const vrml::TextSource>& source = nullptr);
 
-/// Refuses files of a link that are missing, or that lie outside of the folder of `text` and of the folders that the
-/// user `allowed`. Applies to loadURL of --control clients, and of Scripts in worlds that such clients have changed.
+/// Refuses missing files of a link, and files outside of the folder of `text` and of the folders that the user
+/// `allowed`. Applies to loadURL of --control clients, and of Scripts in worlds that such clients have changed.
 void keep_to_readable_files(Link& link, const vrml::SourceText& text, const std::vector<std::string>& allowed);
 
 /// Opens an http(s) URL in the default web browser of the desktop. Returns false if no browser could be started.

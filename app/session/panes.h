@@ -64,8 +64,8 @@ class Panes {
   /// Cancels the file that a viewport waits for and returns to the previous one. Returns false if it waits for none.
   bool cancel(std::size_t pane);
 
-  /// Sets the layout. Viewports that become visible and are free show listed files that no other viewport shows, or
-  /// else copy the view of the active viewport.
+  /// Sets the layout. Viewports that become visible and are free show listed files that no other viewport shows. If
+  /// there are none, they copy the view of the active viewport.
   void set_layout(ViewportLayout layout);
   /// Sets the split of the window. The active viewport becomes a visible one.
   void set_split(SplitTree split);

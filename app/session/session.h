@@ -41,8 +41,8 @@ struct SessionOptions {
   std::vector<std::string> files;  // opened at start, one per viewport as far as possible
   std::string viewpoint;           // description, DEF name or number of the initial Viewpoint of worlds
   std::optional<bool> headlight;   // overrides the worlds' NavigationInfo
-  /// Uses only the time passed to `step`, so that results depend on the input alone. Moves to Viewpoints are instant,
-  /// no step is skipped after a slow one, and frames are shown only when they are up to date.
+  /// Uses only the time passed to `step`, so that results depend on the input alone. Moves to Viewpoints are instant.
+  /// No step is skipped after a slow one. Frames are shown only when they are up to date.
   bool simulated = false;
   bool audible = false;              // sounds are played on the system's device
   bool muted = false;                // until the user turns the sound on

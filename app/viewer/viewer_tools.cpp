@@ -185,8 +185,8 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
 }
 
-// Reads the value under the pointer: of a volume at its visible depth, plane or surface; of a stream, that of the
-// nearest vector; of a surface, the meaning of its colour.
+// Reads the value under the pointer. A volume gives its value at the visible depth, plane or surface; a stream that of
+// the nearest vector; a surface the meaning of its colour.
 void ViewerTools::probe(const View& seen, const Viewport& place) {
   value_.clear();
   const glm::vec2 at = pointer_ - glm::vec2(place.left, place.top), size(place.size());

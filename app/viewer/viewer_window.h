@@ -18,8 +18,10 @@
 
 namespace gs::app {
 
-/// Session in a window: passes the user's input to it, draws its pictures, and lays the user interface over them.
-/// viewer.cpp has the loop, viewer_picture.cpp the drawing, desk.h the parts without a window. Main thread.
+/// Session in a window. Passes the user's input to it, draws its pictures, and lays the user interface over them. Main
+/// thread.
+///
+/// viewer.cpp: the loop; viewer_picture.cpp: the drawing; desk.h: the parts without a window.
 class Viewer final : public DeskWindow {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,

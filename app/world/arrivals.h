@@ -93,7 +93,7 @@ struct Arrivals {
   void append(Arrivals&& later);
 };
 
-/// Request to fetch urls of a running world: urls that were set, urls of nodes made at run time, or those of an
+/// Request to fetch urls of a running world. They were set, or belong to a node that was made at run time, or to an
 /// EXTERNPROTO in a text that was read at run time.
 struct UrlRequest {
   Arrivals::Place place;

@@ -6,8 +6,8 @@
 namespace gs::app {
 namespace {
 
-// Returns true for the fields with polygons: lists that only the browser and the file set, and the exposedField that
-// marks them as complete.
+// Returns true for the fields with polygons. These are lists that only the browser and the file set, and the
+// exposedField that marks them as complete.
 bool is_of_polygons(const vrml::InterfaceDeclaration& field) {
   return field.slot >= 0 && (field.access == vrml::AccessType::field ? vrml::is_multiple(field.type)
                                                                      : field.type == vrml::FieldType::SFBool);

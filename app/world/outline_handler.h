@@ -11,7 +11,7 @@
 namespace gs::app {
 
 /// Content handler for the polygons in the url of an OutlineGroup. It reads them into an own node and passes the node's
-/// fields to the group: at once, or as updates if the world runs already.
+/// fields to the group. A running world gets them as updates.
 class OutlineHandler final : public ContentHandler, public std::enable_shared_from_this<OutlineHandler> {
  public:
   /// Creates a handler for `group`. `file` and `location` are the group's, for messages. The new polygons follow those

@@ -155,7 +155,7 @@ void SceneHandler::give_prototypes(std::vector<AwaitedPrototype> awaited, std::u
   world_.arrivals.prototypes.push_back(std::move(arrival));
 }
 
-// Resolves EXTERNPROTOs, except those with instances whose fields are still being read.
+// Resolves EXTERNPROTOs, except those if fields of their instances are still being read.
 void SceneHandler::resolve_types() {
   std::unordered_set<const vrml::NodeType*> open_types;
   if (parser_)

@@ -22,8 +22,8 @@ void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) 
   sum.server_rate += more.server_rate;
 }
 
-// Limits for unanswered requests, because a text could make this program send datagrams to any host: 16 greetings of
-// 256 bytes per silent server.
+// Limits for unanswered requests, because a text could make this program send datagrams to any host. Each silent server
+// gets 16 greetings of 256 bytes.
 constexpr std::size_t kMostUnanswered = 4;      // at the same time
 constexpr std::size_t kMostSilentServers = 16;  // of one world
 

@@ -21,8 +21,8 @@ template <class Number>
 /// Parses "a,b,c" as numbers.size() finite numbers. Returns false for anything else.
 [[nodiscard]] bool read_list(std::string_view text, char separator, std::span<double> numbers);
 
-/// Parses a whole number with an optional suffix k, M or G in any case, which multiplies it by a power of `step`.
-/// Returns false for anything else, and for results larger than `most`.
+/// Parses a whole number. A suffix k, M or G in any case multiplies it by a power of `step`. Returns false for anything
+/// else, and for results larger than `most`.
 [[nodiscard]] bool read_scaled(std::string_view text, std::uint64_t step, std::uint64_t most, std::uint64_t& number);
 /// Parses a number of bytes: "400k" is 409,600.
 template <class Number>

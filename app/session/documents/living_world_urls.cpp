@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t kMaxRequests = 10'000;  // more requests without a reader are dropped
 
-// Takes the inline vectors of a QNV node from a text that was read at run time, or from a PROTO body that was received.
-// They override the url. Returns false if the node has none.
+// Takes the inline vectors of a QNV node that was made at run time: from a text, or from a PROTO body. They override
+// the url. Returns false if the node has none.
 bool take_own_vectors(OpenedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
   if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
   const vrml::Node& node = scene.node(id);
@@ -41,8 +41,8 @@ int url_slot(const ScriptRequest& request) {
 // Returns true if a text was read from a URL at run time.
 bool was_fetched(const vrml::SourceText& text) { return &text.origin() != &text && !text.is_computed(); }
 
-// Returns true if a Script may have computed the value of a slot: in the text of the node, or by an event for the node
-// or for a PROTO instance around it.
+// Returns true if a Script may have computed the value of a slot. The value may come from a computed text, or from an
+// event for the node or for a PROTO instance around it.
 bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
   if (scene.text_of(id, slot).is_computed()) return true;
   for (std::uint32_t index = id.index; index != 0; index = scene.node_at(index).instance)

@@ -17,8 +17,8 @@ struct NetworkQuestion {
   std::string url;   // first URL that was held back
 };
 
-/// Gate that holds back the network requests of a world's Scripts after one of them has read a private file, until the
-/// user decides (docs/security.md, "What Scripts may read"). One thread.
+/// Gate for the network requests of a world's Scripts. After one of them has read a private file, it holds the requests
+/// back until the user decides (docs/security.md, "What Scripts may read"). One thread.
 class NetworkGate {
  public:
   enum class Decision : std::uint8_t { open, asks, allowed, refused };
