@@ -108,8 +108,8 @@ std::optional<std::string> check_fetch(const Options& options) {
 int run_fetch(const Options& options) {
   const std::string& url = options.files.front();
   LoadOptions load = load_options(options);
-  load.whole_surfaces = true;  // their vectors are counted
-  load.cache_folder.clear();   // network transfers are measured
+  load.whole_surfaces = true;  // the report counts their vectors
+  load.cache_folder.clear();   // the report measures transfers over the network
   Report report;
   report.is_cells = comes_as_cells(url);
   ProgressBar progress;

@@ -135,7 +135,7 @@ bool open_in_browser(const std::string& url) {
   char* const arguments[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;
   if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0) return false;
-  // The program passes the address on and exits; until then nothing waits for it.
+  // Does not wait for the program, which passes the URL to the browser and exits.
   return waitpid(child, nullptr, WNOHANG) >= 0;
 }
 

@@ -276,9 +276,9 @@ class Session {
   void place_viewer(Document& document, const View& leader) const;
   bool let_live(bool look);
   bool let_guest_act(bool look);
-  /// Completes moves to Viewpoints at once in simulated time.
   void listen(Document& document, const View& leader);
   void change_sound(Action action);
+  /// Completes moves to Viewpoints at once in simulated time.
   void end_journey(View& view) const;
   [[nodiscard]] std::optional<double> next_life() const;
   void move_viewer(View& seen, Navigation after, bool loading, float seconds);

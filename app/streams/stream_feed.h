@@ -34,11 +34,11 @@ class StreamFeed {
   void finish();
   /// Marks the rest of the stream as unavailable.
   void fail(std::string why);
-  /// Returns the chunks that views want, most wanted first. Returns false if they have not changed.
+  /// Stores the chunks that views want in `ranges`, most wanted first. Returns false if they have not changed.
   [[nodiscard]] bool take_wanted(std::vector<qnv::ChunkRange>& ranges);
   /// Returns the last value of `set_weight`.
   [[nodiscard]] double weight() const { return weight_; }
-  /// Returns the views that see the stream. Returns false if they have not changed.
+  /// Stores the views that see the stream in `views`. Returns false if they have not changed.
   [[nodiscard]] bool take_views(std::vector<qnv::LodView>& views);
 
   // For the drawing thread.

@@ -154,13 +154,13 @@ bool Desk::run(Action action) {
       if (inspection_.picking()) ui_.show_notice("Click what is to be chosen in the scene tree", false);
       return true;
     case Action::close:
-      if (session_.seeking()) return false;  // the session ends seeking
+      if (session_.seeking()) return false;  // handled by the session
       if (inspection_.picking()) {
         inspection_.set_picking(false);
         return true;
       }
       if (ui_.close_over() || window_.run_tool(action)) return true;
-      if (session_.panes().loading(session_.panes().active())) return false;  // the session cancels loading
+      if (session_.panes().loading(session_.panes().active())) return false;  // handled by the session
       return ui_.close_beside();
     case Action::larger_text:
       settings.text_size += kTextStep;

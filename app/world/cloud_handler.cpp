@@ -114,13 +114,13 @@ void CloudHandler::choose_way() {
   const auto header = qnv::decode_header(bytes_, header_bytes, need_more);
   if (need_more) return;
   if (!std::holds_alternative<qnv::StreamHeader>(header)) {
-    way_ = Way::whole;  // its reader reports the best error
+    way_ = Way::whole;  // the reader of whole files gives the better error message
     return;
   }
   const auto& known = std::get<qnv::StreamHeader>(header);
   const qnv::PayloadReader reader = qnv::row_of(known.payload).reader;
   if (reader == qnv::PayloadReader::polygons) {
-    way_ = Way::whole;  // its reader reports the payload
+    way_ = Way::whole;  // the reader of whole files reports that these are polygons
     return;
   }
   if (reader == qnv::PayloadReader::levels) {

@@ -92,7 +92,7 @@ void SceneHandler::take_own_prototypes() {
              "EXTERNPROTO " + type->name + " stands inside its own PROTO " + source->name + "; left out");
     } else {
       to_resolve_.emplace_back(type, source);
-      resolve_types();  // so that the next one is searched in the body of this one
+      resolve_types();  // so that the next one can be found in the body of this one
     }
     return true;
   });

@@ -42,7 +42,7 @@ void WorldLoading::State::give_content(SceneHandler& handler) {
   arrivals.contents.push_back(std::move(arrival));
 }
 
-// Returns the updates, with the contents of Inlines that are complete or not inside another incomplete one.
+// Returns the updates. They include the content of an Inline once its own file is complete.
 Arrivals WorldLoading::State::take_arrivals() {
   give_outlines();
   const auto goes_on = [&](const SceneHandler& handler) {
@@ -50,7 +50,7 @@ Arrivals WorldLoading::State::take_arrivals() {
       return fetch->handler.get() == &handler && std::find(ended.begin(), ended.end(), fetch.get()) == ended.end();
     });
   };
-  // Inlines inside of a returned one are queued after it.
+  // Handing over a content appends its inner Inlines to the list.
   for (std::size_t i = 0; i < withheld.size();) {
     if (goes_on(*withheld[i])) {
       ++i;

@@ -7,7 +7,7 @@ namespace gs::app {
 
 struct Options;
 
-// Commands of the table in options.cpp, one file each. They print and return the exit status.
+// Commands of the table in command_rows.cpp, one file each. They print and return the exit status.
 int run_open(const Options& options);
 int run_animate(const Options& options);
 std::optional<std::string> check_animate(const Options& options);

@@ -12,10 +12,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kWait{50};          // so that progress is visible
-constexpr std::chrono::milliseconds kStreamWait{1000};  // requests of views end it
+constexpr std::chrono::milliseconds kWait{50};          // max wait of a step, so that progress is visible
+constexpr std::chrono::milliseconds kStreamWait{1000};  // while only streams load; requests of views end the wait
 constexpr std::chrono::milliseconds kBetweenLists{80};
-constexpr std::chrono::milliseconds kForTheRest{150};  // updates within this time are part of the first picture
+constexpr std::chrono::milliseconds kForTheRest{150};  // results within this time become part of the first picture
 constexpr int kRest = 3;                               // pause until the next collection, as a multiple of its duration
 
 }  // namespace
