@@ -52,7 +52,7 @@ int fail_to_write(const std::string& what);
                                                            std::span<const std::byte> bytes);
 /// Returns the list of export formats: ".ply (PLY points), .glb (...), ...".
 [[nodiscard]] std::string export_format_list();
-/// Returns the options for reading files. Local worlds may also read the files that --allow names.
+/// Returns the options for reading files. Local worlds may also read the files of the command line.
 [[nodiscard]] LoadOptions load_options(const Options& options);
 /// Returns the folder of the HTTP cache: in $XDG_CACHE_HOME, else ~/.cache; empty if there is neither.
 [[nodiscard]] std::string http_cache_folder();

@@ -18,7 +18,7 @@ namespace {
 
 // Number of stored batches of changes. A render list that lacks more batches is collected again.
 constexpr std::size_t kMostBatches = 8;
-constexpr std::size_t kMostMessages = 1000;  // more messages without a reader are dropped
+constexpr std::size_t kMostMessages = 1000;  // further messages are dropped until the caller takes them
 
 }  // namespace
 

@@ -151,8 +151,8 @@ class LivingWorld {
   std::deque<std::vector<vrml::NodeChange>> batches_;  // changes that led to the last versions, newest last
   std::uint64_t version_ = 0;
   std::uint32_t replaced_ = 0;            // Execution::replaced of the newest version
-  std::vector<UrlProgress> progress_;     // not yet reported to the programs
-  std::vector<MediaDuration> durations_;  // not yet reported to the programs
+  std::vector<UrlProgress> progress_;     // not yet reported to the nodes
+  std::vector<MediaDuration> durations_;  // not yet reported to the nodes
   struct PlayedMovie {
     vrml::SceneGraph* scene;
     vrml::NodeId id;
@@ -169,7 +169,7 @@ class LivingWorld {
   /// Newest Arrivals::Place::request of each place, if not 0.
   std::unordered_map<render::ImagePlace, std::uint32_t, render::HashImagePlace> url_numbers_;
   std::weak_ptr<LivingScene> shared_;
-  std::vector<ScriptMessage> script_messages_;  // messages that no program printed
+  std::vector<ScriptMessage> script_messages_;  // messages of this class, not of programs
   bool measures_viewer_ = false;
   vrml::NodeId console_;  // Script to which the console's lines belong
 };

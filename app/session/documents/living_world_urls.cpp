@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxRequests = 10'000;  // more requests without a reader are dropped
+constexpr std::size_t kMaxRequests = 10'000;  // further requests are dropped until the caller takes them
 
 // Takes the inline vectors of a QNV node that was made at run time: from a text, or from a PROTO body. They override
 // the url. Returns false if the node has none.
