@@ -47,7 +47,7 @@ class CacheBench {
   std::uint64_t seed_ = 0;
 };
 
-TEST_CASE("what is fresh is not asked for again") {
+TEST_CASE("serves fresh resources from the cache without a request") {
   CacheBench cache;
   const std::string text = pattern(300'000);
   cache.put(text, "\"1\"", 60);
@@ -64,7 +64,7 @@ TEST_CASE("what is fresh is not asked for again") {
   CHECK(cache.asked() == 0);
 }
 
-TEST_CASE("what is stale is confirmed by ETag") {
+TEST_CASE("confirms stale resources by ETag") {
   CacheBench cache;
   const std::string text = pattern(300'000);
   cache.put(text, "\"1\"", std::nullopt);
@@ -123,7 +123,7 @@ TEST_CASE("only missing bytes are asked for") {
   CHECK(cache.asked() == 4);
 }
 
-TEST_CASE("what came before a cancel is there the next time, and confirmed first where it is stale") {
+TEST_CASE("reuses the bytes of a cancelled request and confirms them first if stale") {
   CacheBench cache;
   const std::string text = pattern(300'000);
   MemoryResource resource;
@@ -157,7 +157,7 @@ TEST_CASE("what came before a cancel is there the next time, and confirmed first
   }
 }
 
-TEST_CASE("fresh parts whose rest turns out to be of another version are taken back") {
+TEST_CASE("withdraws fresh parts if the rest belongs to another version") {
   CacheBench cache;
   const std::string text = pattern(300'000), other = pattern(300'000, 1);
   cache.put(text, "\"1\"", 60);

@@ -166,7 +166,7 @@ TEST_CASE("After a lost end the next PDU is whole", "[aal5]") {
   REQUIRE(out[1].bytes == pdu_bytes(kRecordPdu, 2));
 }
 
-TEST_CASE("Who knows the places of cells may say so", "[aal5]") {
+TEST_CASE("reassembles cells at the indexes that the caller gives", "[aal5]") {
   const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
   const Vc vc = a[0].vc;
   Reassembler reassembler;

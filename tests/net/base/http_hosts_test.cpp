@@ -52,7 +52,7 @@ TEST_CASE("On loopback a server goes by its own names and those that it is given
   CHECK(HostNames("*", {}).is_own("localhost"));
 }
 
-TEST_CASE("Only trusted proxies are believed whose request they bring") {
+TEST_CASE("takes the client of a request from X-Forwarded-For of trusted proxies only") {
   const std::vector<AddressBlock> proxies = {*address_block_of("10.0.0.0/8"), *address_block_of("::1")};
   const auto client = [&](const char* peer, const char* forwarded) {
     return address_text(client_of(address_of_text(peer), forwarded, proxies));
@@ -71,7 +71,7 @@ TEST_CASE("Only trusted proxies are believed whose request they bring") {
   CHECK(client("10.0.0.1", ",,,") == "10.0.0.1");
 }
 
-TEST_CASE("HTTP server on loopback: a page whose name was made to resolve here reads nothing") {
+TEST_CASE("HTTP server on loopback: refuses a page with a name that resolves to this machine") {
   ServedSite site;
   site.write("a", "what is served");
   site.options.host_names = {"gallery.lan"};

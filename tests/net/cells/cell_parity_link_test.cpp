@@ -75,7 +75,7 @@ TEST_CASE("Without loss parity costs nothing", "[cell_parity]") {
   }
 }
 
-TEST_CASE("What is lost is rebuilt without asking", "[cell_parity][optimised]") {
+TEST_CASE("restores lost datagrams without another request", "[cell_parity][optimised]") {
   struct Case {
     double loss, chunks, most_sent;  // of what is sent without loss
   };

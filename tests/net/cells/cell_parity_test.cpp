@@ -267,7 +267,7 @@ TEST_CASE("Without loss there is no parity", "[cell_parity]") {
   REQUIRE(off.settled(0));
 }
 
-TEST_CASE("What was sent before the first loss was known gets its parity then", "[cell_parity]") {
+TEST_CASE("sends parity for earlier data after the first reported loss", "[cell_parity]") {
   ParitySender sender(true);
   for (std::uint64_t i = 0; i < 128; ++i) sender.add(i, wire(data_cells(20, i)), Instant(i));
   REQUIRE_FALSE(sender.pending());
@@ -424,7 +424,7 @@ TEST_CASE("Damaged and hostile parity gives nothing", "[cell_parity]") {
   REQUIRE(rebuilt[0].cells == sent.data.at(lost));
 }
 
-TEST_CASE("What a client keeps for rebuilding is bounded", "[cell_parity]") {
+TEST_CASE("bounds the datagrams that a client keeps for parity", "[cell_parity]") {
   CellRebuilder rebuilder;
   std::vector<CellRebuilder::Rebuilt> rebuilt;
   std::uint64_t random = 8;

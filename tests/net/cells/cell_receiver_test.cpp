@@ -108,7 +108,7 @@ TEST_CASE("Clusters of several datagrams come whole or not at all, and repaired"
   REQUIRE(share(*scene, *source) == 1);
 }
 
-TEST_CASE("What was lost comes when asked again", "[cell_receiver]") {
+TEST_CASE("receives lost chunks after another request", "[cell_receiver]") {
   for (const bool packed : {false, true}) {
     const auto source = packed ? clusters() : records();
     Trial trial;

@@ -75,7 +75,7 @@ TEST_CASE("A handshake may come in any pieces, with frames behind it") {
   }
 }
 
-TEST_CASE("What is no handshake is refused by a status of HTTP") {
+TEST_CASE("refuses an invalid handshake with an HTTP status") {
   CHECK(refused("hello\r\n\r\n") == 400);
   CHECK(refused("POST / HTTP/1.1\r\nHost: localhost\r\n\r\n{}") == 405);
   CHECK(refused("GET / HTTP/1.0\r\n\r\n") == 505);
@@ -100,7 +100,7 @@ TEST_CASE("Pages of web browsers need the token in the handshake, and no foreign
   CHECK(knows.connection.is_admitted());
 }
 
-TEST_CASE("Who has no Origin may say the token in the first message, and nothing else first") {
+TEST_CASE("admits a client without Origin by a first message with the token only") {
   Peer right(ControlProtocol::web_socket);
   (void)right.say(opening());
   CHECK_FALSE(right.connection.is_admitted());
@@ -130,7 +130,7 @@ TEST_CASE("Lines: the first is the token, each other one a message, whatever the
   CHECK(peer.connection.is_closing());
 }
 
-TEST_CASE("Of who is not admitted little is kept, and of who is a message") {
+TEST_CASE("bounds the input of clients before and after admission") {
   Peer stranger(ControlProtocol::lines);
   CHECK(stranger.say(std::string(257, 'a')) == "BYE a line of more than 256 bytes\n");
   Peer frames(ControlProtocol::web_socket);

@@ -118,7 +118,7 @@ struct Served {
 
 }  // namespace
 
-TEST_CASE("Messages come from a Unix socket and a WebSocket, answers go back, and who leaves is told of") {
+TEST_CASE("passes messages and answers by Unix socket and WebSocket and reports departures") {
   Served served;
   auto lines = std::make_unique<LineClient>(served.path());
   lines->send(kToken + "\nhello\n");
@@ -149,7 +149,7 @@ TEST_CASE("Messages come from a Unix socket and a WebSocket, answers go back, an
   Served::until([&] { return !served.server->send(first.client, "more"); });
 }
 
-TEST_CASE("Who has said all gets the answers to it before the connection ends") {
+TEST_CASE("answers all messages after the client has closed its side") {
   Served served;
   LineClient client(served.path());
   client.send(kToken + "\none\ntwo\n");
@@ -164,7 +164,7 @@ TEST_CASE("Who has said all gets the answers to it before the connection ends") 
   Served::until([&] { return served.server->connections() == 0; });
 }
 
-TEST_CASE("What was answered last is sent before the server goes, and that it goes") {
+TEST_CASE("sends the last answer and a goodbye before the server stops") {
   Served served;
   LineClient client(served.path());
   client.send(kToken + "\nquit\n");
@@ -236,7 +236,7 @@ TEST_CASE("A file for the token is its owner's alone, and no other file is writt
   CHECK(write_control_token(folder.path("no/folder"), kToken));
 }
 
-TEST_CASE("Who does not say the token in time, or says another, is sent away with a reason") {
+TEST_CASE("disconnects a client with a late or wrong token and gives the reason") {
   Served served([](ControlServerOptions& options) { options.terms.limits.admission = Instant(50'000); });
   LineClient silent(served.path());
   CHECK(silent.receive_all() == "BYE the token did not come in time\n");
@@ -249,7 +249,7 @@ TEST_CASE("Who does not say the token in time, or says another, is sent away wit
   CHECK_FALSE(served.server->next());
 }
 
-TEST_CASE("A thousand who say nothing neither fill memory nor keep out who knows the token") {
+TEST_CASE("admits a client while a thousand silent connections are open and bounds memory") {
   Served served([](ControlServerOptions& options) { options.terms.limits.strangers = 20; });
   std::vector<std::unique_ptr<LineClient>> crowd;
   [[maybe_unused]] const std::size_t before = test::resident();

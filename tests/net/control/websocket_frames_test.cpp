@@ -82,7 +82,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("What no client may send is a failure with its own code (RFC 6455 5, 7.4.1)") {
+TEST_CASE("rejects invalid frames with their close codes (RFC 6455 5, 7.4.1)") {
   CHECK(why("\x81\x05Hello") == WebSocketClose::protocol_error);          // not masked
   CHECK(why(masked_frame(0xc1, "a")) == WebSocketClose::protocol_error);  // reserved bits
   CHECK(why(masked_frame(0x83, "a")) == WebSocketClose::protocol_error);  // reserved opcodes
@@ -114,7 +114,7 @@ TEST_CASE("A message too large is refused at its head, whole or in fragments, an
   CHECK(why(fragments) == WebSocketClose::policy);
 }
 
-TEST_CASE("Behind a failure nothing is read, and who takes messages can stop") {
+TEST_CASE("reads nothing after a failure or after the receiver stops") {
   const Read result = read(masked_frame(0x81, "a") + masked_frame(0x83, "b") + masked_frame(0x81, "c"));
   CHECK(result.messages == Messages{{Kind::text, "a"}});
   CHECK(result.failure);

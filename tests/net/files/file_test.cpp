@@ -104,7 +104,7 @@ TEST_CASE("a large file is checked by its first bytes before it is mapped") {
   CHECK(std::holds_alternative<MappedFile>(map_file(folder / "small", refuse)));
 }
 
-TEST_CASE("what is put aside of a file can be read again") {
+TEST_CASE("reads the bytes of a file again after their memory was released") {
   const Folder folder;
   std::string text(MappedFile::kMappedSize + 12345, 'a');
   for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i % 23);
@@ -122,7 +122,7 @@ TEST_CASE("what is put aside of a file can be read again") {
   }
 }
 
-TEST_CASE("what cannot be opened is said with the reason") {
+TEST_CASE("reports why a file cannot be opened") {
   const Folder folder;
   CHECK(message_of(folder / "none") == "cannot open " + (folder / "none") + ": No such file or directory");
   CHECK(message_of(folder.path().string()) ==
@@ -224,7 +224,7 @@ TEST_CASE("writing through a link changes the file and keeps the link") {
   CHECK(error->message.find("it is a link to nothing") != std::string::npos);
 }
 
-TEST_CASE("what is not a regular file is never replaced") {
+TEST_CASE("replaces regular files only") {
   const Folder folder;
   fs::create_directory(folder / "d");
   REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);

@@ -60,7 +60,7 @@ std::vector<fs::path> files(const std::string& folder, const std::string& ending
   return result;
 }
 
-TEST_CASE("what was stored is found, also by the next one who opens the cache") {
+TEST_CASE("finds stored resources after the cache is opened again") {
   const TemporaryFolder folder;
   const std::string text = pattern(300'000);
   {
@@ -240,7 +240,7 @@ TEST_CASE("the number of files is bounded, and one entry does not fill all") {
   CHECK(cache->find("large", 2000)->present() == RangeSet(std::array{ByteRange{0, 200'000}}));
 }
 
-TEST_CASE("what crashes left behind goes after an hour") {
+TEST_CASE("removes leftovers of crashes after an hour") {
   const TemporaryFolder folder;
   const auto cache = open(folder.path());
   put(*cache, "k", "\"1\"", "abc");

@@ -39,7 +39,7 @@ MemoryAnswer redirect(AddressSpace space, const std::string& to) {
   return answer;
 }
 
-TEST_CASE("what a public text refers to is on the Internet, also behind redirects") {
+TEST_CASE("refuses references of a public document to local hosts even after redirects") {
   Bench bench;
   bench.network->put("memory://public/a", [](const auto&, unsigned) { return answer_of(AddressSpace::global); });
   bench.network->put("memory://inside/a", [](const auto&, unsigned) { return answer_of(AddressSpace::local); });

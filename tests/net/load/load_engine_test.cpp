@@ -226,7 +226,7 @@ TEST_CASE("Retry-After is kept to, if it is not too long") {
         "3600 s");
 }
 
-TEST_CASE("what cannot get better is not tried again") {
+TEST_CASE("does not retry permanent errors") {
   for (const int status : {400, 401, 403, 404, 410, 501, 204, 302}) {
     Bench bench;
     script(bench, "memory:a", {[status](const TransferRequest&) {
@@ -328,7 +328,7 @@ TEST_CASE("a resource that changes while it is read is never mixed") {
   }
 }
 
-TEST_CASE("what has not been polled is forgotten without noise when the version turns out void") {
+TEST_CASE("drops data that were not polled when the version changes") {
   Bench bench;
   const std::string text = pattern(100'000);
   script(bench, "memory:a",

@@ -11,7 +11,7 @@ namespace {
 using namespace gs::net;
 using namespace gs::net::test;
 
-TEST_CASE("who does not poll is not sent more than the bounds") {
+TEST_CASE("bounds queued bytes while nobody polls") {
   LoaderOptions options;
   options.max_queued_bytes = 300'000;
   options.max_queued_bytes_per_request = 100'000;

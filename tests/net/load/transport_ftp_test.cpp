@@ -215,7 +215,7 @@ TEST_CASE("ftp: a server that falls silent behind the file, and takes no leave, 
   CHECK(got.text() == text);
 }
 
-TEST_CASE("ftp: the rules of who may refer to what hold, and commands are not to be smuggled in") {
+TEST_CASE("ftp: applies the reference policy and refuses injected commands") {
   FtpServer server({.text = "x"});
   const Outcome foreign = load_from(server, "worlds/a.wrl", {"http://example.org/w.wrl", AddressSpace::global});
   REQUIRE(foreign.error);

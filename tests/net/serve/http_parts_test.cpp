@@ -156,7 +156,7 @@ TEST_CASE("Clients behind a proxy are counted by their requests, and the proxy's
   CHECK(counts.connections() == 0);
 }
 
-TEST_CASE("What could not be made is tried again, soon where the file is not to blame") {
+TEST_CASE("retries failed files and sooner if the source is not the cause") {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("ghostspace-again-" + std::to_string(::getpid()));
   fs::create_directories(folder);
@@ -245,7 +245,7 @@ TEST_CASE("The folder of made files is bounded, and holds others' files in peace
   fs::remove_all(folder);
 }
 
-TEST_CASE("what is made is made again where somebody has removed the folder for it") {
+TEST_CASE("makes a file again after its folder was removed") {
   namespace fs = std::filesystem;
   const auto folder = fs::temp_directory_path() / ("ghostspace-made-" + std::to_string(::getpid())) / "inner";
   fs::create_directories(folder);

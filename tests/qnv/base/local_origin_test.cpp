@@ -10,7 +10,7 @@ namespace {
 
 WideBox box_about(const glm::dvec3& middle, double half) { return {middle - half, middle + half}; }
 
-TEST_CASE("What lies far from 0 for its size counts from its middle, axis by axis") {
+TEST_CASE("moves the origin to the middle of a small distant box axis by axis") {
   CHECK(local_origin({}) == glm::dvec3(0));
   CHECK(local_origin(box_about({3, -20, 31}, 1)) == glm::dvec3(0));
   CHECK(local_origin(box_about({4'500'000.3, 3, -33}, 1)) == glm::dvec3(4'500'000.5, 0, -33));
@@ -22,7 +22,7 @@ TEST_CASE("What lies far from 0 for its size counts from its middle, axis by axi
   CHECK(glm::dvec3(glm::vec3(origin)) == origin);
 }
 
-TEST_CASE("What float32 kept of a place it keeps of the way from the origin") {
+TEST_CASE("keeps float32 positions exactly when they are relative to the local origin") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> about(-1, 1);
   for (const float away : {33.0f, 1000.0f, 123'456.0f, 4'500'000.0f, 1e9f}) {

@@ -62,7 +62,7 @@ std::uint32_t read_one(BinaryDecoder& decoder, Models& models, const Decision& d
 
 }  // namespace
 
-TEST_CASE("what a range coder writes it reads again") {
+TEST_CASE("decodes the output of the range coder") {
   for (std::uint32_t seed = 0; seed < 200; seed += static_cast<std::uint32_t>(watched_step(5))) {
     const std::vector<Decision> decisions = random_decisions(seed, seed * 7);
     const std::vector<std::byte> bytes = written(decisions);

@@ -85,7 +85,7 @@ TEST_CASE("a later stage takes over in whatever order its chunks come") {
   CHECK(same(decoded(parts, chunks).cloud(), wanted));
 }
 
-TEST_CASE("a stage whose base was lost leaves the one before") {
+TEST_CASE("keeps the previous stage if the base mesh of a stage is lost") {
   const Parts parts = parts_of(read_bytes("displaced_stages.qnv"));
   std::vector<Bytes> without, first;
   for (const Bytes& chunk : parts.chunks) {

@@ -403,7 +403,7 @@ TEST_CASE("the same surface gives the same bytes, whatever the threads") {
   }
 }
 
-TEST_CASE("what is no surface is refused with a reason") {
+TEST_CASE("refuses geometry that is not a surface") {
   CHECK(std::holds_alternative<EncodeError>(encode_displaced(source_of({}), {})));
   const Triangles line{triangle_of({0, 0, 0}, {1, 1, 1}, {1, 1, 1})};
   CHECK(std::holds_alternative<EncodeError>(encode_displaced(source_of(line), {})));

@@ -26,7 +26,7 @@ const glm::vec3 kA(0, 0, 0), kB(1, 0, 0), kC(0, 1, 0), kD(0, -1, 0), kE(0, 0, 1)
 
 }  // namespace
 
-TEST_CASE("what lies at one place is welded, and a closed surface stays closed") {
+TEST_CASE("welds equal positions and keeps a closed surface closed") {
   const SurfaceMesh mesh = mesh_of(ball(7));
   check_manifold(mesh);
   CHECK(mesh.triangles.size() == 8 * 49);
@@ -91,7 +91,7 @@ TEST_CASE("any heap of triangles becomes a manifold with colours") {
   }
 }
 
-TEST_CASE("what comes with a manifold are its neighbours, and its vertices are numbered as triangles name them") {
+TEST_CASE("returns a manifold with its neighbours and numbers vertices by first use") {
   const bool whole = GENERATE(true, false);
   const int size = GENERATE(6, 200);  // one thread, several
   Triangles heap = sheet(size);

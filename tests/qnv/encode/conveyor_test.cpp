@@ -16,7 +16,7 @@ std::vector<Triangle> numbered(std::size_t first, std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("what is put on the conveyor is worked on in its order, all of it, on any number of threads") {
+TEST_CASE("processes all triangles in order on any number of threads") {
   const unsigned threads = GENERATE(0u, 1u, 2u, 5u);
   std::vector<float> seen;
   Conveyor conveyor(
@@ -35,7 +35,7 @@ TEST_CASE("what is put on the conveyor is worked on in its order, all of it, on 
   for (std::size_t i = 0; i < sent; ++i) REQUIRE(seen[i] == static_cast<float>(i));
 }
 
-TEST_CASE("what the work throws is thrown where the conveyor ends, and nothing more is taken") {
+TEST_CASE("rethrows an exception of the work at the end and takes no more triangles") {
   std::size_t done = 0;
   Conveyor conveyor(
       [&](std::span<const Triangle>) {

@@ -134,7 +134,7 @@ TEST_CASE("a volume's classes and transfer function travel along, and its total 
   CHECK(sum(back) == Approx(4 * std::numbers::pi).epsilon(1e-4));
 }
 
-TEST_CASE("what cannot be sent is left out, and nothing at all is an error") {
+TEST_CASE("leaves out invalid vectors and refuses an empty point set") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
   Cloud cloud = sphere_cloud(50, false);
   cloud.weights[3] = 0;

@@ -260,7 +260,7 @@ TEST_CASE("Values at the ends of the floats give finite vectors") {
   }
 }
 
-TEST_CASE("What cannot be encoded is told") {
+TEST_CASE("reports why a volume cannot be encoded") {
   VolumeLayout layout;
   layout.dimensions = {2, 2, 2};
   const VolumeSource source = volume_of<std::uint8_t>(layout, {1, 2, 3, 4, 5, 6, 7, 8});

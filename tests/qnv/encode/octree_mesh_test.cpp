@@ -44,7 +44,7 @@ std::size_t triangles_with_area(const Triangles& all) {
 
 }  // namespace
 
-TEST_CASE("an octree ends with the mesh, whose colours have borders") {
+TEST_CASE("ends an octree with the mesh if its colours have borders") {
   const Triangles all = assembly();
   for (const int bits : {kExactWherePays, 13}) {
     const EncodedStream stream = encoded(all, bits);
@@ -89,7 +89,7 @@ TEST_CASE("an octree alone is as it was, and has no mesh behind it") {
   CHECK(std::holds_alternative<std::unique_ptr<LodStream>>(LodStream::open(std::vector(stream.bytes))));
 }
 
-TEST_CASE("what ends with a mesh is held whole, not in levels") {
+TEST_CASE("refuses to open a stream with a mesh at its end by levels") {
   const EncodedStream stream = encoded(assembly(), kExactWherePays);
   const auto opened = LodStream::open(std::vector(stream.bytes));
   REQUIRE(std::holds_alternative<StreamProblem>(opened));

@@ -7,7 +7,7 @@
 
 namespace gs::qnv::survey_test {
 
-TEST_CASE("what stands for the colours of a surface is their mean by area") {
+TEST_CASE("averages the colours of a surface by area") {
   const glm::vec3 o(0), x(1, 0, 0), y(0, 1, 0);
   SurfaceSurvey survey;
   survey.add(Triangles{triangle_of(o, x, y, {200, 40, 0})});

@@ -82,7 +82,7 @@ TEST_CASE("Edges and corners of a thinned box stay sharp") {
   CHECK(corners == 8);
 }
 
-TEST_CASE("What is no triangle does not count, and what cannot be thinned says so") {
+TEST_CASE("ignores invalid triangles and reports a surface that cannot be simplified") {
   Triangles triangles = sphere(40);
   const ThinnedSurface sound = thinned(triangles, 1000);
   const float nan = std::numeric_limits<float>::quiet_NaN();

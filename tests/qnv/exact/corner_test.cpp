@@ -105,7 +105,7 @@ TEST_CASE("texture coordinates that are smooth take about as many bits as the pi
   CHECK(8 * more < 6 * mesh.vertices.size());
 }
 
-TEST_CASE("where a corner lies is expected from the triangle beyond the edge, and there where all is one plane") {
+TEST_CASE("predicts a corner from the triangle across the edge and exactly in a plane") {
   const auto at = [](const glm::ivec3& p) { return glm::ivec2(1000 + 7 * p.x - 3 * p.y, 2000 + 2 * p.x + 9 * p.y); };
   const glm::ivec3 from(40, 10, 0), to(90, 60, 0), beyond(120, 5, 0), corner(15, 80, 0);
   const ExpectedCorner expected{to - from, corner - from, at(from), at(to) - at(from)};

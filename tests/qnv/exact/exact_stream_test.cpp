@@ -177,7 +177,7 @@ TEST_CASE("surfaces as they should not be come back from exact streams, or say w
   CHECK(std::holds_alternative<EncodeError>(encoded({triangle_of({0, 0, 0}, {1, 1, 1}, {1, 1, 1})}, 11)));
 }
 
-TEST_CASE("what stands before an exact tail is at most a fifth of it, and a picture from the header on") {
+TEST_CASE("limits the data before an exact tail to a fifth of it and shows a picture from the header on") {
   for (const Sample& s : samples()) {
     INFO(s.source.name);
     const auto chunks = chunks_of(s.stream);
@@ -265,7 +265,7 @@ TEST_CASE("every prefix of an exact stream is a surface, and none a broken mesh"
   }
 }
 
-TEST_CASE("what is drawn of an exact stream is the refined surface, then the mesh") {
+TEST_CASE("draws the refined surface and then the mesh of an exact stream") {
   const Sample& s = samples()[0];
   StreamDecoder decoder;
   REQUIRE(decoder.push(std::span(s.stream).first(header_bytes(s.stream))));

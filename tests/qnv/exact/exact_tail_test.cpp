@@ -60,7 +60,7 @@ TEST_CASE("a mesh comes back from its tail, whatever it looks like: all triangle
     }
 }
 
-TEST_CASE("what was joined in a mesh is joined again") {
+TEST_CASE("keeps the shared vertices of a mesh") {
   const ExactMesh mesh = mesh_of(displaced::torus(30, 16), 11, false);
   const auto decoded = decode_tail(encode_tail(mesh), kMost);
   REQUIRE(decoded);

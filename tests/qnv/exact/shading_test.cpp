@@ -208,7 +208,7 @@ TEST_CASE("an exact stream is shaded as its source, whenever it is told how") {
   CHECK(stream_of(displaced::ball(12)).shadings == 0);
 }
 
-TEST_CASE("what is no shading is refused") {
+TEST_CASE("refuses an invalid shading chunk") {
   CHECK(decode_shading(encode_shading({Shading::Rule::faces, 60})) == Shading{Shading::Rule::faces, 60});
   for (const Bytes& bytes :
        {Bytes{}, Bytes{std::byte{1}}, Bytes{std::byte{0}, std::byte{60}}, Bytes{std::byte{2}, std::byte{60}},

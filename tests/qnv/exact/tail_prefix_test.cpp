@@ -260,7 +260,7 @@ TEST_CASE("without the table, or beside another stage than it says, a tail is no
   }
 }
 
-TEST_CASE("where it pays a surface ends with the mesh, with bits as its edges are long, and losses do not stop it") {
+TEST_CASE("ends a surface with the mesh if that pays and restores the mesh after losses") {
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream()));
   decoder.finish();

@@ -98,7 +98,7 @@ TEST_CASE("Chunks that are added in any order never leave a hole") {
   }
 }
 
-TEST_CASE("What a view wants and has not is listed, most wanted first", "[optimised]") {
+TEST_CASE("lists the missing chunks of a view by importance", "[optimised]") {
   const Parts parts = parts_of(sphere_stream(400'000));
   LodView view = from({0, 0, 1.6f}, 400);
   view.planes[0] = {1, 0, 0, 0};  // the half with x > 0
@@ -131,7 +131,7 @@ TEST_CASE("What a view wants and has not is listed, most wanted first", "[optimi
   CHECK(static_cast<double>(most) == Approx(static_cast<double>(there)).epsilon(0.1));
 }
 
-TEST_CASE("What several viewports want is wanted by turns, each chunk once") {
+TEST_CASE("lists the missing chunks of several viewports in turn without duplicates") {
   const Parts parts = parts_of(sphere_stream(100'000));
   const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
   REQUIRE(lod->set_directory(parts.directory()));
@@ -189,7 +189,7 @@ TEST_CASE("Chunks that are pushed and chunks that are added make one stream") {
   CHECK(lod->complete());
 }
 
-TEST_CASE("What arrives and makes no sense is left out and told of") {
+TEST_CASE("ignores invalid chunks and reports them") {
   const Parts parts = parts_of(sphere_stream(20'000));
   const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
   std::vector<std::byte> damaged(parts.chunk(1).begin(), parts.chunk(1).end());

@@ -220,7 +220,7 @@ TEST_CASE("A directory that lies everywhere leaves a smaller picture, or none") 
   }
 }
 
-TEST_CASE("Clusters whose checksums are right and whose bits are not cost themselves at most") {
+TEST_CASE("confines damage with valid checksums to its clusters") {
   const EncodedStream& stream = sphere_stream(20'000);
   const std::vector<DirectoryEntry> sound = entries_of(stream);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));

@@ -54,7 +54,7 @@ TEST_CASE("Detail follows the size on the screen") {
   CHECK(near_discs > 20 * far_discs);
 }
 
-TEST_CASE("What lies outside of the view is neither refined nor drawn") {
+TEST_CASE("neither refines nor draws clusters outside of the view") {
   const auto lod = opened(sphere_stream(60'000).bytes);
   LodView view;
   view.error_pixels = 0;
@@ -156,7 +156,7 @@ TEST_CASE("Lost packets of records leave the others, and the area") {
   CHECK(sum == Approx(kSphereArea).epsilon(0.03));
 }
 
-TEST_CASE("What is no stream loses nothing") {
+TEST_CASE("drops no packets of data that are not a stream") {
   const std::vector<std::byte> other(100, std::byte{7});
   CHECK(drop_packets(other, 0.5, 1) == other);
 }

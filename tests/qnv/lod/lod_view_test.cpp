@@ -169,7 +169,7 @@ TEST_CASE("Detail that is there stays until it is clearly too fine", "[optimised
   CHECK(count(lod->cut(kept)) == fresh(kept));
 }
 
-TEST_CASE("What faces away may be left out, and nothing else", "[optimised]") {
+TEST_CASE("leaves out only clusters that face away", "[optimised]") {
   const EncodedStream stream = stream_of(bumpy_sphere(200), 100'000);
   const auto lod = opened_there(stream.bytes), all = opened_there(stream.bytes);
   REQUIRE_FALSE(stream.header.description.two_sided);
@@ -197,7 +197,7 @@ TEST_CASE("What faces away may be left out, and nothing else", "[optimised]") {
   CHECK(area(both->cut(behind)) == Approx(0.5).epsilon(0.1));
 }
 
-TEST_CASE("Thin sheets, whose voxels are two discs, keep a budget too") {
+TEST_CASE("keeps the budget for thin sheets with two splats per voxel") {
   Triangles plate = box_shape({-1, -1, -0.001f}, {1, 1, 0.001f}, 20);
   const EncodedStream stream = stream_of(plate, 60'000);
   const auto lod = opened_there(stream.bytes);

@@ -134,7 +134,7 @@ TEST_CASE("Numbers of any width come back, and what is cut is told") {
   CHECK(zigzag(-2) == 3);
 }
 
-TEST_CASE("What is seen from a place in a plane's axes is seen back") {
+TEST_CASE("converts positions to the axes of a plane and back") {
   std::mt19937 random(2);
   bool same = true;
   for (int i = 0; i < 20000; ++i) {

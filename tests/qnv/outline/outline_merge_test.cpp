@@ -47,7 +47,7 @@ TEST_CASE("A plate with two holes is one polygon of three rings", "[outline]") {
   }
 }
 
-TEST_CASE("What shading bends is merged with nothing, unless it may be", "[outline]") {
+TEST_CASE("merges polygons with bent shading only if allowed", "[outline]") {
   PolygonModel model;
   for (int x = 0; x < 4; ++x) add_square(model, static_cast<float>(x), 0);
   model.bent = {0, 0, 1, 0};
@@ -112,7 +112,7 @@ TEST_CASE("A ring that touches itself becomes rings that touch", "[outline]") {
   CHECK(vector_area(ring) == glm::dvec3(0, 0, 7));
 }
 
-TEST_CASE("What lies over itself is not merged", "[outline]") {
+TEST_CASE("does not merge polygons that overlap", "[outline]") {
   PolygonModel model;  // a flat spiral of nine triangles around one corner: once around and a quarter
   const auto at = [](int i) {
     const double angle = i * 50 * std::numbers::pi / 180;

@@ -70,7 +70,7 @@ std::string error_of(const OutlineGroups& groups, std::span<const OutlineAppeara
   return error ? error->message : "";
 }
 
-TEST_CASE("What lies on a lattice comes back as it was") {
+TEST_CASE("restores positions on a lattice exactly") {
   const OutlineGroups groups = mixed();
   const EncodedStream stream = encoded(groups, looks(3));
   CHECK(stream.header.outlines.positions.exponent == -3);  // coarser than 16 bits would be
@@ -234,7 +234,7 @@ TEST_CASE("The same bytes for any number of threads, and fewer where fewer are w
   CHECK(std::count_if(all.begin(), all.end(), [](const One& o) { return !o.inner; }) == 20);
 }
 
-TEST_CASE("What has no area on the lattice is left out, and counts say so") {
+TEST_CASE("leaves out polygons without area on the lattice and counts them") {
   OutlineGroups groups;
   groups.groups.push_back(flat_group({square({0, 0, 0}, 100)}));
   OutlineGroup tiny = flat_group({square({3, 3, 1}, 10)});
@@ -337,7 +337,7 @@ TEST_CASE("The longest polygons that are not cut fit into a chunk, whatever thei
   }
 }
 
-TEST_CASE("What cannot be encoded says why") {
+TEST_CASE("reports why outlines cannot be encoded") {
   OutlineGroups groups = mixed();
   CHECK(error_of(groups) == "group 1 names appearance 1; expected less than 1");
   CHECK(error_of(OutlineGroups()) == "no polygon that is finite and not too far from the origin for the model's size");

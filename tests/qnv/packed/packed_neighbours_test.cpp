@@ -118,7 +118,7 @@ TEST_CASE("Normals that turn from voxel to voxel go on turning, by hand") {
   CHECK(face_changes(100, 0, 0, sheet).u == std::array<int, 6>{});
 }
 
-TEST_CASE("What is predicted stays in the square, whatever the neighbours") {
+TEST_CASE("clamps predicted planes for any neighbours") {
   std::mt19937 random(11);
   const auto number = [&random](int most) {
     return static_cast<int>(random() % static_cast<unsigned>(2 * most + 1)) - most;

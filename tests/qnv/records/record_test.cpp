@@ -195,7 +195,7 @@ TEST_CASE("positions and weights come back within half a step") {
   }
 }
 
-TEST_CASE("what does not fit goes to the nearest that does") {
+TEST_CASE("clamps values that do not fit into a record") {
   const RecordFrame frame = frame_for({{0, 0, 0}, {1, 2, 3}}, 10);
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   const RecordFields f = split_fields(pack_record({{-5, 7, nan}, {0, 0, 1}, 1e30f, 0}, frame));

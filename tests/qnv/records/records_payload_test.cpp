@@ -117,7 +117,7 @@ TEST_CASE("a pinned chunk decodes to what it holds") {
   CHECK(patch.colors[11] == 254);
 }
 
-TEST_CASE("what is encoded for one vector is pinned") {
+TEST_CASE("pins the encoding of one vector") {
   Cloud cloud;
   cloud.positions = {{1, 2, 3}};
   cloud.normals = {{0, 0, 1}};
@@ -457,7 +457,7 @@ TEST_CASE("no vector grows beyond twice its cell") {
   }
 }
 
-TEST_CASE("what arrives twice counts once, and pieces add up") {
+TEST_CASE("counts repeated vectors once and adds up parts") {
   const Cloud cloud = ball(5000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   RecordsAssembly whole(cloud.description), pieces(cloud.description);

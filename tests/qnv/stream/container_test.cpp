@@ -310,7 +310,7 @@ TEST_CASE("Chunks and sections of later versions are passed over") {
   CHECK(read.chunks[0].second == payload_of(30, 2));
 }
 
-TEST_CASE("What is no stream is refused and says why") {
+TEST_CASE("refuses data that are not a stream and reports why") {
   const auto problem = [](Bytes bytes) {
     const Read read = read_all(bytes, 10);
     REQUIRE(read.refused);

@@ -101,7 +101,7 @@ TEST_CASE("a large group stays within its 256 pieces") {
   CHECK(came(pieces) == wanted);
 }
 
-TEST_CASE("what is no piece is refused, and what is damaged harms nothing") {
+TEST_CASE("refuses invalid pieces and survives damaged ones") {
   const std::vector<Bytes> wanted = some_payloads(4, 1000, 3);
   const CutGroup cut = cut_group(2, wanted, 1, 0);
   for (std::size_t i = 0; i < cut.data[0].size(); i += 100) CHECK(!read_piece_header(std::span(cut.data[0]).first(i)));

@@ -65,7 +65,7 @@ TEST_CASE("Voxels of every type and byte order become floats") {
   check_type<double>(VoxelType::f64, {0.25, -1.5, 1e-30, 1.0 / 3});
 }
 
-TEST_CASE("What is not a finite float is missing") {
+TEST_CASE("treats values that are not finite floats as missing") {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   VolumeLayout layout;
   layout.type = VoxelType::f64;

@@ -14,7 +14,7 @@ TEST_CASE("the first node of each bindable type is bound at start (4.6.10)") {
   CHECK(world.execution().bound(*built_in_node_type("Viewpoint")).node == world.node("V1"));
 }
 
-TEST_CASE("what a Switch does not show is not bound at start (4.6.10, 6.46)") {
+TEST_CASE("binds only nodes in the active choice of a Switch at start (4.6.10, 6.46)") {
   World world(
       "Switch { whichChoice 1 choice [ DEF B1 Background { } Group { children DEF B2 Background { } } ] }\n"
       "Switch { choice DEF F1 Fog { } } Switch { whichChoice 5 choice DEF F2 Fog { } } DEF F3 Fog { }\n"

@@ -37,7 +37,7 @@ TEST_CASE("fractions outside of the keys give the first and the last value (4.6.
   CHECK(sent(world, 8, -5) == "1");
 }
 
-TEST_CASE("where keys coincide the value jumps (4.6.8)") {
+TEST_CASE("jumps to the next value where keys are equal (4.6.8)") {
   World world("DEF I ScalarInterpolator { key [ 0 0.5 0.5 0.5 1 ] keyValue [ 0 1 7 2 3 ] }");
   world.start();
   CHECK(sent(world, 1, 0.25F) == "0.5");

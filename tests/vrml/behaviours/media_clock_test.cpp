@@ -193,7 +193,7 @@ TEST_CASE("the picture of the time at which a movie became inactive stays (6.28)
   CHECK(play_of(other, "M").position == Approx(3));
 }
 
-TEST_CASE("what is against the standard in a clip counts as by default, and nothing else plays (6.4)") {
+TEST_CASE("replaces invalid fields of an AudioClip by defaults and plays nothing that is not loaded (6.4)") {
   World world(kClip + "pitch -1 startTime 1000 } } Sound { source DEF D AudioClip { url \"b.wav\" startTime 1000 } }");
   world.start();
   (void)came(world, "C", 2);

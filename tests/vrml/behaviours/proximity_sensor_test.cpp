@@ -106,7 +106,7 @@ TEST_CASE(
   CHECK(world.take("Time") == Lines{"3 P.exitTime 1002.125", "3 Q.exitTime 1002.375"});
 }
 
-TEST_CASE("a ProximitySensor that moves over a viewer who stands tells as if he moved (6.38)") {
+TEST_CASE("reports a viewer at rest when the ProximitySensor moves (6.38)") {
   World world(
       "DEF T Transform { translation 50 0 0 children DEF P ProximitySensor { size 4 4 4 } } Viewpoint { position 0 0 0 "
       "}");
@@ -196,7 +196,7 @@ TEST_CASE("a ProximitySensor tells the times at which the viewer crossed its box
   CHECK(world.take("exitTime") == Lines{"13 P.exitTime 1013"});
 }
 
-TEST_CASE("who jumps to another Viewpoint does not come through the boxes between (6.53)") {
+TEST_CASE("does not trigger a ProximitySensor between two Viewpoints on a jump (6.53)") {
   World world(
       "DEF P ProximitySensor { size 2 2 2 } DEF V Viewpoint { position 5 0 0 } DEF M Transform { children DEF W "
       "Viewpoint { position -5 0 0 } }");

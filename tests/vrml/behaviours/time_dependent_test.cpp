@@ -109,7 +109,7 @@ TEST_CASE("a looping sensor with startTime not before stopTime never ends (4.6.9
   CHECK(world.take("isActive") == Lines{"1 T.isActive TRUE"});
 }
 
-TEST_CASE("a node whose activity lies before the world began is not active (4.6.9)") {
+TEST_CASE("does not activate a node with an interval before the start of the world (4.6.9)") {
   World world(
       "DEF Over TimeSensor { startTime 990 cycleInterval 5 } DEF Stopped TimeSensor { startTime 990 stopTime 999 loop "
       "TRUE } DEF Runs TimeSensor { startTime 998 cycleInterval 5 }");

@@ -130,7 +130,7 @@ ROUTE Both.children TO H.removeChildren ROUTE Both.children TO K.addChildren)");
   CHECK(bound_node(world, "Viewpoint") == world.node("B"));
 }
 
-TEST_CASE("what was bound without being in the world is not unbound for that (4.6.10)") {
+TEST_CASE("keeps a bound node that was never in the world (4.6.10)") {
   World world(R"(
 PROTO P [ eventIn SFBool bind ] { Group { } DEF Out Viewpoint { set_bind IS bind } }
 DEF V Viewpoint { } DEF I P { } DEF G Group { children DEF X Group { } })");

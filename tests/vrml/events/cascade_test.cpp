@@ -124,7 +124,7 @@ TEST_CASE("a ROUTE that is added or removed counts from the next event on (4.10.
   CHECK(world.take() == Lines{"2 A.whichChoice 3", "2 C.whichChoice 3"});
 }
 
-TEST_CASE("what goes on all the time is brought up to date before an event from outside (4.11.3)") {
+TEST_CASE("updates continuous changes before an external event (4.11.3)") {
   World world(R"(
 DEF T TimeSensor { startTime 1000 cycleInterval 8 loop TRUE } DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 8 ] }
 DEF M Material { } ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO M.shininess)");

@@ -5,7 +5,7 @@
 
 namespace gs::vrml::traces {
 
-TEST_CASE("an event for an instance goes to every node whose eventIn IS it, and only in that instance (4.8.2)") {
+TEST_CASE("sends an event of an instance to every eventIn that IS it in that instance only (4.8.2)") {
   World world(R"(
 PROTO P [ eventIn SFVec3f in ] { DEF A Transform { set_translation IS in children DEF B Transform { set_scale IS in } }
   DEF C Transform { set_center IS in } }

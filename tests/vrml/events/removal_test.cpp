@@ -113,7 +113,7 @@ TEST_CASE("a node that was made at run time has the origin of its text") {
   CHECK(diagnostics.entries()[0].text().starts_with("url.wrl:1:9: error:"));
 }
 
-TEST_CASE("who holds a node: fields, ROUTEs from it, ROUTEs to Scripts, PROTO instances, and hold") {
+TEST_CASE("keeps nodes that fields or ROUTEs or PROTO instances or hold refer to") {
   World world("DEF Kept Transform { } DEF T TimeSensor { }");
   world.start();
   SceneGraph& scene = world.scene();
@@ -184,7 +184,7 @@ TEST_CASE("who holds a node: fields, ROUTEs from it, ROUTEs to Scripts, PROTO in
   }
 }
 
-TEST_CASE("what runs and is removed sends no more, and its places serve others") {
+TEST_CASE("stops events of removed nodes and reuses their slots") {
   World world("DEF Kept Group { }");
   world.start();
   (void)world.take();

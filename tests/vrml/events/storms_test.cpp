@@ -50,7 +50,7 @@ TEST_CASE("events go through PROTO instances nested as deep as a file likes") {
   CHECK(world.scene().get<SFInt32>(world.node("I"), "x") == 7);
 }
 
-TEST_CASE("Where the budget has no room for ROUTEs they are left out, and that is said") {
+TEST_CASE("leaves out ROUTEs beyond the budget and reports it") {
   Limits limits;
   limits.memory = std::size_t{16} << 20;
   std::string text;

@@ -11,7 +11,6 @@ using namespace gs::vrml::test;
 
 namespace {
 
-
 using Ring = std::vector<glm::dvec2>;
 
 double area_of_ring(const Ring& ring) {
@@ -250,7 +249,7 @@ TEST_CASE("The cross-section of a straight spine is turned as +Y is turned to th
   CHECK(near(bounds({{0, 5, 0}, {0, 5, 0}}).upper, {1, 5, 1}));
 }
 
-TEST_CASE("An Extrusion whose scale ends at 0 comes to a point") {
+TEST_CASE("ends an Extrusion with scale 0 in a point") {
   GeometryScene pyramid("Extrusion");
   pyramid.set("scale", MFVec2f{{1, 1}, {0, 0}}).set("spine", MFVec3f{{0, 0, 0}, {0, 3, 0}});
   const Mesh mesh = pyramid.mesh();

@@ -117,7 +117,7 @@ TEST_CASE("Nodes, names and lists end at the limit, and what came before shows")
   check(Small(box + "PixelTexture { image 2048 2048 1 " + repeated("0 ", 2048 * 2048) + "}"));
 }
 
-TEST_CASE("What is read in pieces ends at the same limit, and keeps nothing of the rest") {
+TEST_CASE("stops a parse in pieces at the memory limit and discards the rest") {
   SceneGraph scene("bomb.wrl", Limits{.memory = kMemory});
   Diagnostics diagnostics;
   Parser parser(scene, diagnostics);

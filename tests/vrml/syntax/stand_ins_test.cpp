@@ -101,7 +101,7 @@ TEST_CASE("of the stand-ins, a HUD alone is fixed to the viewer") {
   CHECK_FALSE(is_overlay(own));
 }
 
-TEST_CASE("what a stand-in does not have is passed over, in nodes, ROUTEs and PROTO bodies") {
+TEST_CASE("ignores fields and ROUTEs that a stand-in does not have") {
   World world(
       "DEF Clock TimeSensor { } DEF Wave SharedEvent { name \"wave\" url [ \"a\" \"b\" ] node Group { } } "
       "ROUTE Clock.isActive TO Wave.set_bool ROUTE Wave.bool_changed TO Clock.set_enabled "

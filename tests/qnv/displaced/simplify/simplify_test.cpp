@@ -73,7 +73,7 @@ TEST_CASE("every component stays, however few triangles are asked for") {
   CHECK(euler_characteristic(small.triangles) == 12 * 2 + 1);
 }
 
-TEST_CASE("what is thinned in parts is whole, and the same on any number of threads") {
+TEST_CASE("simplifies a mesh in parts without cracks on any number of threads") {
   const std::array<SurfaceMesh, 3> meshes{mesh_of(ball(24)), mesh_of(torus(60, 30)), mesh_of(sheet(50))};
   for (const SurfaceMesh& mesh : meshes)
     for (const std::size_t parts : {2, 8}) {
