@@ -63,7 +63,7 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
   const auto named = canonical_url(to);
   // Other parsers, such as curl's, would read a host from the path.
   if (!named)
-    return ReferenceRefusal{"it names no host or an invalid port; expected " + to.scheme + "://HOST/PATH", {}};
+    return ReferenceRefusal{"it names no host or an invalid port; expected " + to.scheme + "://HOST:PORT/PATH", {}};
   if (from.is_user()) return std::nullopt;
   if (target->transport == TransportKind::file) return refuse_file(from, path_of_url(to));
   Url own = parse_url(from.url);

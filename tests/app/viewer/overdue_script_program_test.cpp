@@ -5,7 +5,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <chrono>
 #include <string>
 
 namespace gs::app::overdue_script_program_test {
@@ -17,13 +16,9 @@ std::string world() {
          " }\" }\n";
 }
 
-double seconds_since(std::chrono::steady_clock::time_point began) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-}
-
 }  // namespace
 
-TEST_CASE("SIGTERM ends the program although a Script is overdue") {
+TEST_CASE("SIGTERM and SIGINT end the program while a Script is overdue") {
   for (const std::string signal : {"TERM", "INT"}) {
     const ScratchFolder folder;
     (void)folder.write("world.wrl", world());
@@ -32,7 +27,7 @@ TEST_CASE("SIGTERM ends the program although a Script is overdue") {
         run_shell("cd " + quoted(folder.path("")) + "; env --default-signal=INT " + program() +
                   " --backend osmesa --control socket --control-token token world.wrl > log 2>&1 & pid=$!; cd " +
                   quoted(folder.path("")) + "; sleep 8; kill -" + signal +
-                  " $pid; (sleep 60; kill -KILL $pid 2> /dev/null) & "
+                  " $pid; (sleep 60; kill -KILL $pid) > /dev/null 2>&1 & "
                   "killer=$!; wait $pid; echo \"status $?\"; kill $killer");
     INFO(signal << run.output << folder.read("log"));
     CHECK(run.output.find("status 1\n") != std::string::npos);
@@ -41,17 +36,15 @@ TEST_CASE("SIGTERM ends the program although a Script is overdue") {
   }
 }
 
-TEST_CASE("A command without a window ends when a Script is overdue") {
+TEST_CASE("a command without a window ends when a Script is overdue") {
   const ScratchFolder folder;
   (void)folder.write("world.wrl", world());
-  for (const std::string command : {"--backend osmesa --snapshot out.png --animate 1 world.wrl", "trace world.wrl"}) {
-    const auto began = std::chrono::steady_clock::now();
+  for (const std::string command : {"--backend osmesa --snapshot out.png world.wrl", "trace world.wrl --until 1"}) {
     const Run run = run_shell("cd " + quoted(folder.path("")) + "; timeout -s KILL 60 " + program() + " " + command);
     INFO(command << ": " << run.output);
     CHECK(run.status == 1);
     CHECK(run.output.find("Script S: the program did not come to its end in time; it cannot be interrupted, so the "
                           "command ends\n") != std::string::npos);
-    CHECK(seconds_since(began) < 40);
   }
 }
 

@@ -62,7 +62,7 @@ TEST_CASE("refuses URLs without a host to everyone, where their scheme needs one
     for (const char* from : {"", "file:///w/w.wrl", "http://a/b.wrl", "ftp://a/b.wrl"}) {
       INFO(from << " to " << to);
       CHECK(refusal(from, to) ==
-            "it names no host or an invalid port; expected " + parse_url(to).scheme + "://HOST/PATH");
+            "it names no host or an invalid port; expected " + parse_url(to).scheme + "://HOST:PORT/PATH");
     }
 }
 
