@@ -9,12 +9,12 @@ namespace gs::app {
 /// paths, and settings of fonts, drivers and sanitizers. All others may hold secrets.
 [[nodiscard]] bool is_kept_variable(std::string_view name);
 
-/// Returns the kept entries of this process, `NAME=VALUE`, and a null pointer at the end: an argument for execve. The
-/// entries belong to the environment; changing it invalidates them.
+/// Returns the kept `NAME=VALUE` entries, ended by a null pointer, as execve expects. Any change of the environment
+/// invalidates them.
 [[nodiscard]] std::vector<char*> kept_environment();
 
-/// Removes all other entries and overwrites their bytes with zeros, so that /proc/self/environ does not show them. Call
-/// before there are threads.
+/// Removes all entries that are not kept. Overwrites their bytes with zeros, so that /proc/self/environ does not show
+/// them. Call before starting threads.
 void clear_environment();
 
 }  // namespace gs::app

@@ -25,7 +25,7 @@ void* refuse() {
   return nullptr;
 }
 
-// The stack of regular expressions has these sizes in the end, and the engine aborts if it cannot have them.
+// Largest sizes of the regular-expression stack. The engine aborts if it cannot allocate them.
 constexpr std::size_t kStackSizes[] = {std::size_t{1} << 25, std::size_t{1} << 26};
 
 bool is_refused(std::size_t bytes) {
@@ -62,7 +62,7 @@ bool stores_address(std::uint64_t type) {
 #endif
 }
 
-/// Tables of a loaded library that its dynamic section names.
+/// Tables named in the dynamic section of a loaded library.
 struct Tables {
   const char* names = nullptr;
   const ElfW(Sym) * symbols = nullptr;

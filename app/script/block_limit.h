@@ -4,7 +4,7 @@
 
 namespace gs::app::script {
 
-/// Limits the size of single memory blocks that SpiderMonkey allocates on the calling thread, while it lives. Larger
+/// Limit on the size of each memory block that SpiderMonkey allocates on this thread, while this object exists. Larger
 /// requests fail, and the program gets an out-of-memory exception. SpiderMonkey has no such limit itself: one operator
 /// may otherwise flatten a string of 2^30 characters, which takes 2 GB and several seconds. Blocks of exactly 32 or
 /// 64 MiB, the stacks of regular expressions, are always granted.

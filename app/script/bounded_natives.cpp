@@ -18,12 +18,12 @@ namespace gs::app::script {
 namespace {
 
 // Each bound keeps its calls below about 0.3 s of processor time.
-constexpr std::size_t kMostComparisons = std::size_t{1} << 28;  // characters of a text times those of the searched one
+constexpr std::size_t kMostComparisons = std::size_t{1} << 28;  // length of a text times length of the searched string
 constexpr std::size_t kMostPattern = std::size_t{1} << 14;      // characters of a regular expression
-constexpr std::size_t kMostCased = std::size_t{1} << 22;        // of a text whose case changes
+constexpr std::size_t kMostCased = std::size_t{1} << 22;        // characters of a text for toLowerCase and toUpperCase
 constexpr std::size_t kMostNormalized = std::size_t{1} << 21, kMostCollated = std::size_t{1} << 20;
 constexpr std::size_t kMostReordered = std::size_t{1} << 30;  // sum of the squares of runs of combining characters
-// Characters of a regular expression with the flag u, or u and i: the sets of Unicode are slow.
+// Max characters of a pattern with flag u, and with flags u and i: Unicode sets are slow.
 constexpr std::size_t kMostUnicodePattern = 512, kMostFoldedPattern = 96;
 constexpr std::size_t kMostJson = std::size_t{1} << 22, kMostJsonParts = std::size_t{1} << 17;
 
@@ -47,12 +47,12 @@ auto with_characters(JSContext* context, JSLinearString* text, const Do& what) {
   return what(JS::GetTwoByteLinearStringChars(no_collection, text), length);
 }
 
-// Characters that may be reordered behind a letter. Those of East Asia and below the combining marks never are.
+// Reports whether normalization may reorder a character. Excludes East Asian blocks and everything below U+0300.
 constexpr auto kMayBeMark = [](auto c) {
   return c >= 0x300 && !(c >= 0x3100 && c < 0xA66F) && !(c >= 0xAC00 && c < 0xD800);
 };
 
-/// A call of a bounded function: what the original gets.
+/// Call of a bounded function, with the arguments for the original.
 struct Call {
   JSContext* context;
   JS::MutableHandleValue self;
@@ -126,7 +126,7 @@ bool check_marks(JSContext* context, JS::HandleValue value) {
     std::size_t run = 0, sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
       run = kMayBeMark(characters[i]) ? run + 1 : 0;
-      sum += run;  // half the square, when the run is over
+      sum += run;  // a run of n adds about n * n / 2
     }
     return sum;
   });
@@ -184,7 +184,7 @@ bool check_pattern(JSContext* context, std::size_t length) {
   return length <= kMostPattern || too_long(context, "a regular expression", length, kMostPattern);
 }
 
-// The pattern of RegExp() and compile(): an object of RegExp is compiled already, all else becomes text.
+// Checks the pattern of RegExp() and compile(). RegExp objects are already compiled. Other values are converted to text.
 bool bound_pattern(const Call& call) {
   std::size_t length = 0;
   if (call.arguments.length() == 0 || call.arguments[0].isUndefined()) return true;
@@ -204,7 +204,7 @@ bool bound_pattern(const Call& call) {
   return call.argument_to_text(0, length) && check_pattern(call.context, length);
 }
 
-// Reports whether the engine searches for the pattern as it stands, which it does without asking for the time.
+// Reports whether the pattern is literal text. The engine cannot be interrupted while it searches for literal text.
 bool is_plain(JSLinearString* pattern, JSContext* context) {
   return with_characters(context, pattern, [](const auto* characters, std::size_t count) {
     return std::none_of(characters, characters + count, [](auto c) {
@@ -218,7 +218,7 @@ bool bound_exec(const Call& call) {
   if (!call.self.isObject()) return true;
   JS::RootedObject object(call.context, &call.self.toObject());
   if (!JS::ObjectIsRegExp(call.context, object, &is_compiled)) return false;
-  // An object that only looks like one cannot be bounded: the methods would read its pattern again.
+  // Rejects objects that imitate a RegExp: the methods would read the pattern again, after the check.
   if (!is_compiled) return fail_type(call.context, "called on an object that is no RegExp");
   std::size_t length = 0;
   if (!call.argument_to_text(0, length)) return false;
@@ -235,7 +235,7 @@ bool bound_exec(const Call& call) {
   return linear && (!is_plain(linear, call.context) || check_search(call.context, length, searched));
 }
 
-// ---- Functions that let an object among the arguments do the work
+// ---- Functions that delegate to a method of an argument, such as Symbol.replace
 
 enum class Outcome : std::uint8_t { failed, called, goes_on };
 
@@ -285,12 +285,12 @@ constexpr JS::SymbolCode kNone = JS::SymbolCode::Limit;
 
 /// A function that is replaced.
 struct Bounded {
-  JSProtoKey of;  // its prototype, or with `is_static` the constructor or namespace
+  JSProtoKey of;  // owner: a prototype; with `is_static` a constructor or namespace
   const char* name;
   bool (*check)(const Call&);
-  JS::SymbolCode symbol = kNone;  // of the method of an object that does the work
+  JS::SymbolCode symbol = kNone;  // of the method of an argument that the function delegates to
   bool needs_global_flag = false, is_static = false;
-  JS::SymbolCode key = kNone;  // of the property, if it is no name
+  JS::SymbolCode key = kNone;  // of the property, used instead of `name`
 };
 constexpr Bounded kBounded[] = {
     {JSProto_String, "indexOf", bound_search},

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-// Bounds on the work of single native calls. SpiderMonkey asks whether a program is late between operations and in
-// loops, but never inside these calls, so each of them must be short by itself.
+// Bounds on the work of single native calls. SpiderMonkey checks the time limit between operations and in loops, but not
+// inside native calls. So each call must be short.
 namespace gs::app::script {
 
 /// Max characters of a string that a program passes to fields, nodes and the browser.
@@ -24,7 +24,7 @@ bool bound_natives(JSContext* context, JS::HandleObject global);
 /// Bounds the text of eval(), Function() and their relatives in all globals of the context.
 void bound_evaluation(JSContext* context);
 
-/// Returns the length of the longest run of characters that a number may have.
+/// Returns the length of the longest run of characters that can be part of a number.
 template <class Characters>
 std::size_t longest_number(const Characters* characters, std::size_t length) {
   std::size_t run = 0, longest = 0;

@@ -10,11 +10,11 @@
 
 #include <optional>
 
-// Bounds on the texts of programs, which the engine compiles without asking for the time.
+// Bounds on program texts: compilation cannot be interrupted.
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMostUnicodeSets = 4096;  // of \p in a program
+constexpr std::size_t kMostUnicodeSets = 4096;  // max uses of \p in a program
 
 bool may_evaluate(JSContext* context, JS::RuntimeCode, JS::HandleString text) {
   if (JS::GetStringLength(text) > kMostEvaluated) return false;
@@ -31,7 +31,7 @@ bool in_literal(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '$';
 }
 
-// Spoils whatever may be a literal of BigInt. Returns nullopt if there is none.
+// Replaces the n of each possible BigInt literal by @. Returns nullopt if there is none.
 std::optional<std::string> without_integers(std::string_view text) {
   std::optional<std::string> spoilt;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -61,7 +61,8 @@ bool check_program(JSContext* context, std::string_view text) {
   return digits <= kMostDigits || too_long(context, "a number", digits, kMostDigits);
 }
 
-// Literals inside strings, comments and regular expressions may be spoilt without harm, those of numbers may not.
+// Compiles the text with each possible BigInt literal made invalid. Strings, comments and regular expressions still
+// compile; real literals do not.
 bool check_integers(JSContext* context, std::string_view text) {
   const std::optional<std::string> spoilt = without_integers(text);
   if (!spoilt) return true;

@@ -38,7 +38,7 @@ bool JobQueue::run_one(JSContext* context, std::size_t from, bool* good) {
     jobs.erase(jobs.begin() + from, jobs.begin() + from + done_);
     done_ = 0;
   }
-  // A job may start a turn of its own, which counts its jobs from where these end.
+  // Saves the count: a job may start a nested turn, which counts its own jobs from 0.
   const std::size_t done = std::exchange(done_, 0);
   const JSAutoRealm realm(context, job);
   JS::RootedValue ignored(context);

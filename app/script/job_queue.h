@@ -9,15 +9,15 @@ namespace gs::app::script {
 
 /// Promise jobs of one thread's programs (ECMAScript 9.4 HostEnqueuePromiseJob).
 ///
-/// Jobs belong to the turn that enqueued them. A turn remembers size() at its start, and runs or discards all jobs from
-/// there before it ends. So no job outlives its turn, its program or its world.
+/// A turn is one call of a program. It stores size() at its start. Before it ends, it runs or discards all later jobs.
+/// So no job outlives its turn, its program or its world.
 class JobQueue final : public JS::JobQueue {
  public:
   explicit JobQueue(JSContext* context);
 
   [[nodiscard]] std::size_t size() const { return jobs_.get().length(); }
-  /// Runs the oldest job from place `from` on. Returns false if there is none. `*good` is false if the job ended with
-  /// an exception, which is pending, or was stopped.
+  /// Runs the oldest job from place `from` on. Returns false if there is none. Sets `*good` to false if the job
+  /// was stopped or threw; the exception is then pending.
   bool run_one(JSContext* context, std::size_t from, bool* good);
   void discard(std::size_t from);
 
@@ -33,7 +33,7 @@ class JobQueue final : public JS::JobQueue {
   js::UniquePtr<SavedJobQueue> saveJobQueue(JSContext* context) override;
 
   JS::PersistentRooted<JS::StackGCVector<JSObject*>> jobs_;
-  std::size_t done_ = 0;  // jobs from `from` on that have run and stand in front of the others
+  std::size_t done_ = 0;  // finished jobs that are still stored before the waiting ones
 };
 
 }  // namespace gs::app::script

@@ -46,7 +46,7 @@ bool World::make_library(ScriptLibrary& library) {
     return false;
   }
   library.global = global;
-  // No program may change these for the others.
+  // Freezes the shared prototypes, so that no program can change them for others.
   for (const JS::PersistentRootedObject& prototype : prototypes) {
     JS::RootedObject object(context, prototype);
     if (object) (void)JS_FreezeObject(context, object);

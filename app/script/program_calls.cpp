@@ -12,7 +12,8 @@ constexpr std::size_t kMostRequests = 256, kMostRequestText = std::size_t{32} <<
 
 }  // namespace
 
-// In simulated time the clock stands while a function runs, but it advances for a program that reads it in a loop.
+// Returns the simulated time, constant during a function. After kLooks reads, each read adds kLook, so that waiting
+// loops end.
 double World::date() {
   constexpr std::uint32_t kLooks = 1000;
   constexpr double kLook = 1e-3;  // seconds

@@ -14,7 +14,7 @@ bool same_text_or_site(const net::Origin& a, const net::Origin& b) {
 Reading reading(const net::Origin& script, const net::Origin& document, const net::Origin& node) {
   if (same_text_or_site(script, node)) return Reading::allowed;
   const bool of_document = same_text_or_site(document, node);
-  // A file that hands its own nodes to a PROTO of the network makes them readable there.
+  // A file that passes nodes to a PROTO from the network lets that PROTO read them.
   if (is_network(script)) {
     if (!of_document) return Reading::refused;
     return is_network(node) ? Reading::allowed : Reading::confidential;

@@ -10,7 +10,7 @@ namespace gs::app::script {
 /// Whether a Script may read the fields of a node (docs/security.md, "What Scripts may read").
 enum class Reading : std::uint8_t {
   allowed,
-  confidential,  // allowed; from then on URLs that Scripts of this world compute need permission to reach the network
+  confidential,  // allowed, but later network requests to URLs that Scripts of this world compute need permission
   refused,
 };
 
