@@ -184,7 +184,8 @@ bool check_pattern(JSContext* context, std::size_t length) {
   return length <= kMostPattern || too_long(context, "a regular expression", length, kMostPattern);
 }
 
-// Checks the pattern of RegExp() and compile(). RegExp objects are already compiled. Other values are converted to text.
+// Checks the pattern of RegExp() and compile(). RegExp objects are already compiled. Other values are converted to
+// text.
 bool bound_pattern(const Call& call) {
   std::size_t length = 0;
   if (call.arguments.length() == 0 || call.arguments[0].isUndefined()) return true;

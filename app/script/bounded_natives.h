@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-// Bounds on the work of single native calls. SpiderMonkey checks the time limit between operations and in loops, but not
-// inside native calls. So each call must be short.
+// Bounds on the work of single native calls. SpiderMonkey checks the time limit between operations and in loops, but
+// not inside native calls. So each call must be short.
 namespace gs::app::script {
 
 /// Max characters of a string that a program passes to fields, nodes and the browser.
