@@ -113,6 +113,7 @@ Engine::Turn::Turn(Engine& engine, double seconds, std::size_t heap_bytes, const
   if (!outermost_) return;
   engine_.stop_ = Stop::none;
   engine_.heap_limit_ = heap_bytes;
+  engine_.collect_leftovers();
   engine_.deadline_ =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   engine_.late_message_ = &late_message;
@@ -209,6 +210,15 @@ bool Engine::over_memory() {
 bool Engine::may_have(std::size_t bytes) const {
   const std::size_t own = own_bytes_ > 0 ? static_cast<std::size_t>(own_bytes_) : 0;
   return bytes <= heap_limit_ && own <= heap_limit_ - bytes;
+}
+
+// Values of earlier programs must not count against this one. Collects only after growth, since they may be in use.
+void Engine::collect_leftovers() {
+  const bool is_little = own_bytes_ <= static_cast<std::ptrdiff_t>(heap_limit_ / 2);
+  if (is_little) next_own_collection_ = 0;
+  if (is_little || own_bytes_ <= next_own_collection_) return;
+  JS_GC(context_);
+  next_own_collection_ = own_bytes_ + own_bytes_ / 4;
 }
 
 void Engine::note_nodes(std::size_t count) { nodes_made_ += count; }

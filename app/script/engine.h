@@ -75,6 +75,7 @@ class Engine {
   static bool on_interrupt(JSContext* context);
   [[nodiscard]] bool over_memory();
   void watch();
+  void collect_leftovers();
   void tell_overdue() const;
 
   using Clock = std::chrono::steady_clock;
@@ -85,7 +86,7 @@ class Engine {
   std::atomic<Clock::time_point> deadline_;
   std::atomic<const std::string*> late_message_ = nullptr;
   std::size_t heap_limit_ = 0;
-  std::ptrdiff_t own_bytes_ = 0;
+  std::ptrdiff_t own_bytes_ = 0, next_own_collection_ = 0;
   std::size_t nodes_made_ = 0, next_collection_ = 2000;
   std::uint32_t measured_at_ = 0;  // number of the collection
   std::size_t measured_ = 0;
