@@ -135,9 +135,10 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
   std::erase_if(streams, [](const auto& stream) { return stream->over(); });
   for (Fetch* fetch : std::exchange(ended, {}))
     std::erase_if(fetches, [fetch](const auto& one) { return one.get() == fetch; });
-  if (!is_done() && fetches.empty()) phase = Phase::done;
+  const bool ends_now = !is_done() && fetches.empty();
+  if (ends_now) phase = Phase::done;
   if (!busy && !is_done()) set_priorities();
-  if (busy || (is_done() && !taken)) return !is_done() || !streams.empty() || !cells.empty();
+  if (busy || ends_now || (is_done() && !taken)) return !is_done() || !streams.empty() || !cells.empty();
   waker->wait(std::min(wait, kLongestWait));
   return true;
 }

@@ -60,6 +60,19 @@ using Shades = std::vector<int>;
 
 }  // namespace
 
+TEST_CASE("a load that fails at once ends within its step, without a wait") {
+  const Site files = site();
+  World world(files);
+  vrml::MFString list;
+  list.push_back(vrml::SFString("unknown:x"));
+  CHECK(world.living->send(world.scene(), world.root(0), "set_url", vrml::FieldValue(list)));
+  world.living->step(world.time += 1);
+  world.loading.request(world.living->take_url_requests());
+  CHECK_FALSE(world.loading.done());
+  CHECK_FALSE(world.loading.step(std::chrono::milliseconds(1000)));
+  CHECK(world.loading.done());
+}
+
 TEST_CASE("set_url of an ImageTexture shows the picture that it names then (6.22)") {
   World world(site());
   CHECK(world.shades() == Shades{-1, 10});
