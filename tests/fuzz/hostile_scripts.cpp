@@ -29,7 +29,7 @@ namespace gs::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr rlim_t kMostSeconds = 30;  // of the processor, for one world
+constexpr rlim_t kMostSeconds = 60;  // of the processor, for one world
 constexpr unsigned kMostWait = 600;  // seconds by the clock, on a busy machine
 
 std::string read_file(const fs::path& path) {
@@ -183,6 +183,11 @@ int run_all(std::uint64_t seed, std::uint64_t count, const fs::path& findings) {
   for (std::uint64_t i = seed; i < seed + count; ++i) {
     const std::string text = make_script_world(i);
     const Outcome outcome = play_in_child(text, log);
+    constexpr std::uint64_t kNews = 100;
+    if (const std::uint64_t done = i - seed + 1; done % kNews == 0) {
+      std::printf("%llu worlds done\n", static_cast<unsigned long long>(done));
+      std::fflush(stdout);
+    }
     if (outcome.kind.empty()) continue;
     ++failures;
     std::printf("seed %llu: %s\n", static_cast<unsigned long long>(i), outcome.kind.c_str());
