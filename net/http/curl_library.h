@@ -45,4 +45,15 @@ struct CurlLibrary {
 /// Returns the library. Any thread.
 [[nodiscard]] const CurlLibrary& curl();
 
+// Deleters for std::unique_ptr of curl's handles.
+struct FreeEasy {
+  void operator()(CURL* easy) const { curl().curl_easy_cleanup(easy); }
+};
+struct FreeMulti {
+  void operator()(CURLM* multi) const { curl().curl_multi_cleanup(multi); }
+};
+struct FreeList {
+  void operator()(curl_slist* list) const { curl().curl_slist_free_all(list); }
+};
+
 }  // namespace gs::net

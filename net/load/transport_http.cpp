@@ -35,16 +35,6 @@ constexpr Milliseconds kLongestHold{1000};
 /// With a rate limit: bytes that are delivered at once, and bytes that the system may buffer for a connection.
 constexpr std::uint64_t kLeastBlock = 1 << 10, kLeastAhead = 4 << 10, kMostAhead = 1 << 20;
 
-struct FreeEasy {
-  void operator()(CURL* easy) const { curl().curl_easy_cleanup(easy); }
-};
-struct FreeMulti {
-  void operator()(CURLM* multi) const { curl().curl_multi_cleanup(multi); }
-};
-struct FreeList {
-  void operator()(curl_slist* list) const { curl().curl_slist_free_all(list); }
-};
-
 std::string environment_variable(const std::string& name) {
   const char* const value = std::getenv(name.c_str());
   return value ? value : "";
