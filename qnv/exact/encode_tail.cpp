@@ -1,5 +1,6 @@
 #include "qnv/exact/exact_header.h"
 #include "qnv/exact/exact_tail.h"
+#include "qnv/exact/mesh_growth.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/exact/mesh_growth.h"
+#include "qnv/exact/tail_header.h"
 
 #include <cstddef>
 #include <optional>

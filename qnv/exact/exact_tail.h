@@ -14,7 +14,7 @@ namespace gs::qnv::exact {
 /// corner (displaced::Frame). Splits non-manifold vertices. `bits` is kLeastBits to kMostBits.
 [[nodiscard]] ExactMesh quantized(displaced::SurfaceMesh mesh, int bits);
 
-/// Ranks from 0 to 7 of the lattice's cells, 2^cell_bits per axis (cell_of() in mesh_growth.h). The mesh grows through
+/// Ranks from 0 to 7 of the lattice's cells, 2^cell_bits per axis (cell_of() in tail_header.h). The mesh grows through
 /// connected cells of low rank first.
 struct TailRanks {
   int cell_bits = 0;

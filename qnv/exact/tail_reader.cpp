@@ -1,6 +1,7 @@
 #include "qnv/exact/tail_reader.h"
 
 #include "qnv/exact/exact_header.h"
+#include "qnv/exact/mesh_growth.h"
 
 #include <algorithm>
 #include <optional>
