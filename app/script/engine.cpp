@@ -1,6 +1,6 @@
 #include "app/script/engine.h"
 
-#include "app/script/bounded_natives.h"
+#include "app/script/bounds/bounded_natives.h"
 #include "app/script/job_queue.h"
 
 #include <js/ContextOptions.h>

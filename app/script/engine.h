@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/script/block_limit.h"
+#include "app/script/bounds/block_limit.h"
 
 #include <jsapi.h>
 

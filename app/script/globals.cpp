@@ -1,4 +1,4 @@
-#include "app/script/bounded_natives.h"
+#include "app/script/bounds/bounded_natives.h"
 #include "app/script/script_world.h"
 
 #include <js/GlobalObject.h>

@@ -1,5 +1,5 @@
 #include "app/base/text_source.h"
-#include "app/script/bounded_natives.h"
+#include "app/script/bounds/bounded_natives.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"
 

@@ -1,5 +1,5 @@
-#include "app/script/bounded_natives.h"
-#include "app/script/field_memory.h"
+#include "app/script/bounds/bounded_natives.h"
+#include "app/script/bounds/field_memory.h"
 #include "app/script/live_proxy.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"

@@ -20,7 +20,7 @@ Reading reading(const net::Origin& script, const net::Origin& document, const ne
     return is_network(node) ? Reading::allowed : Reading::confidential;
   }
   if (of_document) return Reading::allowed;
-  // What anyone can fetch from the Internet is no secret.
+  // Files of public hosts are not private.
   return is_network(node) && node.space == net::AddressSpace::global ? Reading::allowed : Reading::confidential;
 }
 

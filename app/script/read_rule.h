@@ -14,8 +14,8 @@ enum class Reading : std::uint8_t {
   refused,
 };
 
-/// Decides by the origins of three texts: `script` is the origin of the program, `document` that of the file whose
-/// scene holds the Script (another one for a Script in the body of an EXTERNPROTO), `node` that of the node.
+/// Decides from three origins. `script`: the program. `document`: the file that owns the scene with the Script. `node`:
+/// the node. The first two differ for a Script in the body of an EXTERNPROTO.
 [[nodiscard]] Reading reading(const net::Origin& script, const net::Origin& document, const net::Origin& node);
 
 /// Name of the group of Scripts that share library objects such as Browser: one per site, and one per local file.

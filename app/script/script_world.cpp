@@ -1,7 +1,7 @@
 #include "app/script/script_world.h"
 
-#include "app/script/bounded_natives.h"
-#include "app/script/field_memory.h"
+#include "app/script/bounds/bounded_natives.h"
+#include "app/script/bounds/field_memory.h"
 #include "app/script/run_time_nodes.h"
 
 #include <js/CallAndConstruct.h>

@@ -1,6 +1,6 @@
 // Single calls of the engine that would run for seconds or take gigabytes: each is rejected or stays short.
-#include "app/script/block_limit.h"
-#include "app/script/bounded_natives.h"
+#include "app/script/bounds/block_limit.h"
+#include "app/script/bounds/bounded_natives.h"
 #include "scripts.h"
 
 #include <sys/resource.h>

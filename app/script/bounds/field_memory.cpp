@@ -1,4 +1,4 @@
-#include "app/script/field_memory.h"
+#include "app/script/bounds/field_memory.h"
 
 #include <variant>
 

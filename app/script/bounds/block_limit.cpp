@@ -1,4 +1,4 @@
-#include "app/script/block_limit.h"
+#include "app/script/bounds/block_limit.h"
 
 #include <elf.h>
 #include <link.h>

@@ -18,8 +18,8 @@ inline constexpr std::size_t kMostProgram = std::size_t{1} << 22, kMostEvaluated
 /// Max digits of a number in a text that is compiled or parsed; the engine takes quadratic time to read it.
 inline constexpr std::size_t kMostDigits = std::size_t{1} << 16;
 
-/// Replaces the built-in functions of the current global whose calls may take long by versions that throw a RangeError
-/// instead. Names, lengths and results stay the same.
+/// Wraps the slow built-in functions of the current global. A wrapper throws a RangeError if the call would take long.
+/// Names, lengths and results stay the same.
 bool bound_natives(JSContext* context, JS::HandleObject global);
 /// Bounds the text of eval(), Function() and their relatives in all globals of the context.
 void bound_evaluation(JSContext* context);
@@ -42,8 +42,8 @@ bool fail_range(JSContext* context, const std::string& why);
 bool too_long(JSContext* context, const char* what, std::size_t length, std::size_t most);
 /// Throws if a program has a text or a number that is too long to compile. Returns false then.
 bool check_program(JSContext* context, std::string_view text);
-/// Throws if a program has literals of BigInt, such as 1n, whose operators take quadratic time. Returns false then. The
-/// program must compile without these literals.
+/// Rejects BigInt literals such as 1n, because operators of BigInt take quadratic time. Throws and returns false if the
+/// program has one. The program must compile without them.
 bool check_integers(JSContext* context, std::string_view text);
 
 }  // namespace gs::app::script

@@ -1,4 +1,4 @@
-#include "app/script/bounded_natives.h"
+#include "app/script/bounds/bounded_natives.h"
 
 #include <js/CharacterEncoding.h>
 #include <js/CompilationAndEvaluation.h>
