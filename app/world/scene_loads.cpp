@@ -32,11 +32,11 @@ void SceneHandler::load(const UrlRequest& request) {
       if (reference.places.empty()) return world_.cloud_arrived({at, {}, nullptr});
       auto handler = std::make_shared<CloudHandler>(
           world_, CloudHandler::Place{request.file, request.location, request.urls, true},
-          [this, at](const std::shared_ptr<const qnv::Cloud>& cloud) {
-            world_.cloud_arrived({at, {}, cloud});
+          [&world = world_, at](const std::shared_ptr<const qnv::Cloud>& cloud) {
+            world.cloud_arrived({at, {}, cloud});
           },
-          [this, at](double fraction) {
-            world_.note_progress({at.scene, at.node, fraction});
+          [&world = world_, at](double fraction) {
+            world.note_progress({at.scene, at.node, fraction});
           });
       return ask_for(std::move(reference), request.node, std::move(handler), Urgency::vectors);
     }

@@ -209,9 +209,8 @@ void SceneHandler::visit_cloud(NodeId id) {
         shared->cloud = cloud;
         for (const auto& [scene_handler, of] : shared->nodes) scene_handler->set_cloud(of, cloud);
       },
-      [this, shared = shared](double fraction) {
-        for (const auto& [scene_handler, of] : shared->nodes)
-          world_.note_progress({scene_handler->scene, of, fraction});
+      [&world = world_, shared = shared](double fraction) {
+        for (const auto& [scene_handler, of] : shared->nodes) world.note_progress({scene_handler->scene, of, fraction});
       });
   ask_for(std::move(reference), &node, std::move(handler), Urgency::vectors);
 }

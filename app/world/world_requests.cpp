@@ -24,14 +24,17 @@ void WorldLoading::State::request(std::vector<UrlRequest> requests) {
 }
 
 void WorldLoading::State::withdraw(const SceneHandler& handler) {
-  for (const auto& one : fetches)
-    if (const SceneHandler* of = one->handler->makes_nodes_of(); of && of->is_inside(handler)) {
-      std::erase(local, one.get());
-      ledger->end(one->row, LoadStage::cancelled, "another url was set");
-      stop_cells(one.get());
-      if (by_request.erase(one->request.value) > 0) loader->cancel(one->request);
-      if (std::find(ended.begin(), ended.end(), one.get()) == ended.end()) ended.push_back(one.get());
-    }
+  for (const auto& one : fetches) {
+    // A fetch that was withdrawn earlier may belong to a handler that no longer exists.
+    if (std::find(ended.begin(), ended.end(), one.get()) != ended.end()) continue;
+    const SceneHandler* const of = one->handler->makes_nodes_of();
+    if (!of || !of->is_inside(handler)) continue;
+    std::erase(local, one.get());
+    ledger->end(one->row, LoadStage::cancelled, "another url was set");
+    stop_cells(one.get());
+    if (by_request.erase(one->request.value) > 0) loader->cancel(one->request);
+    ended.push_back(one.get());
+  }
   std::erase_if(withheld, [&](const auto& one) { return one->is_inside(handler); });
 }
 

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -172,6 +173,29 @@ TEST_CASE("an Inline that stalls is given up when its url is set again") {
   CHECK(world.loading.state().waiting == 1);
   CHECK(world.loading.take_arrivals().contents.empty());
   world.set_url(inlined, "two.wrl");
+  world.living->arrive(world.fetch());
+  CHECK(world.shades() == Shades{-1, 200, -1, 10});
+}
+
+TEST_CASE("set_url of an Inline twice within a step stops the fetches of its inner Inlines") {
+  Site files = site();
+  files.put("nested.wrl", kHeader + "Inline { url \"silent.wrl\" }");
+  std::atomic<bool> asked = false;
+  files.options.memory->put("memory://a/silent.wrl", [&](const net::TransferRequest&, unsigned) {
+    asked = true;
+    net::MemoryAnswer answer;
+    answer.answers = false;
+    return answer;
+  });
+  World world(files);
+  const vrml::NodeId inlined = world.scene().roots()[0];
+  world.set_url(inlined, "nested.wrl");
+  world.loading.request(world.living->take_url_requests());
+  while (!asked) (void)world.loading.step(std::chrono::milliseconds(5));
+  for (const char* const url : {"one.wrl", "two.wrl"}) {
+    world.set_url(inlined, url);
+    world.loading.request(world.living->take_url_requests());
+  }
   world.living->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 200, -1, 10});
 }
