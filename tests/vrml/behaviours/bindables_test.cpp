@@ -4,7 +4,7 @@
 
 namespace gs::vrml::traces {
 
-TEST_CASE("the first node of each bindable type is bound at start (4.6.10)") {
+TEST_CASE("binds the first node of each bindable type at start (4.6.10)") {
   World world(
       "Group { children [ DEF V1 Viewpoint { } DEF V2 Viewpoint { } ] } DEF F Fog { } DEF B Background { } "
       "DEF N NavigationInfo { } Fog { }");
@@ -23,7 +23,7 @@ TEST_CASE("binds only nodes in the active choice of a Switch at start (4.6.10, 6
   CHECK(world.take() == Lines{"0 B2.isBound TRUE", "0 F3.isBound TRUE", "0 V1.isBound TRUE", "0 V1.bindTime 1000"});
 }
 
-TEST_CASE("set_bind TRUE pushes and moves, FALSE pops (4.6.10)") {
+TEST_CASE("moves a node to the top on set_bind TRUE, and pops it on FALSE (4.6.10)") {
   World world("DEF A Viewpoint { } DEF B Viewpoint { } DEF C Viewpoint { }");
   world.start();
   (void)world.take();
@@ -50,7 +50,7 @@ TEST_CASE("set_bind TRUE pushes and moves, FALSE pops (4.6.10)") {
   CHECK(world.take("isBound") == Lines{"5 A.isBound TRUE"});
 }
 
-TEST_CASE("a node of the stack moves to the top, and is on it once (4.6.10)") {
+TEST_CASE("moves a node that is already on the stack to the top, without a second entry (4.6.10)") {
   World world("DEF A Background { } DEF B Background { } DEF C Background { }");
   world.start();
   world.step(1);
@@ -70,7 +70,7 @@ TEST_CASE("a node of the stack moves to the top, and is on it once (4.6.10)") {
   CHECK(world.take() == Lines{"5 C.isBound FALSE", "5 B.isBound TRUE", "6 B.isBound FALSE"});
 }
 
-TEST_CASE("types have stacks of their own, and bindables of an Inline wait until they are asked (4.6.10)") {
+TEST_CASE("keeps a stack per bindable type, and binds nodes of an Inline only on set_bind (4.6.10)") {
   World world("DEF Part Inline { } DEF F Fog { }");
   auto content = std::make_unique<SceneGraph>("part.wrl", world.scene().budget());
   Diagnostics diagnostics;
@@ -86,7 +86,7 @@ TEST_CASE("types have stacks of their own, and bindables of an Inline wait until
   CHECK(world.take() == Lines{"1 F.isBound FALSE", "1 G.isBound TRUE"});
 }
 
-TEST_CASE("isBound goes on through ROUTEs, also of a PROTO instance") {
+TEST_CASE("sends isBound along ROUTEs, also from a PROTO instance") {
   World world(
       "PROTO P [ eventIn SFBool go eventOut SFBool there ] { Viewpoint { set_bind IS go isBound IS there } } "
       "Viewpoint { } DEF I P { } DEF L DirectionalLight { on FALSE } ROUTE I.there TO L.on");

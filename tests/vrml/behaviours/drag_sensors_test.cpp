@@ -21,7 +21,7 @@ double last_number(const Lines& lines, std::string_view part) {
 
 }  // namespace
 
-TEST_CASE("a PlaneSensor maps a drag to a translation, which adds up by autoOffset (4.6.7.4, 6.34)") {
+TEST_CASE("maps a drag to a translation of a PlaneSensor, and adds drags up if autoOffset is TRUE (4.6.7.4, 6.34)") {
   World world("Transform { translation 1 0 0 scale 2 2 1 children [ DEF S Shape { } DEF P PlaneSensor { } ] }");
   world.start();
   PointingDevice device(world);
@@ -54,7 +54,7 @@ TEST_CASE("a PlaneSensor maps a drag to a translation, which adds up by autoOffs
                                   "7 P.translation_changed 3 0 0", "8 P.isActive FALSE"});
 }
 
-TEST_CASE("minPosition and maxPosition clamp the translation, not the track point, where they are in order (6.34)") {
+TEST_CASE("clamps the translation, not the track point, if minPosition is below maxPosition (6.34)") {
   World world(
       "Group { children [ DEF S Shape { } DEF P PlaneSensor { minPosition 0 -5 maxPosition 2 -5 offset 0.5 0 7 } ] } "
       "Group { children [ DEF R Shape { } DEF Q PlaneSensor { minPosition 1 0 maxPosition 0 1 } ] }");
@@ -75,7 +75,7 @@ TEST_CASE("minPosition and maxPosition clamp the translation, not the track poin
   CHECK(world.take("translation") == Lines{"5 Q.translation_changed -9 1 0"});
 }
 
-TEST_CASE("a drag is followed in the system that the sensor had when it began (6.15)") {
+TEST_CASE("follows a drag in the coordinate system that the sensor had at the start of the drag (6.15)") {
   World world(
       "DEF M Transform { children [ DEF S Shape { } DEF P PlaneSensor { } ] } "
       "ROUTE P.translation_changed TO M.translation");
@@ -97,7 +97,7 @@ TEST_CASE("a drag is followed in the system that the sensor had when it began (6
   CHECK(world.take("P.").back() == "6 P.translation_changed 4 0 0");
 }
 
-TEST_CASE("a bearing that does not meet the plane leaves the last value (6.34)") {
+TEST_CASE("keeps the last translation while the bearing misses the plane (6.34)") {
   World world("DEF S Shape { } DEF P PlaneSensor { }");
   world.start();
   PointingDevice device(world);
@@ -117,7 +117,7 @@ TEST_CASE("a bearing that does not meet the plane leaves the last value (6.34)")
   CHECK(world.take() == Lines{"20 P.isActive FALSE", "20 P.offset 1 0 0"});
 }
 
-TEST_CASE("a CylinderSensor that is seen from the side turns with its cylinder (6.15)") {
+TEST_CASE("turns a CylinderSensor with its cylinder when it is viewed from the side (6.15)") {
   World world("Transform { translation 5 0 -1 children [ DEF S Shape { } DEF C CylinderSensor { offset 1 } ] }");
   world.start();
   PointingDevice device(world);
@@ -139,7 +139,7 @@ TEST_CASE("a CylinderSensor that is seen from the side turns with its cylinder (
         Lines{"4 C.trackPoint_changed 0 1 1", "4 C.rotation_changed 0 1 0 1", "4 C.isActive FALSE", "4 C.offset 1"});
 }
 
-TEST_CASE("diskAngle decides between the cylinder and a disk in a CylinderSensor (6.15)") {
+TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by diskAngle (6.15)") {
   // Looking along the axis from above, at a point 1 away from it.
   World world("DEF S Shape { } DEF C CylinderSensor { }");
   world.start();
@@ -181,7 +181,7 @@ TEST_CASE("diskAngle decides between the cylinder and a disk in a CylinderSensor
   CHECK(std::isnan(turn_to(1)));
 }
 
-TEST_CASE("a CylinderSensor and a SphereSensor are dragged from inside, too (6.15, 6.44)") {
+TEST_CASE("drags a CylinderSensor and a SphereSensor also from inside (6.15, 6.44)") {
   World world("DEF S Shape { } DEF C CylinderSensor { } DEF B SphereSensor { }");
   world.start();
   PointingDevice device(world);
@@ -201,7 +201,7 @@ TEST_CASE("a CylinderSensor and a SphereSensor are dragged from inside, too (6.1
   CHECK(last_number(moved, "B.rotation_changed") == Approx(0.5));  // about 0 -1 0
 }
 
-TEST_CASE("a SphereSensor turns from the first point to the present one, after its offset (6.44)") {
+TEST_CASE("turns a SphereSensor from the first point to the current one, after its offset (6.44)") {
   World world("Transform { translation 0 0 -2 children [ DEF S Shape { } DEF B SphereSensor { } ] }");
   world.start();
   PointingDevice device(world);
@@ -234,7 +234,7 @@ TEST_CASE("a SphereSensor turns from the first point to the present one, after i
   CHECK(world.take("rotation").back().starts_with("6 B.rotation_changed 0 1 0 1.57"));
 }
 
-TEST_CASE("a drag sensor that is disabled while active says that this is over, and keeps its offset (6.34)") {
+TEST_CASE("sends isActive FALSE and keeps the offset when a drag sensor is disabled while active (6.34)") {
   World world("DEF S Shape { } DEF P PlaneSensor { } DEF B SphereSensor { } DEF C CylinderSensor { }");
   world.start();
   PointingDevice device(world);
@@ -252,7 +252,7 @@ TEST_CASE("a drag sensor that is disabled while active says that this is over, a
   CHECK(world.scene().get<SFVec3f>(world.node("P"), "offset") == SFVec3f(0));
 }
 
-TEST_CASE("systems and fields of no sense make drag sensors send nothing that is no number (4.6.7.4)") {
+TEST_CASE("sends no NaN from drag sensors with singular coordinate systems or fields (4.6.7.4)") {
   World world(R"(Transform { scale 1 0 1 children [ DEF S Shape { }
       DEF P PlaneSensor { } DEF B SphereSensor { } DEF C CylinderSensor { } ] }
     DEF R Shape { } DEF P2 PlaneSensor { } DEF B2 SphereSensor { } DEF C2 CylinderSensor { })");

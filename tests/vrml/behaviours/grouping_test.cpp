@@ -5,7 +5,8 @@
 
 namespace gs::vrml::traces {
 
-TEST_CASE("addChildren appends what is not there, removeChildren takes out what is, on every grouping node (4.6.5)") {
+TEST_CASE(
+    "appends new children on addChildren and removes present ones on removeChildren, in all grouping nodes (4.6.5)") {
   for (const char* type : {"Anchor", "Billboard", "Collision", "Group", "Transform"}) {
     INFO(type);
     World world("DEF A Group { } DEF Z Group { } DEF G " + std::string(type) +
@@ -26,7 +27,7 @@ TEST_CASE("addChildren appends what is not there, removeChildren takes out what 
   }
 }
 
-TEST_CASE("children that are added one at a time take no more room than twice as many (4.6.5)") {
+TEST_CASE("keeps the capacity below twice the number of children that are added one by one (4.6.5)") {
   std::string nodes = "DEF G Group { }";
   for (int i = 0; i < 60; ++i) nodes += " DEF N" + std::to_string(i) + " Group { }";
   World world(nodes);
@@ -40,7 +41,7 @@ TEST_CASE("children that are added one at a time take no more room than twice as
   CHECK(children.capacity() <= 128);
 }
 
-TEST_CASE("addChildren and removeChildren of nothing new send nothing (4.6.5)") {
+TEST_CASE("sends no event if addChildren or removeChildren changes nothing (4.6.5)") {
   World world("DEF G Group { children [ DEF A Group { } ] } DEF B Group { }");
   world.start();
   world.send("G.addChildren", MFNode{});
@@ -50,7 +51,7 @@ TEST_CASE("addChildren and removeChildren of nothing new send nothing (4.6.5)") 
   CHECK(world.take().empty());
 }
 
-TEST_CASE("addChildren and removeChildren arrive through ROUTEs and PROTO interfaces (4.6.5, 4.8.2)") {
+TEST_CASE("passes addChildren and removeChildren through ROUTEs and PROTO interfaces (4.6.5, 4.8.2)") {
   World world(R"(
 PROTO Box2 [ eventIn MFNode add eventIn MFNode remove eventOut MFNode children_changed ] {
   DEF Inner Group { addChildren IS add removeChildren IS remove children_changed IS children_changed } }
@@ -64,7 +65,7 @@ ROUTE From.children TO I.add ROUTE Gone.children TO I.remove ROUTE I.children_ch
   CHECK(world.take("Watch.") == Lines{"1 Watch.children [ ]"});
 }
 
-TEST_CASE("a node of several parents has one state and sends one event (4.6.2)") {
+TEST_CASE("keeps one state and sends one event for a node with several parents (4.6.2)") {
   World world(R"(
 Group { children DEF T TimeSensor { cycleInterval 4 loop TRUE } }
 Transform { children [ USE T DEF M Transform { } ] } Transform { translation 5 0 0 children [ USE M USE T ] }
@@ -77,7 +78,7 @@ ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO M.translatio
         Lines{"1 T.fraction_changed 0.25", "1 T.time 1001", "1 I.value_changed 1 0 0", "1 M.translation 1 0 0"});
 }
 
-TEST_CASE("nodes below a Switch and a LOD send and receive whatever is chosen (6.26, 6.46)") {
+TEST_CASE("sends and receives events of nodes below a Switch or LOD, whichever child is chosen (6.26, 6.46)") {
   World world(R"(
 DEF S Switch { whichChoice -1 choice [ Group { children [ DEF T TimeSensor { loop TRUE cycleInterval 4 }
   DEF I PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 4 0 0 ] } ] } ] }
@@ -99,7 +100,7 @@ ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO Near.transla
   CHECK(std::count(lines.begin(), lines.end(), "3.5 Near.translation 3.5 0 0") == 1);
 }
 
-TEST_CASE("Switch, LOD and Billboard take their lists and choices as events (6.6, 6.26, 6.46)") {
+TEST_CASE("accepts children and choices of Switch, LOD and Billboard as events (6.6, 6.26, 6.46)") {
   World world(
       "DEF A Group { } DEF B Group { } DEF S Switch { choice USE A } DEF L LOD { level USE A } DEF D Billboard { } "
       "DEF S2 Switch { } DEF L2 LOD { } DEF D2 Billboard { } ROUTE S.choice TO S2.choice ROUTE L.level TO L2.level "
@@ -116,7 +117,7 @@ TEST_CASE("Switch, LOD and Billboard take their lists and choices as events (6.6
   CHECK(world.scene().get<MFNode>(world.node("L2"), "level") == both);
 }
 
-TEST_CASE("interpolators and time sensors work wherever they stand, also nowhere (4.4.4, 4.6.8)") {
+TEST_CASE("runs interpolators and time sensors anywhere in the file, also outside the scene hierarchy (4.4.4, 4.6.8)") {
   World world(R"(
 DEF Out Group { children DEF T TimeSensor { loop TRUE cycleInterval 4 } }
 DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 8 ] } ROUTE T.fraction_changed TO I.set_fraction)");

@@ -35,7 +35,7 @@ std::string value_sent(World& world, double at, float fraction) {
 
 }  // namespace
 
-TEST_CASE("each of the six interpolators sends one value_changed for a set_fraction, of that time (4.6.8)") {
+TEST_CASE("sends one value_changed per set_fraction from each of the six interpolators, with its timestamp (4.6.8)") {
   for (const InterpolatorRow& row : kInterpolatorRows) {
     INFO(row.type);
     World world("DEF I " + std::string(row.type) + " { key [ 1 3 ] keyValue " + row.values + " }");
@@ -51,8 +51,7 @@ TEST_CASE("each of the six interpolators sends one value_changed for a set_fract
   }
 }
 
-TEST_CASE(
-    "set_key and set_keyValue send key_changed and keyValue_changed, and count from the next set_fraction (4.6.8)") {
+TEST_CASE("sends key_changed and keyValue_changed, and uses new keys from the next set_fraction (4.6.8)") {
   for (const InterpolatorRow& row : kInterpolatorRows) {
     INFO(row.type);
     World world("DEF I " + std::string(row.type) + " { key [ 1 3 ] keyValue " + row.values + " }");
@@ -64,7 +63,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("set_fraction and set_key of one cascade take effect in the order in which they come (4.6.8, 4.10.3)") {
+TEST_CASE("applies set_fraction and set_key of one cascade in the order of their events (4.6.8, 4.10.3)") {
   World world(R"(
 DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 10 ] } DEF A ScalarInterpolator { key 0 keyValue 0 }
 DEF B ScalarInterpolator { } ROUTE B.keyValue TO I.keyValue ROUTE A.value_changed TO I.set_fraction)");
@@ -75,7 +74,7 @@ DEF B ScalarInterpolator { } ROUTE B.keyValue TO I.keyValue ROUTE A.value_change
   CHECK(world.take("I.value_changed") == Lines{"0 I.value_changed 30"});
 }
 
-TEST_CASE("an interpolator sends nothing until it gets a fraction (4.6.8)") {
+TEST_CASE("sends nothing from an interpolator before its first set_fraction (4.6.8)") {
   World world("DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 10 ] }");
   world.start();
   world.step(1);
@@ -84,7 +83,7 @@ TEST_CASE("an interpolator sends nothing until it gets a fraction (4.6.8)") {
   CHECK(world.take("value_changed").empty());
 }
 
-TEST_CASE("NormalInterpolator sends unit vectors, arcs of equal length for equal fractions (6.31)") {
+TEST_CASE("sends unit vectors from a NormalInterpolator, with equal arcs for equal fractions (6.31)") {
   World world(
       "DEF I NormalInterpolator { key [ 0 1 ] keyValue [ 1 0 0, 0 0 1, 0 1 0, 0 1 0 ] } DEF N Normal { } "
       "ROUTE I.value_changed TO N.vector");
@@ -101,7 +100,7 @@ TEST_CASE("NormalInterpolator sends unit vectors, arcs of equal length for equal
   }
 }
 
-TEST_CASE("OrientationInterpolator takes the complement of an arc of more than half a turn (6.32)") {
+TEST_CASE("takes the shorter arc in an OrientationInterpolator if the keys are over half a turn apart (6.32)") {
   World world(
       "DEF I OrientationInterpolator { key [ 0 1 ] keyValue [ 0 1 0 0, 0 1 0 5 ] } DEF T Transform { } "
       "ROUTE I.value_changed TO T.rotation");
@@ -113,13 +112,13 @@ TEST_CASE("OrientationInterpolator takes the complement of an arc of more than h
   CHECK(std::sin(turn.y * turn.angle) == Approx(std::sin((2 * 3.14159265 + 5) / 2)).margin(1e-6));
 }
 
-TEST_CASE("ColorInterpolator takes hues the shorter way round, also through 0 (6.10)") {
+TEST_CASE("interpolates hues the shorter way round, also through 0 (6.10)") {
   World world("DEF I ColorInterpolator { key [ 0 1 ] keyValue [ 1 0 0.5, 1 0.5 0 ] }");
   world.start();
   CHECK(value_sent(world, 1, 0.5F) == "1 0 0");
 }
 
-TEST_CASE("NurbsPositionInterpolator sends the place on its curve (Amendment 1)") {
+TEST_CASE("sends positions on the curve of a NurbsPositionInterpolator (Amendment 1)") {
   const std::string curve =
       "DEF I NurbsPositionInterpolator { order 3 knot [ 0 0 0 2 2 2 ] keyValue [ 0 0 0, 2 0 0, 2 2 0 ] } ";
   World alone(curve);

@@ -24,7 +24,7 @@ constexpr float kPi = 3.14159265F;
 
 }  // namespace
 
-TEST_CASE("fractions outside of the keys give the first and the last value (4.6.8)") {
+TEST_CASE("returns the first or last value for fractions outside the keys (4.6.8)") {
   World world("DEF I ScalarInterpolator { key [ 0.25 0.5 1 ] keyValue [ 1 2 4 ] }");
   world.start();
   CHECK(sent(world, 1, 0) == "1");
@@ -37,7 +37,7 @@ TEST_CASE("fractions outside of the keys give the first and the last value (4.6.
   CHECK(sent(world, 8, -5) == "1");
 }
 
-TEST_CASE("jumps to the next value where keys are equal (4.6.8)") {
+TEST_CASE("jumps to the next value at equal keys (4.6.8)") {
   World world("DEF I ScalarInterpolator { key [ 0 0.5 0.5 0.5 1 ] keyValue [ 0 1 7 2 3 ] }");
   world.start();
   CHECK(sent(world, 1, 0.25F) == "0.5");
@@ -45,7 +45,7 @@ TEST_CASE("jumps to the next value where keys are equal (4.6.8)") {
   CHECK(sent(world, 3, 0.75F) == "2.5");
 }
 
-TEST_CASE("one key, no key, counts that do not fit, keys that decrease, fractions that are no number") {
+TEST_CASE("accepts one key, no key, wrong counts, decreasing keys and NaN fractions") {
   World world("DEF I ScalarInterpolator { }");
   world.start();
   CHECK(sent(world, 1, 0.5F).empty());
@@ -62,7 +62,7 @@ TEST_CASE("one key, no key, counts that do not fit, keys that decrease, fraction
   CHECK(!sent(world, 6, std::numeric_limits<float>::infinity()).empty());
 }
 
-TEST_CASE("PositionInterpolator (6.37)") {
+TEST_CASE("interpolates positions linearly (6.37)") {
   World world(
       "DEF I PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 2 4 -8 ] } DEF T Transform { } "
       "ROUTE I.value_changed TO T.translation");
@@ -71,7 +71,7 @@ TEST_CASE("PositionInterpolator (6.37)") {
   CHECK(world.scene().get<SFVec3f>(world.node("T"), "translation") == SFVec3f(0.5F, 1, -2));
 }
 
-TEST_CASE("ColorInterpolator goes through HSV, the hue by the shorter way (6.10)") {
+TEST_CASE("interpolates colours in HSV, with the hue on the shorter way (6.10)") {
   World world("DEF I ColorInterpolator { key [ 0 1 2 ] keyValue [ 1 0 0, 0 1 0, 0 0 1 ] }");
   world.start();
   CHECK(sent(world, 1, 0.5F) == "1 1 0");
@@ -84,7 +84,7 @@ TEST_CASE("ColorInterpolator goes through HSV, the hue by the shorter way (6.10)
   CHECK(between_colors({0, 0, 0}, {1, 1, 1}, 0.5F) == Color{0.5F, 0.5F, 0.5F});
 }
 
-TEST_CASE("OrientationInterpolator turns by the shortest way (6.32)") {
+TEST_CASE("interpolates orientations along the shortest rotation (6.32)") {
   const auto angle_about_y = [](const SFRotation& r) { return r.y * r.angle; };
   const SFRotation half = between_rotations({0, 1, 0, 0}, {0, 1, 0, kPi / 2}, 0.5F);
   CHECK(angle_about_y(half) == Approx(kPi / 4));
@@ -102,7 +102,7 @@ TEST_CASE("OrientationInterpolator turns by the shortest way (6.32)") {
   CHECK(sent(world, 1, 1) == "0 1 0 7");  // at a key, what the file says
 }
 
-TEST_CASE("CoordinateInterpolator sends as many values as there are for a key (6.13)") {
+TEST_CASE("sends as many values from a CoordinateInterpolator as each key has (6.13)") {
   World world(
       "DEF I CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 1 1, 2 0 0, 3 1 1, 9 9 9 ] } "
       "DEF C Coordinate { } ROUTE I.value_changed TO C.point");
@@ -115,7 +115,7 @@ TEST_CASE("CoordinateInterpolator sends as many values as there are for a key (6
   CHECK(sent(world, 3, 0.5F).empty());
 }
 
-TEST_CASE("two arrays take turns, so that a running CoordinateInterpolator allocates nothing") {
+TEST_CASE("alternates two arrays, so that a running CoordinateInterpolator allocates nothing") {
   World world(
       "DEF I CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 1 1, 2 0 0, 3 1 1 ] } "
       "DEF C Coordinate { } ROUTE I.value_changed TO C.point");
@@ -130,7 +130,7 @@ TEST_CASE("two arrays take turns, so that a running CoordinateInterpolator alloc
   CHECK(places[3] == places[5]);
 }
 
-TEST_CASE("NormalInterpolator stays on the unit sphere (6.31)") {
+TEST_CASE("keeps interpolated normals on the unit sphere (6.31)") {
   const SFVec3f half = between_normals({1, 0, 0}, {0, 1, 0}, 0.5F);
   CHECK(half.x == Approx(std::sqrt(0.5)));
   CHECK(half.y == Approx(std::sqrt(0.5)));

@@ -22,7 +22,7 @@ bool came(World& world, std::string_view name, double seconds) {
 const std::string kClip = "Sound { source DEF C AudioClip { url \"a.wav\" ";
 const std::string kMovie = "Shape { appearance Appearance { texture DEF M MovieTexture { url \"a.mpg\" ";
 
-TEST_CASE("duration_changed is sent when the sound is known, and -1 where it cannot be had (6.4, 6.28)") {
+TEST_CASE("sends duration_changed when the sound is loaded, and -1 if loading fails (6.4, 6.28)") {
   World world(kClip + "} } " + kMovie + "} } }");
   world.start();
   CHECK(world.take().empty());
@@ -38,7 +38,7 @@ TEST_CASE("duration_changed is sent when the sound is known, and -1 where it can
   CHECK(world.take() == Lines{"2 M.duration_changed -1"});
 }
 
-TEST_CASE("an AudioClip is active for one cycle: its duration, divided by pitch (6.4)") {
+TEST_CASE("keeps an AudioClip active for one cycle, its duration divided by pitch (6.4)") {
   World world(kClip + "startTime 1001 pitch 2 } }");
   world.start();
   (void)came(world, "C", 3);
@@ -57,7 +57,7 @@ TEST_CASE("an AudioClip is active for one cycle: its duration, divided by pitch 
   CHECK(play_of(world, "C").position == 3);
 }
 
-TEST_CASE("a looping AudioClip goes on with world time, and ends at stopTime (4.6.9, 6.4)") {
+TEST_CASE("plays a looping AudioClip in world time, and ends it at stopTime (4.6.9, 6.4)") {
   World world(kClip + "startTime 400 stopTime 1004 loop TRUE } }");
   world.start();
   CHECK(world.take() == Lines{"0 C.isActive TRUE"});
@@ -72,7 +72,7 @@ TEST_CASE("a looping AudioClip goes on with world time, and ends at stopTime (4.
   CHECK(play_of(world, "C").position == Approx(std::fmod(604, 7)));  // stopTime, not the step
 }
 
-TEST_CASE("with its defaults an AudioClip plays nothing, and one that is over when the world begins does not (4.6.9)") {
+TEST_CASE("plays no AudioClip with default fields, and none that ended before the world began (4.6.9)") {
   World world("Sound { source DEF C AudioClip { } } " + kMovie + "startTime 990 } } }");
   world.start();
   CHECK(came(world, "M", 5));
@@ -86,7 +86,7 @@ TEST_CASE("with its defaults an AudioClip plays nothing, and one that is over wh
   CHECK(within.take() == Lines{"5 M.isActive FALSE"});
 }
 
-TEST_CASE("a clip that is started while it is still to come plays from where it would be when it has (6.4)") {
+TEST_CASE("starts a clip that loads late at the position that it would have reached (6.4)") {
   World world(kClip + "} } Sound { source DEF D AudioClip { url \"b.wav\" } } Sound { source DEF E AudioClip { } }");
   world.start();
   world.step(1);
@@ -101,8 +101,7 @@ TEST_CASE("a clip that is started while it is still to come plays from where it 
   CHECK(world.take() == Lines{"6 C.isActive FALSE"});
 }
 
-TEST_CASE(
-    "while active, set_pitch, set_speed, set_startTime and an early set_stopTime are ignored (4.6.9, 6.4, 6.28)") {
+TEST_CASE("ignores set_pitch, set_speed, set_startTime and an early set_stopTime while active (4.6.9, 6.4, 6.28)") {
   World world(kClip + "loop TRUE } } " + kMovie + "loop TRUE } } }");
   world.start();
   (void)world.take();
@@ -125,7 +124,7 @@ TEST_CASE(
   CHECK(world.take() == Lines{"2 C.pitch 2"});
 }
 
-TEST_CASE("set_loop FALSE lets the cycle that runs end a clip (4.6.9)") {
+TEST_CASE("ends a clip after its current cycle on set_loop FALSE (4.6.9)") {
   World world(kClip + "startTime 1000 loop TRUE } }");
   world.start();
   (void)came(world, "C", 2);
@@ -138,7 +137,7 @@ TEST_CASE("set_loop FALSE lets the cycle that runs end a clip (4.6.9)") {
   CHECK(world.take() == Lines{"6 C.isActive FALSE"});
 }
 
-TEST_CASE("stopTime and startTime set at one time start a clip anew (4.6.9)") {
+TEST_CASE("restarts a clip if stopTime and startTime are set at one time (4.6.9)") {
   World world(kClip + "startTime 1000 loop TRUE } }");
   world.start();
   (void)came(world, "C", 2);
@@ -152,7 +151,7 @@ TEST_CASE("stopTime and startTime set at one time start a clip anew (4.6.9)") {
   CHECK(play_of(world, "C").position == Approx(0.5));
 }
 
-TEST_CASE("a MovieTexture plays backwards where speed is negative, and not at all where it is 0 (6.28)") {
+TEST_CASE("plays a MovieTexture backwards at negative speed, and freezes it at speed 0 (6.28)") {
   World world(kMovie +
               "speed -2 startTime 1001 } } } Shape { appearance Appearance { texture DEF Z MovieTexture { "
               "url \"b.mpg\" speed 0 startTime 1001 } } }");
@@ -173,7 +172,7 @@ TEST_CASE("a MovieTexture plays backwards where speed is negative, and not at al
   CHECK(play_of(world, "Z").active);  // no cycle of it ends
 }
 
-TEST_CASE("the picture of the time at which a movie became inactive stays (6.28)") {
+TEST_CASE("keeps the movie frame of the time at which the movie became inactive (6.28)") {
   World world(kMovie + "startTime 1000 stopTime 1002.25 loop TRUE } } }");
   world.start();
   (void)came(world, "M", 1.5);
@@ -193,7 +192,7 @@ TEST_CASE("the picture of the time at which a movie became inactive stays (6.28)
   CHECK(play_of(other, "M").position == Approx(3));
 }
 
-TEST_CASE("replaces invalid fields of an AudioClip by defaults and plays nothing that is not loaded (6.4)") {
+TEST_CASE("replaces invalid fields of an AudioClip by defaults, and plays nothing before it is loaded (6.4)") {
   World world(kClip + "pitch -1 startTime 1000 } } Sound { source DEF D AudioClip { url \"b.wav\" startTime 1000 } }");
   world.start();
   (void)came(world, "C", 2);

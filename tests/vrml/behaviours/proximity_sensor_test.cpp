@@ -12,7 +12,7 @@ glm::dmat4 viewer_at(double x, double y, double z) { return glm::translate(glm::
 
 }  // namespace
 
-TEST_CASE("a ProximitySensor tells when the viewer enters, moves and leaves (6.38)") {
+TEST_CASE("reports entry, movement and exit of the viewer by a ProximitySensor (6.38)") {
   World world(
       "Transform { translation 100 0 0 scale 2 2 2 children DEF P ProximitySensor { size 2 2 2 } } "
       "DEF Zero ProximitySensor { center 0 0 10 }");
@@ -34,7 +34,7 @@ TEST_CASE("a ProximitySensor tells when the viewer enters, moves and leaves (6.3
                               "4 P.orientation_changed 0 0 1 0"});
 }
 
-TEST_CASE("the viewer goes with the bound Viewpoint, into a ProximitySensor and with its Transform") {
+TEST_CASE("moves the viewer with the bound Viewpoint, with its Transform and into a ProximitySensor") {
   World world(
       "Viewpoint { } DEF T Transform { rotation 0 1 0 1.5707963 children DEF V Viewpoint { position 1 0 0 } } "
       "DEF P ProximitySensor { size 8 8 8 }");
@@ -52,7 +52,7 @@ TEST_CASE("the viewer goes with the bound Viewpoint, into a ProximitySensor and 
   CHECK(world.take("isActive") == Lines{"3 P.isActive FALSE"});
 }
 
-TEST_CASE("a ProximitySensor in several places, switched off, and with sizes of no sense") {
+TEST_CASE("handles a ProximitySensor with several instances, disabled, or with negative sizes") {
   World world(
       "Transform { translation 50 0 0 children DEF P ProximitySensor { size 2 2 2 } } "
       "Transform { translation -50 0 0 children USE P } DEF N ProximitySensor { size 1 1 1 }");
@@ -74,7 +74,7 @@ TEST_CASE("a ProximitySensor in several places, switched off, and with sizes of 
   CHECK(world.take("isActive") == Lines{"4 P.isActive FALSE"});
 }
 
-TEST_CASE("a hierarchy in cycles, or of more places than anybody counts, does no harm") {
+TEST_CASE("survives cyclic hierarchies and exponentially many instances of a ProximitySensor") {
   std::string text = "DEF G Group { children DEF P ProximitySensor { size 1 1 1 } } DEF H0 Group { children USE G }";
   for (int i = 1; i < 40; ++i)
     text += " DEF H" + std::to_string(i) + " Group { children [ USE H" + std::to_string(i - 1) + " USE H" +
@@ -89,8 +89,7 @@ TEST_CASE("a hierarchy in cycles, or of more places than anybody counts, does no
   CHECK(world.take("P.isActive") == Lines{"1 P.isActive TRUE"});
 }
 
-TEST_CASE(
-    "ProximitySensors work each for itself, also below a Switch that shows nothing, and nested boxes (6.38, 6.46)") {
+TEST_CASE("evaluates nested ProximitySensors independently, and none below an unselected Switch choice (6.38, 6.46)") {
   World world(
       "Switch { whichChoice -1 choice DEF P ProximitySensor { size 4 4 4 } } DEF Q ProximitySensor { size 8 8 8 } "
       "DEF Off ProximitySensor { size 8 8 8 enabled FALSE } DEF Flat ProximitySensor { size 8 0 8 }");
@@ -125,7 +124,7 @@ TEST_CASE("reports a viewer at rest when the ProximitySensor moves (6.38)") {
   CHECK(world.take("P.isActive") == Lines{"4 P.isActive TRUE"});
 }
 
-TEST_CASE("a ProximitySensor around everything tells the time at which the world was entered (6.38)") {
+TEST_CASE("sends enterTime at the start of the world from a ProximitySensor around everything (6.38)") {
   World world(
       "DEF P ProximitySensor { size 1000 1000 1000 } DEF T TimeSensor { cycleInterval 4 } "
       "ROUTE P.enterTime TO T.startTime");
@@ -135,7 +134,7 @@ TEST_CASE("a ProximitySensor around everything tells the time at which the world
   CHECK(world.take("T.fraction") == Lines{"1 T.fraction_changed 0.25"});
 }
 
-TEST_CASE("a ProximitySensor sends positions and orientations only when they change (6.38)") {
+TEST_CASE("sends position and orientation from a ProximitySensor only when they change (6.38)") {
   World world("DEF P ProximitySensor { size 10 10 10 }");
   world.start();
   world.execution().set_viewer(viewer_at(1, 0, 0));
@@ -149,7 +148,7 @@ TEST_CASE("a ProximitySensor sends positions and orientations only when they cha
   CHECK(world.take() == Lines{"3 P.position_changed 2 0 0"});
 }
 
-TEST_CASE("a ProximitySensor tells the times at which the viewer crossed its box, and where (6.38)") {
+TEST_CASE("reports the times and positions at which the viewer crossed the box of a ProximitySensor (6.38)") {
   World world("DEF P ProximitySensor { size 2 2 2 }");
   world.execution().set_viewer(viewer_at(5, 0, 0));
   world.start();
@@ -223,7 +222,7 @@ TEST_CASE("does not trigger a ProximitySensor between two Viewpoints on a jump (
   CHECK(world.take("P.enterTime") == Lines{"7 P.enterTime 1006.4"});
 }
 
-TEST_CASE("a ProximitySensor below a Billboard turns with it to the viewer (6.6, 6.38)") {
+TEST_CASE("turns a ProximitySensor below a Billboard towards the viewer (6.6, 6.38)") {
   World world(R"(Transform { translation 1 0 0 children Billboard { children
       Transform { translation 0 0 5 children DEF P ProximitySensor { size 2 2 2 } } } }
     DEF Still Transform { translation 0 0 5 children ProximitySensor { size 2 2 2 } }

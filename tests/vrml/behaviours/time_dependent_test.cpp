@@ -7,14 +7,14 @@ namespace gs::vrml::traces {
 
 // World::kStart is 1000; times in traces are since then, SFTime values are not.
 
-TEST_CASE("isActive is sent when an activity begins and ends, and at no other time (4.6.9)") {
+TEST_CASE("sends isActive only when an activity begins and ends (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE stopTime 1006 }");
   world.start();
   for (int i = 1; i < 100; ++i) world.step(i / 8.0);
   CHECK(world.take("isActive") == Lines{"1 T.isActive TRUE", "6 T.isActive FALSE"});
 }
 
-TEST_CASE("the end of an activity that lies between two steps gives its own time and fraction (6.50)") {
+TEST_CASE("sends the exact end time and fraction if an activity ends between two steps (6.50)") {
   World world(
       "DEF T TimeSensor { startTime 1001 cycleInterval 2 } "
       "DEF U TimeSensor { startTime 1001 cycleInterval 2 loop TRUE stopTime 1003.5 }");
@@ -31,7 +31,7 @@ TEST_CASE("the end of an activity that lies between two steps gives its own time
   CHECK(other.take() == Lines{"4 U.fraction_changed 0.25", "4 U.time 1003.5", "4 U.isActive FALSE"});
 }
 
-TEST_CASE("set_stopTime to a time that has passed stops at the present, and keeps what was set (4.6.9, 6.50)") {
+TEST_CASE("stops at the present on a set_stopTime in the past, and keeps the value that was set (4.6.9, 6.50)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE }");
   world.start();
   world.step(1);
@@ -46,7 +46,7 @@ TEST_CASE("set_stopTime to a time that has passed stops at the present, and keep
   CHECK(world.scene().get<SFTime>(world.node("T"), "stopTime") == 1001.5);
 }
 
-TEST_CASE("set_stopTime that comes before the sensor's step of that time ends with the present, too (6.50)") {
+TEST_CASE("stops at the present on a set_stopTime that arrives before the sensor's own step (6.50)") {
   // S starts T's stop within a cascade of the same step in which T would go on.
   World world(R"(
 DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE }
@@ -61,7 +61,7 @@ ROUTE S.cycleTime TO T.stopTime)");
         Lines{"3.5 T.fraction_changed 0.625", "3.5 T.time 1003.5", "3.5 T.stopTime 1003", "3.5 T.isActive FALSE"});
 }
 
-TEST_CASE("set_stopTime not after startTime is ignored while active, and taken while not (4.6.9)") {
+TEST_CASE("ignores set_stopTime at or before startTime while active, and accepts it while inactive (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1002 cycleInterval 4 }");
   world.start();
   world.send("T.stopTime", SFTime{1001});
@@ -78,7 +78,7 @@ TEST_CASE("set_stopTime not after startTime is ignored while active, and taken w
   CHECK(world.take() == Lines{"3 T.fraction_changed 0.25", "3 T.time 1003", "3 T.isActive FALSE"});
 }
 
-TEST_CASE("set_loop TRUE before the end of the cycle takes a set_loop FALSE back (4.6.9)") {
+TEST_CASE("cancels set_loop FALSE by set_loop TRUE before the cycle ends (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   world.step(1);
@@ -91,7 +91,7 @@ TEST_CASE("set_loop TRUE before the end of the cycle takes a set_loop FALSE back
   CHECK(world.take() == Lines{"3.5 T.cycleTime 1003", "3.5 T.fraction_changed 0.25", "3.5 T.time 1003.5"});
 }
 
-TEST_CASE("after set_loop FALSE stopTime ends it, where that is before the end of the cycle (4.6.9)") {
+TEST_CASE("ends at stopTime after set_loop FALSE if stopTime precedes the end of the cycle (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE stopTime 1007 }");
   world.start();
   world.step(1);
@@ -102,7 +102,7 @@ TEST_CASE("after set_loop FALSE stopTime ends it, where that is before the end o
   CHECK(world.take() == Lines{"7 T.fraction_changed 0.5", "7 T.time 1007", "7 T.isActive FALSE"});
 }
 
-TEST_CASE("a looping sensor with startTime not before stopTime never ends (4.6.9)") {
+TEST_CASE("never ends a looping sensor with startTime at or after stopTime (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 stopTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   for (int i = 1; i < 500; ++i) world.step(i);
@@ -119,7 +119,7 @@ TEST_CASE("does not activate a node with an interval before the start of the wor
   CHECK(world.take("Over").empty());
 }
 
-TEST_CASE("set_stopTime now and set_startTime in the future start it anew at that time (4.6.9)") {
+TEST_CASE("restarts at a future startTime after a set_stopTime of now (4.6.9)") {
   World world(
       "DEF T TimeSensor { startTime 1001 cycleInterval 10 } DEF Now TimeSensor { enabled FALSE } DEF Then TimeSensor { "
       "enabled FALSE } ROUTE Now.startTime TO T.stopTime ROUTE Then.startTime TO T.startTime");
@@ -137,7 +137,7 @@ TEST_CASE("set_stopTime now and set_startTime in the future start it anew at tha
         Lines{"6 T.isActive TRUE", "6 T.cycleTime 1006", "6 T.fraction_changed 0", "6 T.time 1006"});
 }
 
-TEST_CASE("a restart runs its cycle also where that is shorter than a step (4.6.9)") {
+TEST_CASE("runs the cycle of a restart also if it is shorter than a step (4.6.9)") {
   World world(
       "DEF T TimeSensor { startTime 1001 cycleInterval 0.5 loop TRUE } DEF S TimeSensor { enabled FALSE } "
       "ROUTE S.startTime TO T.startTime ROUTE S.startTime TO T.stopTime ROUTE S.enabled TO T.loop");
@@ -154,7 +154,7 @@ TEST_CASE("a restart runs its cycle also where that is shorter than a step (4.6.
   CHECK(world.take("T.isActive") == Lines{"5 T.isActive TRUE", "6 T.isActive FALSE"});
 }
 
-TEST_CASE("a sensor that has ended starts again when startTime is set (4.6.9)") {
+TEST_CASE("restarts a sensor that has ended on set_startTime (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 1 }");
   world.start();
   for (int i = 1; i < 5; ++i) world.step(i);
@@ -164,7 +164,7 @@ TEST_CASE("a sensor that has ended starts again when startTime is set (4.6.9)") 
                               "4 T.time 1004"});
 }
 
-TEST_CASE("set_enabled FALSE evaluates and sends all outputs, then isActive FALSE (6.50)") {
+TEST_CASE("sends all outputs and then isActive FALSE on set_enabled FALSE (6.50)") {
   World world(
       "DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE } DEF L DirectionalLight { } "
       "DEF S TimeSensor { startTime 1003 cycleInterval 9 } DEF Off DirectionalLight { on TRUE } "
@@ -178,7 +178,7 @@ TEST_CASE("set_enabled FALSE evaluates and sends all outputs, then isActive FALS
         Lines{"3 T.fraction_changed 0.5", "3 T.time 1003", "3 T.enabled FALSE", "3 T.isActive FALSE"});
 }
 
-TEST_CASE("a disabled sensor takes and sends events of its exposedFields (6.50)") {
+TEST_CASE("accepts and sends exposedField events while disabled (6.50)") {
   World world("DEF T TimeSensor { enabled FALSE loop TRUE }");
   world.start();
   world.send("T.startTime", SFTime{1003});
@@ -190,7 +190,7 @@ TEST_CASE("a disabled sensor takes and sends events of its exposedFields (6.50)"
   CHECK(world.take().empty());
 }
 
-TEST_CASE("cycleTime is the beginning of each cycle, also of the first (6.50)") {
+TEST_CASE("sends cycleTime at the beginning of each cycle, also of the first (6.50)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   for (int i = 1; i < 16; ++i) world.step(i / 2.0);
@@ -198,7 +198,7 @@ TEST_CASE("cycleTime is the beginning of each cycle, also of the first (6.50)") 
         Lines{"1 T.cycleTime 1001", "3 T.cycleTime 1003", "5 T.cycleTime 1005", "7 T.cycleTime 1007"});
 }
 
-TEST_CASE("fraction_changed is 0 at startTime, 1 at the end of every cycle, and between them grows (6.50)") {
+TEST_CASE("sends fraction_changed 0 at startTime, 1 at the end of each cycle, and increasing values between (6.50)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   for (int i = 2; i < 11; ++i) world.step(i / 2.0);
@@ -208,7 +208,7 @@ TEST_CASE("fraction_changed is 0 at startTime, 1 at the end of every cycle, and 
               "4 T.fraction_changed 0.5", "4.5 T.fraction_changed 0.75", "5 T.fraction_changed 1"});
 }
 
-TEST_CASE("set_cycleInterval counts when the sensor is not active (6.50)") {
+TEST_CASE("applies set_cycleInterval while the sensor is inactive (6.50)") {
   World world("DEF T TimeSensor { startTime 1002 cycleInterval 2 }");
   world.start();
   world.send("T.cycleInterval", SFTime{4});

@@ -8,7 +8,7 @@ namespace gs::vrml::traces {
 
 // World::kStart is 1000; times in traces are since then, SFTime values are not.
 
-TEST_CASE("with its defaults a TimeSensor sends nothing (4.6.9)") {
+TEST_CASE("sends nothing from a TimeSensor with default fields (4.6.9)") {
   World world(
       "TimeSensor { } DEF Past TimeSensor { startTime 100 cycleInterval 800 } "
       "DEF Stopped TimeSensor { loop TRUE startTime 100 stopTime 900 }");
@@ -17,7 +17,7 @@ TEST_CASE("with its defaults a TimeSensor sends nothing (4.6.9)") {
   CHECK(world.take().empty());
 }
 
-TEST_CASE("a TimeSensor with loop TRUE is active when the world begins (4.6.9, 6.50)") {
+TEST_CASE("activates a TimeSensor with loop TRUE when the world begins (4.6.9, 6.50)") {
   World world("DEF T TimeSensor { loop TRUE cycleInterval 4 }");
   world.start();
   // 1000 is the end of a cycle: the fraction is 1 and not 0.
@@ -28,7 +28,7 @@ TEST_CASE("a TimeSensor with loop TRUE is active when the world begins (4.6.9, 6
   CHECK(world.take() == Lines{"4 T.cycleTime 1004", "4 T.fraction_changed 1", "4 T.time 1004"});
 }
 
-TEST_CASE("one cycle: isActive, cycleTime, fractions up to 1 (6.50)") {
+TEST_CASE("sends isActive, cycleTime and fractions up to 1 in one cycle (6.50)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 }");
   world.start();
   world.step(0.5);
@@ -43,7 +43,7 @@ TEST_CASE("one cycle: isActive, cycleTime, fractions up to 1 (6.50)") {
   CHECK(world.take().empty());
 }
 
-TEST_CASE("the last cycle ends with fraction 1 also where times of our days are rounded (6.50)") {
+TEST_CASE("ends the last cycle with fraction 1 despite the rounding of present-day timestamps (6.50)") {
   World world("DEF T TimeSensor { cycleInterval 0.1 }");
   constexpr double kNow = 946684800;
   world.start(kNow - World::kStart);
@@ -54,7 +54,7 @@ TEST_CASE("the last cycle ends with fraction 1 also where times of our days are 
   CHECK(fractions.back().find("fraction_changed 1") != std::string::npos);
 }
 
-TEST_CASE("several cycles within one step give one cycleTime, of the cycle that runs (6.50)") {
+TEST_CASE("sends only the cycleTime of the current cycle if several cycles fit in one step (6.50)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   world.step(1);
@@ -63,7 +63,7 @@ TEST_CASE("several cycles within one step give one cycleTime, of the cycle that 
   CHECK(world.take() == Lines{"8.5 T.cycleTime 1007", "8.5 T.fraction_changed 0.75", "8.5 T.time 1008.5"});
 }
 
-TEST_CASE("an activity that is shorter than a step is not passed over (6.50)") {
+TEST_CASE("reports an activity that is shorter than a step (6.50)") {
   World world(
       "DEF T TimeSensor { startTime 1001.25 cycleInterval 0.5 } "
       "DEF U TimeSensor { startTime 1001.25 stopTime 1001.5 cycleInterval 1 loop TRUE }");
@@ -79,7 +79,7 @@ TEST_CASE("an activity that is shorter than a step is not passed over (6.50)") {
   CHECK(world.take().empty());
 }
 
-TEST_CASE("stopTime ends an activity only if it is after startTime (4.6.9)") {
+TEST_CASE("ends an activity at stopTime only if it is after startTime (4.6.9)") {
   World world(
       "DEF T TimeSensor { startTime 1001 stopTime 1002.5 cycleInterval 2 loop TRUE } "
       "DEF U TimeSensor { startTime 1001 stopTime 1001 cycleInterval 2 loop TRUE }");
@@ -91,7 +91,7 @@ TEST_CASE("stopTime ends an activity only if it is after startTime (4.6.9)") {
   CHECK(std::count(trace.begin(), trace.end(), "9 U.time 1009") == 1);
 }
 
-TEST_CASE("while it is active set_cycleInterval, set_startTime and a stopTime before it are ignored (4.6.9)") {
+TEST_CASE("ignores set_cycleInterval, set_startTime and a stopTime before it while active (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   world.step(1);
@@ -109,7 +109,7 @@ TEST_CASE("while it is active set_cycleInterval, set_startTime and a stopTime be
   CHECK(world.take() == Lines{"2 T.cycleInterval 20", "2 T.startTime 1005"});
 }
 
-TEST_CASE("loop FALSE ends it with the cycle that runs (4.6.9)") {
+TEST_CASE("ends with the current cycle on loop FALSE (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   world.step(1);
@@ -122,7 +122,7 @@ TEST_CASE("loop FALSE ends it with the cycle that runs (4.6.9)") {
   CHECK(world.take() == Lines{"6 T.fraction_changed 1", "6 T.time 1005", "6 T.isActive FALSE"});
 }
 
-TEST_CASE("enabled FALSE stops it at once, TRUE lets it start where startTime and loop say so (6.50)") {
+TEST_CASE("stops at once on enabled FALSE, and starts on TRUE as startTime and loop demand (6.50)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   world.step(1);
@@ -140,7 +140,7 @@ TEST_CASE("enabled FALSE stops it at once, TRUE lets it start where startTime an
                               "3.5 T.fraction_changed 0.25", "3.5 T.time 1003.5"});
 }
 
-TEST_CASE("stopTime and startTime set at one time start it anew (4.6.9)") {
+TEST_CASE("restarts if stopTime and startTime are set at one time (4.6.9)") {
   World world(
       "DEF T TimeSensor { startTime 1001 cycleInterval 10 } DEF S TimeSensor { } "
       "ROUTE S.startTime TO T.startTime ROUTE S.startTime TO T.stopTime");
@@ -155,7 +155,7 @@ TEST_CASE("stopTime and startTime set at one time start it anew (4.6.9)") {
         Lines{"4 T.isActive TRUE", "4 T.cycleTime 1003", "4 T.fraction_changed 0.1", "4 T.time 1004"});
 }
 
-TEST_CASE("a TimeSensor starts in the cascade that sets its startTime (4.10.3)") {
+TEST_CASE("starts a TimeSensor in the cascade that sets its startTime (4.10.3)") {
   World world(
       "DEF A TimeSensor { startTime 1001 cycleInterval 2 } DEF B TimeSensor { cycleInterval 4 } "
       "DEF P ScalarInterpolator { key [ 0 1 ] keyValue [ 5 9 ] } "
@@ -169,7 +169,7 @@ TEST_CASE("a TimeSensor starts in the cascade that sets its startTime (4.10.3)")
   CHECK(world.take("P.") == Lines{"2 P.value_changed 6"});
 }
 
-TEST_CASE("times of no sense do no harm") {
+TEST_CASE("survives NaN, infinite and huge times") {
   World world(
       "DEF T TimeSensor { loop TRUE cycleInterval 0 } DEF U TimeSensor { loop TRUE cycleInterval 1e-300 }"
       "DEF V TimeSensor { loop TRUE cycleInterval -3 startTime 1e300 } DEF W TimeSensor { startTime 1001 }");
@@ -185,7 +185,7 @@ TEST_CASE("times of no sense do no harm") {
   CHECK(world.scene().get<SFTime>(world.node("W"), "startTime") == 1e9 + 99);
 }
 
-TEST_CASE("time never goes back (4.11)") {
+TEST_CASE("never lets time run backwards (4.11)") {
   World world("DEF T TimeSensor { loop TRUE }");
   world.start();
   world.step(2.5);

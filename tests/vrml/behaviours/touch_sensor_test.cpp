@@ -9,7 +9,7 @@ constexpr double kNoDouble = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-TEST_CASE("a TouchSensor tells where it is pointed at, in its own coordinate system (6.51)") {
+TEST_CASE("reports the point under the pointer in the coordinate system of a TouchSensor (6.51)") {
   World world("Transform { translation 1 2 0 scale 2 2 4 children [ DEF S Shape { } DEF T TouchSensor { } ] }");
   world.start();
   PointingDevice device(world);
@@ -29,7 +29,7 @@ TEST_CASE("a TouchSensor tells where it is pointed at, in its own coordinate sys
   CHECK_FALSE(world.execution().pointed_at().sensor);
 }
 
-TEST_CASE("a normal goes into the system of a TouchSensor that is scaled unevenly, and has length 1 (6.51)") {
+TEST_CASE("transforms a normal into the coordinate system of an unevenly scaled TouchSensor, with length 1 (6.51)") {
   World world("Transform { scale 1 2 1 children [ DEF S Shape { } DEF T TouchSensor { } ] }");
   world.start();
   PointingDevice device(world);
@@ -39,7 +39,7 @@ TEST_CASE("a normal goes into the system of a TouchSensor that is scaled unevenl
   CHECK(world.take("hitNormal") == Lines{"0 T.hitNormal_changed 0.6 0.8 0"});
 }
 
-TEST_CASE("a click on a TouchSensor has its time where the button is released over it only (6.51)") {
+TEST_CASE("sends touchTime only if the button is released over the TouchSensor (6.51)") {
   World world("Group { children [ DEF S Shape { } DEF T TouchSensor { } ] } DEF Other Shape { }");
   world.start();
   PointingDevice device(world);
@@ -79,7 +79,7 @@ TEST_CASE("a click on a TouchSensor has its time where the button is released ov
         Lines{"9 T.isActive TRUE", "10 T.isOver FALSE", "11 T.isOver TRUE", "11 T.isActive FALSE"});
 }
 
-TEST_CASE("geometry that moves under the pointer makes no events, the pointer that moves does (6.51)") {
+TEST_CASE("sends events when the pointer moves, not when geometry moves under it (6.51)") {
   World world("DEF M Transform { children [ DEF S Shape { } DEF T TouchSensor { } ] }");
   world.start();
   PointingDevice device(world);
@@ -95,7 +95,7 @@ TEST_CASE("geometry that moves under the pointer makes no events, the pointer th
   CHECK(world.take() == Lines{"2 T.isOver FALSE"});
 }
 
-TEST_CASE("a TouchSensor that is disabled says what ends, and nothing more (4.6.7.3, 6.51)") {
+TEST_CASE("sends only isOver FALSE and isActive FALSE when a TouchSensor is disabled (4.6.7.3, 6.51)") {
   World world("Group { children [ DEF S Shape { } DEF T TouchSensor { } ] }");
   world.start();
   PointingDevice device(world);
@@ -118,7 +118,7 @@ TEST_CASE("a TouchSensor that is disabled says what ends, and nothing more (4.6.
   CHECK(world.take("T.is") == Lines{"4 T.isOver TRUE"});
 }
 
-TEST_CASE("isActive TRUE and FALSE have different timestamps, whatever happens at once (4.10.4)") {
+TEST_CASE("gives isActive TRUE and FALSE different timestamps, also if both happen at once (4.10.4)") {
   World world(
       "Group { children [ DEF S Shape { } DEF T TouchSensor { } ] } "
       "DEF Off TimeSensor { enabled FALSE } ROUTE Off.enabled TO T.enabled");
@@ -152,7 +152,7 @@ TEST_CASE("isActive TRUE and FALSE have different timestamps, whatever happens a
   CHECK_FALSE(world.execution().pointed_at().active);
 }
 
-TEST_CASE("in singular systems, and of what is no number, a TouchSensor sends what makes sense (6.51)") {
+TEST_CASE("sends finite values from a TouchSensor in singular coordinate systems and for NaN input (6.51)") {
   World world(
       "Transform { scale 0 0 0 children [ DEF S Shape { } DEF T TouchSensor { } ] } DEF F Shape { } "
       "DEF G TouchSensor { }");

@@ -11,7 +11,7 @@ glm::dmat4 looking_at_x(double x) { return glm::translate(glm::dmat4(1), {x, 0, 
 
 }  // namespace
 
-TEST_CASE("a VisibilitySensor tells when its box comes into view, and leaves it (6.54)") {
+TEST_CASE("reports when the box of a VisibilitySensor enters and leaves the view (6.54)") {
   World world(
       "Transform { translation 100 0 0 scale 2 2 2 children DEF V VisibilitySensor { size 1 1 1 } } "
       "DEF W VisibilitySensor { size 1 1 1 }");
@@ -35,7 +35,7 @@ TEST_CASE("a VisibilitySensor tells when its box comes into view, and leaves it 
   CHECK(world.take("isActive") == Lines{"5 V.isActive FALSE"});
 }
 
-TEST_CASE("the edges of the view are those of fieldOfView, aspect and what was told (6.53, 6.54)") {
+TEST_CASE("derives the edges of the view from fieldOfView, aspect ratio and the renderer (6.53, 6.54)") {
   // tan(0.785398 / 2) = 0.414: 4.14 up and 5.52 to the side at a distance of 10.
   World world(
       "DEF A Viewpoint { position 0 0 10 } DEF B Viewpoint { position 0 0 10 fieldOfView 1.5707963 } "
@@ -58,7 +58,7 @@ TEST_CASE("the edges of the view are those of fieldOfView, aspect and what was t
   CHECK(world.take("isActive") == Lines{"5 In.isActive TRUE"});
 }
 
-TEST_CASE("a VisibilitySensor in several places has the union of their boxes (6.54)") {
+TEST_CASE("uses the union of the boxes of a VisibilitySensor with several instances (6.54)") {
   World world(
       "Transform { translation 100 0 0 children DEF V VisibilitySensor { size 1 1 1 } } "
       "Transform { translation -100 0 0 children USE V } DEF N VisibilitySensor { center 0 0 50 }");

@@ -9,7 +9,7 @@ NodeId bound_node(World& world, const char* type) { return world.execution().bou
 
 }  // namespace
 
-TEST_CASE("the first node of a PROTO instance can be the first bindable, those behind it cannot (4.6.10)") {
+TEST_CASE("binds at start only the first node of a PROTO instance, not later ones (4.6.10)") {
   World world(R"(
 PROTO First [ ] { DEF V Viewpoint { } DEF F Fog { } }
 PROTO Second [ ] { Group { children DEF G Fog { } } DEF N NavigationInfo { } }
@@ -19,14 +19,14 @@ First { } Viewpoint { } Second { } Fog { })");
   CHECK(!bound_node(world, "NavigationInfo"));
 }
 
-TEST_CASE("of a file without bindables nothing is bound, and none is sent (4.6.10)") {
+TEST_CASE("binds nothing and sends nothing in a file without bindable nodes (4.6.10)") {
   World world("Group { } PROTO P [ ] { Viewpoint { } }");
   world.start();
   CHECK(world.take().empty());
   CHECK(!bound_node(world, "Viewpoint"));
 }
 
-TEST_CASE("both isBound events of a change have one timestamp, FALSE before TRUE, on all four stacks (4.6.10)") {
+TEST_CASE("sends isBound FALSE before TRUE with one timestamp, on all four stacks (4.6.10)") {
   for (const char* type : {"Background", "Fog", "NavigationInfo", "Viewpoint"}) {
     INFO(type);
     World world("DEF A " + std::string(type) + " { } DEF B " + type + " { }");
@@ -41,7 +41,7 @@ TEST_CASE("both isBound events of a change have one timestamp, FALSE before TRUE
   }
 }
 
-TEST_CASE("bindTime tells when a Viewpoint was bound and when it ceased to be (6.53)") {
+TEST_CASE("sends bindTime when a Viewpoint is bound and unbound (6.53)") {
   World world("DEF A Viewpoint { } DEF B Viewpoint { }");
   world.start();
   CHECK(world.take("bindTime") == Lines{"0 A.bindTime 1000"});
@@ -53,8 +53,7 @@ TEST_CASE("bindTime tells when a Viewpoint was bound and when it ceased to be (6
   CHECK(world.take().empty());
 }
 
-TEST_CASE(
-    "of several nodes that are bound at one time the last one is bound, and in the end each has said so (4.6.10)") {
+TEST_CASE("keeps the last of several nodes that are bound at one time, and sends each isBound (4.6.10)") {
   World world(R"(
 DEF V Viewpoint { } DEF A Viewpoint { } DEF B Viewpoint { } DEF C Viewpoint { } DEF L DirectionalLight { on FALSE }
 DEF LA DirectionalLight { } ROUTE L.on TO A.set_bind ROUTE L.on TO B.set_bind ROUTE L.on TO C.set_bind
@@ -73,7 +72,7 @@ ROUTE A.isBound TO LA.on)");
   CHECK(world.take().empty());
 }
 
-TEST_CASE("a bound node that is removed from the world is bound no more (4.6.10)") {
+TEST_CASE("unbinds a bound node that is removed from the world (4.6.10)") {
   for (const char* type : {"Background", "Fog", "NavigationInfo", "Viewpoint"}) {
     INFO(type);
     World world("DEF A " + std::string(type) + " { } DEF G Transform { children DEF B " + type +
@@ -92,7 +91,7 @@ TEST_CASE("a bound node that is removed from the world is bound no more (4.6.10)
   }
 }
 
-TEST_CASE("a bound node goes with the group, choice, level or list that held it (4.6.10)") {
+TEST_CASE("unbinds a bound node with the group, choice, level or list that contained it (4.6.10)") {
   World world(R"(
 DEF V Viewpoint { } DEF S Switch { whichChoice 0 choice Group { children DEF A Viewpoint { } } }
 DEF L LOD { level Transform { children DEF B Viewpoint { } } } DEF G Group { children DEF C Viewpoint { } })");
@@ -113,7 +112,7 @@ DEF L LOD { level Transform { children DEF B Viewpoint { } } } DEF G Group { chi
   CHECK(world.take("isBound") == Lines{"6 B.isBound FALSE", "6 V.isBound TRUE"});
 }
 
-TEST_CASE("a bound node stays bound while one USE of it is left, and when it moves at one time (4.6.10)") {
+TEST_CASE("keeps a bound node while one USE of it remains, and while it moves at one time (4.6.10)") {
   World world(R"(
 DEF V Viewpoint { } DEF G Group { children DEF B Viewpoint { } } DEF H Group { children USE B } DEF K Group { }
 DEF Old Group { } DEF New Group { } DEF Both Group { }
@@ -144,7 +143,7 @@ DEF V Viewpoint { } DEF I P { } DEF G Group { children DEF X Group { } })");
   CHECK(bound_node(world, "Viewpoint") != world.node("V"));
 }
 
-TEST_CASE("removing from and adding to groups without bindables tells nobody (4.6.10)") {
+TEST_CASE("sends no bindable events for groups without bindable nodes (4.6.10)") {
   World world("DEF V Viewpoint { } DEF G Group { children DEF A Group { } }");
   world.start();
   world.step(1);
@@ -155,7 +154,7 @@ TEST_CASE("removing from and adding to groups without bindables tells nobody (4.
   CHECK(world.take("isBound").empty());
 }
 
-TEST_CASE("ProximitySensors that a bind leaves and enters tell with its timestamp (6.53)") {
+TEST_CASE("sends events of ProximitySensors that a bind leaves and enters with its timestamp (6.53)") {
   World world(R"(
 DEF A Viewpoint { position 0 0 0 } DEF B Viewpoint { position 50 0 0 } DEF Here ProximitySensor { size 4 4 4 }
 DEF There ProximitySensor { center 50 0 0 size 4 4 4 } DEF T TimeSensor { loop TRUE cycleInterval 8 })");

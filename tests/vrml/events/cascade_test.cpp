@@ -10,7 +10,7 @@ std::ptrdiff_t times_in(const Lines& lines, const char* line) { return std::coun
 
 }  // namespace
 
-TEST_CASE("all events of a cascade have the timestamp of the first one (4.10.3)") {
+TEST_CASE("gives all events of a cascade the timestamp of the first one (4.10.3)") {
   World world(R"(
 DEF T TimeSensor { cycleInterval 4 loop TRUE } DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 1 ] }
 DEF J PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 1 1 ] } DEF A Transform { } DEF B Transform { }
@@ -24,7 +24,7 @@ ROUTE J.value_changed TO A.translation ROUTE A.translation TO B.scale)");
                               "1 B.scale 0.25 0.25 0.25"});
 }
 
-TEST_CASE("several events of a sensor at one time each have their cascade, in one timestamp (4.10.3)") {
+TEST_CASE("runs a cascade for each of several sensor events of one timestamp (4.10.3)") {
   World world(R"(
 DEF T TimeSensor { startTime 1001 cycleInterval 4 }
 DEF L DirectionalLight { on FALSE } DEF U TimeSensor { enabled FALSE } DEF I ScalarInterpolator { key 0 keyValue 5 }
@@ -40,7 +40,7 @@ ROUTE T.fraction_changed TO I.set_fraction)");
   CHECK(times_in(lines, "1 I.value_changed 5") == 1);
 }
 
-TEST_CASE("a loop through several nodes and a PROTO instance ends after one round a timestamp (4.10.4)") {
+TEST_CASE("ends a loop through several nodes and a PROTO instance after one round per timestamp (4.10.4)") {
   World world(R"(
 PROTO Pass [ eventIn SFVec3f in eventOut SFVec3f out ] {
   DEF Core Transform { set_translation IS in translation_changed IS out } }
@@ -55,7 +55,7 @@ ROUTE A.translation TO P.in ROUTE P.out TO B.translation ROUTE B.translation TO 
   }
 }
 
-TEST_CASE("cyclic dependencies between sensors end with the timestamp and go on with the next one (4.10.4)") {
+TEST_CASE("stops cyclic dependencies between sensors within a timestamp, and resumes at the next (4.10.4)") {
   World world(R"(
 DEF A TimeSensor { cycleInterval 100 } DEF B TimeSensor { cycleInterval 100 }
 ROUTE A.isActive TO B.loop ROUTE B.isActive TO A.loop ROUTE A.time TO B.startTime ROUTE B.time TO A.startTime)");
@@ -69,7 +69,7 @@ ROUTE A.isActive TO B.loop ROUTE B.isActive TO A.loop ROUTE A.time TO B.startTim
   }
 }
 
-TEST_CASE("events of one timestamp come in the order in which they were sent, the same in every run (4.10.3)") {
+TEST_CASE("delivers events of one timestamp in the order of sending, equally in every run (4.10.3)") {
   const auto trace = [] {
     std::string text = "DEF S Switch { }";
     for (int i = 0; i < 20; ++i) text += " DEF N" + std::to_string(i) + " Switch { }";
@@ -86,7 +86,7 @@ TEST_CASE("events of one timestamp come in the order in which they were sent, th
   CHECK(first == trace());
 }
 
-TEST_CASE("fan-out reaches every eventIn, fan-in leaves the value of the last event (4.10.5)") {
+TEST_CASE("sends fan-out to every eventIn, and keeps the last value of a fan-in (4.10.5)") {
   World world(R"(
 DEF A Transform { } DEF B Transform { } DEF C Transform { } DEF D Material { } DEF E Material { }
 DEF L DirectionalLight { } DEF M DirectionalLight { } DEF N DirectionalLight { }
@@ -102,7 +102,7 @@ ROUTE L.on TO M.on ROUTE L.on TO N.on ROUTE L.intensity TO D.transparency ROUTE 
   CHECK(world.scene().get<SFFloat>(world.node("D"), "transparency") == 0.75F);
 }
 
-TEST_CASE("a ROUTE that is added or removed counts from the next event on (4.10.2)") {
+TEST_CASE("applies an added or removed ROUTE from the next event on (4.10.2)") {
   World world("DEF A Switch { } DEF B Switch { } DEF C Switch { }");
   world.start();
   const auto route = [&](const char* to) {
@@ -137,7 +137,7 @@ DEF M Material { } ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_chan
                               "3 M.transparency 1"});
 }
 
-TEST_CASE("each time event is greater than the one before (4.11.1)") {
+TEST_CASE("gives each time event a greater time than the one before (4.11.1)") {
   World world(
       "DEF T TimeSensor { startTime 1001 cycleInterval 0.75 loop TRUE stopTime 1004.3 } DEF U TimeSensor { } "
       "ROUTE T.time TO U.stopTime");
@@ -154,7 +154,7 @@ TEST_CASE("each time event is greater than the one before (4.11.1)") {
   CHECK(before == 1004.3);
 }
 
-TEST_CASE("times before 1970 are times like others (4.11.2)") {
+TEST_CASE("runs at times before 1970 (4.11.2)") {
   World world(
       "DEF T TimeSensor { startTime -1000 stopTime -2000 cycleInterval 4000 } DEF U TimeSensor { startTime -50 "
       "stopTime -100 }");
@@ -163,7 +163,7 @@ TEST_CASE("times before 1970 are times like others (4.11.2)") {
         Lines{"0 T.isActive TRUE", "0 T.cycleTime -1000", "0 T.fraction_changed 0.5", "0 T.time 1000"});
 }
 
-TEST_CASE("an Inline has names and ROUTEs of its own, and lives in the same time (4.4, 6.25)") {
+TEST_CASE("gives an Inline its own names and ROUTEs, in the time of the world (4.4, 6.25)") {
   World world("DEF Part Inline { } DEF Clock TimeSensor { loop TRUE cycleInterval 8 } DEF T Transform { }");
   auto content = std::make_unique<SceneGraph>("part.wrl", world.scene().budget());
   Diagnostics diagnostics;

@@ -21,7 +21,7 @@ Route route_of(World& world, const char* from, const char* event_out, const char
 
 }  // namespace
 
-TEST_CASE("an exposedField takes set_x and sends x_changed, under all its names (4.7)") {
+TEST_CASE("accepts set_x and sends x_changed for an exposedField, under all its names (4.7)") {
   World world(
       "DEF A Transform { } DEF B Transform { } ROUTE A.translation TO B.translation "
       "ROUTE A.scale_changed TO B.set_scale");
@@ -32,7 +32,7 @@ TEST_CASE("an exposedField takes set_x and sends x_changed, under all its names 
   CHECK(world.scene().get<SFVec3f>(world.node("B"), "translation") == kFar);
 }
 
-TEST_CASE("an eventOut sends one event a timestamp, so that loops end (4.10.4)") {
+TEST_CASE("sends one event per eventOut and timestamp, so that loops end (4.10.4)") {
   World world(
       "DEF A Transform { } DEF B Transform { } ROUTE A.translation TO B.translation "
       "ROUTE B.translation TO A.translation ROUTE A.translation TO A.translation");
@@ -46,7 +46,7 @@ TEST_CASE("an eventOut sends one event a timestamp, so that loops end (4.10.4)")
   CHECK(world.take() == Lines{"1 B.translation 7 8 9", "1 A.translation 7 8 9"});
 }
 
-TEST_CASE("fan-out goes in the order of the ROUTEs, fan-in takes every event (4.10.5)") {
+TEST_CASE("sends fan-out in the order of the ROUTEs, and accepts every event of a fan-in (4.10.5)") {
   World world(
       "DEF A Transform { } DEF B Transform { } DEF C Transform { } DEF D Transform { }"
       "ROUTE A.translation TO C.translation ROUTE A.translation TO B.translation "
@@ -57,7 +57,7 @@ TEST_CASE("fan-out goes in the order of the ROUTEs, fan-in takes every event (4.
         Lines{"0 A.translation 1 2 3", "0 C.translation 1 2 3", "0 B.translation 1 2 3", "0 D.translation 1 2 3"});
 }
 
-TEST_CASE("a ROUTE that is given twice counts once (4.10.2)") {
+TEST_CASE("counts a duplicate ROUTE once (4.10.2)") {
   World world(
       "DEF A Switch { } DEF B Switch { } ROUTE A.whichChoice TO B.whichChoice "
       "ROUTE A.whichChoice_changed TO B.set_whichChoice");
@@ -70,7 +70,7 @@ TEST_CASE("a ROUTE that is given twice counts once (4.10.2)") {
   CHECK(world.take() == Lines{"0 A.whichChoice 4"});
 }
 
-TEST_CASE("ROUTEs are added and removed while the world runs") {
+TEST_CASE("adds and removes ROUTEs while the world runs") {
   World world("DEF A Transform { } DEF B Transform { } DEF C Transform { }");
   world.start();
   const Route first = route_of(world, "A", "translation", "B", "translation");
@@ -89,7 +89,7 @@ TEST_CASE("ROUTEs are added and removed while the world runs") {
   }
 }
 
-TEST_CASE("a ROUTE between unequal types or to an eventOut is none") {
+TEST_CASE("rejects a ROUTE between unequal types or to an eventOut") {
   World world("DEF A Transform { } DEF B Transform { } DEF T TimeSensor { }");
   CHECK(!world.execution().add_route(world.scene(), route_of(world, "A", "translation", "B", "rotation")));
   Route wrong = route_of(world, "T", "time", "T", "startTime");
@@ -97,7 +97,7 @@ TEST_CASE("a ROUTE between unequal types or to an eventOut is none") {
   CHECK(!world.execution().add_route(world.scene(), wrong));
 }
 
-TEST_CASE("events pass through the interface of a PROTO instance both ways (4.8.2)") {
+TEST_CASE("passes events through the interface of a PROTO instance in both directions (4.8.2)") {
   World world(R"(
 PROTO P [ eventIn SFVec3f move exposedField SFFloat shine 0.5 eventOut SFVec3f moved field SFInt32 fixed 1 ] {
   DEF Inner Transform { set_translation IS move translation_changed IS moved
@@ -112,7 +112,7 @@ ROUTE I.moved TO Copy.translation  ROUTE I.shine_changed TO M.set_shininess)");
   CHECK(world.scene().get<SFFloat>(world.node("I"), "shine") == 0.25F);
 }
 
-TEST_CASE("IS leads through instances inside instances, to every node that names it") {
+TEST_CASE("follows IS through nested instances to every node that names it") {
   World world(R"(
 PROTO A [ exposedField SFVec3f at 0 0 0 ] { DEF One Transform { translation IS at } DEF Two Transform { scale IS at } }
 PROTO B [ exposedField SFVec3f at 0 0 0 ] { DEF Nested A { at IS at } }
@@ -127,7 +127,7 @@ ROUTE Source.translation TO I.at  ROUTE Source.translation TO I.to  ROUTE I.at T
     CHECK(std::count(trace.begin(), trace.end(), line) == 1);
 }
 
-TEST_CASE("ROUTEs of a PROTO's body lead inside each instance, and an exposedField without IS keeps its value") {
+TEST_CASE("connects ROUTEs of a PROTO's body per instance, and keeps an exposedField without IS unchanged") {
   World world(R"(
 PROTO P [ exposedField SFVec3f loose 0 0 0 eventIn SFVec3f in ] {
   DEF A Transform { set_translation IS in } DEF B Transform { } ROUTE A.translation TO B.translation }
@@ -141,7 +141,7 @@ DEF First P { } DEF Second P { })");
   CHECK(world.scene().get<SFVec3f>(first, "translation") == SFVec3f(0));
 }
 
-TEST_CASE("an EXTERNPROTO that gets its body later takes part from then on") {
+TEST_CASE("runs an EXTERNPROTO from the time at which its body is loaded") {
   World world(
       "EXTERNPROTO E [ eventIn SFVec3f in ] \"e.wrl\" DEF I E { } DEF A Transform { } "
       "ROUTE A.translation TO I.in");
@@ -159,7 +159,7 @@ TEST_CASE("an EXTERNPROTO that gets its body later takes part from then on") {
   CHECK(world.take() == Lines{"0 A.translation 1 2 3", "0 T.translation 1 2 3"});
 }
 
-TEST_CASE("children are added once and removed if they are there (4.6.5)") {
+TEST_CASE("adds a child once, and removes it if it is present (4.6.5)") {
   World world(
       "DEF G Group { children DEF A Group { } } DEF B Group { } DEF H Group { } "
       "ROUTE H.children TO G.addChildren");
@@ -174,7 +174,7 @@ TEST_CASE("children are added once and removed if they are there (4.6.5)") {
   CHECK(world.take().empty());
 }
 
-TEST_CASE("set_x of a plain field replaces it and sends nothing (6.17, 6.23)") {
+TEST_CASE("replaces a plain field on set_x and sends nothing (6.17, 6.23)") {
   World world("DEF F IndexedFaceSet { } DEF G ElevationGrid { }");
   world.start();
   world.send("F.set_coordIndex", MFInt32{0, 1, 2, -1});
@@ -184,7 +184,7 @@ TEST_CASE("set_x of a plain field replaces it and sends nothing (6.17, 6.23)") {
   CHECK(world.scene().get<MFFloat>(world.node("G"), "height") == MFFloat{1, 2});
 }
 
-TEST_CASE("large values travel without being copied") {
+TEST_CASE("sends large values without a copy") {
   World world("DEF A Coordinate { } DEF B Coordinate { } ROUTE A.point TO B.point");
   world.start();
   MFVec3f points;
@@ -193,7 +193,7 @@ TEST_CASE("large values travel without being copied") {
   CHECK(world.scene().get<MFVec3f>(world.node("B"), "point").shares_with(points));
 }
 
-TEST_CASE("each node that changed is told once, with its slots") {
+TEST_CASE("reports each changed node once, with its slots") {
   World world("DEF A Transform { } DEF B Transform { } DEF T TimeSensor { } ROUTE A.translation TO B.translation");
   world.start();
   CHECK(world.execution().take_changes().empty());
@@ -210,7 +210,7 @@ TEST_CASE("each node that changed is told once, with its slots") {
   CHECK(world.execution().take_changes().empty());
 }
 
-TEST_CASE("the behaviours of the node table name interfaces that their types have") {
+TEST_CASE("names only interfaces in node behaviours that the node types have") {
   for (const auto& type : built_in_node_types()) {
     if (!type->behaviour) continue;
     INFO(type->name);

@@ -55,7 +55,7 @@ FieldValue other_value(const FieldValue& initial, NodeId node) {
 
 }  // namespace
 
-TEST_CASE("every exposedField of every node type takes set_x, keeps it and sends x_changed at that time (4.7)") {
+TEST_CASE("accepts set_x of every exposedField of every node type, and sends x_changed at that time (4.7)") {
   World world("DEF X Group { }");
   world.start();
   double time = 0;
@@ -90,7 +90,7 @@ TEST_CASE("every exposedField of every node type takes set_x, keeps it and sends
   CHECK(fields > 150);
 }
 
-TEST_CASE("set_x of every plain field x replaces it and sends nothing (6.17, 6.18, 6.23, 6.24)") {
+TEST_CASE("replaces every plain field x on set_x and sends nothing (6.17, 6.18, 6.23, 6.24)") {
   World world("DEF X Group { }");
   world.start();
   int fields = 0;
@@ -112,7 +112,7 @@ TEST_CASE("set_x of every plain field x replaces it and sends nothing (6.17, 6.1
   CHECK(fields == 11);  // height, four of Extrusion, four of IndexedFaceSet, two of IndexedLineSet
 }
 
-TEST_CASE("a name without set_ or _changed means an event of that very name first (4.10.2)") {
+TEST_CASE("prefers an event of the exact name over one with set_ or _changed (4.10.2)") {
   World world(R"(
 PROTO P [ eventIn SFVec3f x eventIn SFVec3f set_x eventOut SFVec3f y eventOut SFVec3f y_changed ] {
   DEF Plain Transform { set_translation IS x translation_changed IS y }

@@ -29,7 +29,7 @@ std::string anchors(World& world) {
 
 }  // namespace
 
-TEST_CASE("the lowest level with a pointing-device sensor has the click, and an Anchor counts (4.6.7.3)") {
+TEST_CASE("sends the click to the lowest level with a pointing-device sensor, including Anchors (4.6.7.3)") {
   // The example of the standard.
   World world(R"(Group { children [
     DEF Shape1 Shape { } DEF SensorA TouchSensor { } DEF SensorB PlaneSensor { }
@@ -54,7 +54,7 @@ TEST_CASE("the lowest level with a pointing-device sensor has the click, and an 
   CHECK(clicked(world, device, "Shape1", 5) == Lines{"SensorB.isActive TRUE"});
 }
 
-TEST_CASE("an Anchor is activated where the button is released over it, and not elsewhere (6.2)") {
+TEST_CASE("activates an Anchor only if the button is released over it (6.2)") {
   World world("DEF A Anchor { url \"a\" children DEF S Shape { } } DEF B Anchor { children DEF R Shape { } }");
   world.start();
   PointingDevice device(world);
@@ -78,7 +78,7 @@ TEST_CASE("an Anchor is activated where the button is released over it, and not 
   CHECK(world.execution().take_requests().size() == Execution::kMostRequests);
 }
 
-TEST_CASE("nested Anchors: the innermost one is activated (6.2)") {
+TEST_CASE("activates the innermost of nested Anchors (6.2)") {
   World world("DEF A Anchor { url \"a\" children [ DEF S Shape { } DEF B Anchor { children DEF R Shape { } } ] }");
   world.start();
   PointingDevice device(world);
@@ -88,7 +88,7 @@ TEST_CASE("nested Anchors: the innermost one is activated (6.2)") {
   CHECK(anchors(world) == "A ");
 }
 
-TEST_CASE("sensors at top level, in PROTO instances and in Inlines are those of what is beside them (4.6.7.3)") {
+TEST_CASE("applies sensors at top level, in PROTO instances and in Inlines to their siblings (4.6.7.3)") {
   World world(R"(PROTO Touched [ eventOut SFBool isOver exposedField MFNode children [ ] ]
     { Transform { translation 1 0 0 children [ Group { children IS children } TouchSensor { isOver IS isOver } ] }
       DEF Unplaced TouchSensor { } }
@@ -121,7 +121,7 @@ TEST_CASE("sensors at top level, in PROTO instances and in Inlines are those of 
   CHECK(names(world, "isOver") == Lines{"Top.isOver FALSE", "InT.isOver TRUE"});
 }
 
-TEST_CASE("a sensor in several groups is one sensor with the system of the group that is pointed at (4.6.7.3)") {
+TEST_CASE("drags a sensor of several groups in the coordinate system of the group under the pointer (4.6.7.3)") {
   World world(R"(Transform { translation 1 0 0 children [ DEF A Shape { } DEF T TouchSensor { } USE T ] }
     Transform { translation 2 0 0 children [ DEF B Shape { } USE T DEF P PlaneSensor { } ] })");
   world.start();
@@ -141,7 +141,7 @@ TEST_CASE("a sensor in several groups is one sensor with the system of the group
                               "3 P.trackPoint_changed -1 1 0", "3 P.translation_changed -4 1 0"});
 }
 
-TEST_CASE("while sensors have the pointer no other one hears of it (4.6.7.5)") {
+TEST_CASE("sends pointer events only to the sensors that grabbed the pointer (4.6.7.5)") {
   World world(R"(Group { children [ DEF A Shape { } DEF T TouchSensor { } DEF P PlaneSensor { } ] }
     Group { children [ DEF B Shape { } DEF U TouchSensor { } ] })");
   world.start();
@@ -163,7 +163,7 @@ TEST_CASE("while sensors have the pointer no other one hears of it (4.6.7.5)") {
                               "3 U.hitNormal_changed 0 0 1", "3 U.hitTexCoord_changed 0.25 0.5"});
 }
 
-TEST_CASE("long lists of children are searched once, and again when they change (4.6.7.3)") {
+TEST_CASE("finds sensors in long lists of children once, and again after a change (4.6.7.3)") {
   std::string text = "DEF G Group { children [ DEF T TouchSensor { }";
   for (int i = 0; i < 500; ++i) text += " DEF S" + std::to_string(i) + " Shape { }";
   World world(text + " ] } DEF More TouchSensor { }");
@@ -176,7 +176,7 @@ TEST_CASE("long lists of children are searched once, and again when they change 
   CHECK(clicked(world, device, "S402", 3) == Lines{"More.isActive TRUE"});
 }
 
-TEST_CASE("paths of no sense are paths over nothing") {
+TEST_CASE("treats invalid paths as a pointer over nothing") {
   World world(
       "Switch { whichChoice 0 choice [ DEF S Shape { } DEF T TouchSensor { } ] } LOD { level TouchSensor { } }");
   SceneGraph stranger("stranger.wrl");
@@ -193,7 +193,7 @@ TEST_CASE("paths of no sense are paths over nothing") {
   CHECK(world.take().empty());
 }
 
-TEST_CASE("Collision nodes tell when the avatar meets what is below them, unless one turns that off (6.8)") {
+TEST_CASE("sends collideTime when the avatar meets children of a Collision node, unless collide is FALSE (6.8)") {
   World world(R"(DEF A Collision { children Group { children DEF B Collision { children DEF S Shape { } } } }
     DEF C Collision { collide FALSE children DEF D Collision { children DEF R Shape { } } })");
   world.start();

@@ -4,7 +4,7 @@
 
 namespace gs::vrml::traces {
 
-TEST_CASE("a QNV node tells how much of it has come, and when all of it has") {
+TEST_CASE("reports the progress of a QNV node, and its completion") {
   World world("Shape { geometry DEF N QNV { } } DEF T TimeSensor { } ROUTE N.loadTime TO T.startTime DEF B Box { }");
   world.start();
   const auto progress = [&](double fraction) {
@@ -48,7 +48,7 @@ TEST_CASE("a QNV node tells how much of it has come, and when all of it has") {
   CHECK(world.take().empty());
 }
 
-TEST_CASE("so does an instance of a PROTO that stands for it in other browsers") {
+TEST_CASE("reports the progress of a PROTO that replaces QNV in other browsers") {
   World world(R"(PROTO QNV [ field MFString url [ ] eventOut SFFloat progress_changed eventOut SFTime loadTime ]
       { Box { } }
     PROTO Odd [ eventOut SFVec3f progress_changed eventIn SFTime loadTime ] { Box { } }

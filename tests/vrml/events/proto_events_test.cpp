@@ -17,7 +17,7 @@ DEF One P { } DEF Two P { })");
   CHECK(world.scene().get<SFVec3f>(world.scene().resolve(world.node("Two")), "translation") == SFVec3f(1, 2, 3));
 }
 
-TEST_CASE("the legal mappings of IS all work: each access of the interface to the accesses of a node (Table 4.4)") {
+TEST_CASE("connects all IS pairs that Table 4.4 allows") {
   World world(R"(
 PROTO P [ exposedField SFVec3f both 1 1 1  field SFVec3f start 7 7 7  eventIn SFVec3f in  eventOut SFVec3f out
           field SFVec3f size 3 3 3  eventIn SFFloat part  eventOut SFFloat value ] {
@@ -42,7 +42,7 @@ ROUTE Q.value TO M.shininess)");
   CHECK(world.take() == Lines{"0 I.value_changed 2", "0 Q.value 2", "0 M.shininess 2"});
 }
 
-TEST_CASE("an exposedField of the interface follows the node inside that changes by itself (4.8.2)") {
+TEST_CASE("updates an exposedField of the interface when the inner node changes itself (4.8.2)") {
   World world(R"(
 PROTO P [ exposedField SFVec3f at 0 0 0 eventIn SFVec3f push ] {
   DEF In Transform { translation IS at } DEF Pusher Transform { set_scale IS push }
@@ -55,7 +55,7 @@ DEF I P { } DEF T Transform { } ROUTE I.at_changed TO T.translation)");
   CHECK(world.scene().get<SFVec3f>(world.node("I"), "at") == SFVec3f(1, 2, 3));
 }
 
-TEST_CASE("of several eventOuts that are one eventOut of the interface the latest event counts (4.8.2)") {
+TEST_CASE("keeps the latest of several eventOuts that share one eventOut of the interface (4.8.2)") {
   World world(R"(
 PROTO P [ eventIn SFVec3f a eventIn SFVec3f b eventOut SFVec3f out ] {
   DEF A Transform { set_translation IS a translation_changed IS out }
@@ -72,7 +72,7 @@ DEF I P { } DEF T Transform { } ROUTE I.out TO T.translation)");
   CHECK(world.take("T.") == Lines{"2 T.translation 3 3 3"});
 }
 
-TEST_CASE("time-dependent and bindable nodes of an instance work like others (4.8)") {
+TEST_CASE("runs time-dependent nodes inside PROTO instances (4.8)") {
   World world(R"(
 PROTO Clock [ exposedField SFTime length 4 exposedField SFBool loop FALSE eventIn SFTime go eventOut SFFloat part ] {
   Group { children DEF T TimeSensor { cycleInterval IS length loop IS loop set_startTime IS go fraction_changed IS part } } }
@@ -87,7 +87,7 @@ ROUTE A.part TO M.transparency ROUTE B.part TO N.transparency)");
   CHECK(lines == Lines{"1 N.transparency 0", "2 M.transparency 0.5", "2 N.transparency 0.5"});
 }
 
-TEST_CASE("nodes behind the first one of a PROTO's body take part in events (4.8.2)") {
+TEST_CASE("runs nodes after the first one of a PROTO's body (4.8.2)") {
   World world(R"(
 PROTO Spin [ ] { DEF Place Transform { } DEF T TimeSensor { loop TRUE cycleInterval 4 }
   DEF I PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 4 0 0 ] }
@@ -99,7 +99,7 @@ Spin { } Spin { })");
   CHECK(world.take("translation") == Lines{"1 Place.translation 1 0 0", "1 Place.translation 1 0 0"});
 }
 
-TEST_CASE("events for an EXTERNPROTO without a body are ignored, and its ROUTEs wait (4.9.1)") {
+TEST_CASE("ignores events for an EXTERNPROTO without a body, and connects its ROUTEs later (4.9.1)") {
   World world(
       "EXTERNPROTO E [ eventIn SFVec3f in eventOut SFVec3f out ] \"nowhere.wrl\" DEF I E { } DEF A Transform { } "
       "DEF B Transform { } ROUTE A.translation TO I.in ROUTE I.out TO B.translation");
@@ -109,7 +109,7 @@ TEST_CASE("events for an EXTERNPROTO without a body are ignored, and its ROUTEs 
   CHECK(world.take() == Lines{"0 A.translation 1 1 1"});
 }
 
-TEST_CASE("an exposedField of an EXTERNPROTO without a body keeps its initial value, and sends nothing (4.9.1)") {
+TEST_CASE("keeps the initial value of an exposedField of an EXTERNPROTO without a body, and sends nothing (4.9.1)") {
   World world(
       "EXTERNPROTO E [ exposedField SFVec3f place ] \"nowhere.wrl\" DEF I E { place 1 2 3 } DEF A Transform { } "
       "DEF B Transform { } ROUTE A.translation TO I.place ROUTE I.place TO B.translation");

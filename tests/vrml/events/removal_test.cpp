@@ -35,7 +35,7 @@ const char* const kAllKinds = R"(
 
 }  // namespace
 
-TEST_CASE("nodes that were made at run time and thrown away leave no trace in memory") {
+TEST_CASE("frees the memory of nodes that were created and discarded at run time") {
   World world("DEF Kept Group { }");
   world.start();
   SceneGraph& scene = world.scene();
@@ -64,7 +64,7 @@ TEST_CASE("nodes that were made at run time and thrown away leave no trace in me
   CHECK(before.instances == 0);
 }
 
-TEST_CASE("a million nodes are made and removed in the same places", "[optimised]") {
+TEST_CASE("reuses slots for a million nodes that are created and removed", "[optimised]") {
   World world("DEF Kept Group { }");
   world.start();
   std::size_t most = 0;
@@ -79,7 +79,7 @@ TEST_CASE("a million nodes are made and removed in the same places", "[optimised
   CHECK(world.scene().budget()->used(Resource::nodes) < std::uint64_t{2} << 20);
 }
 
-TEST_CASE("ids are unique over the root, its Inlines and what is made at run time, also where places are used again") {
+TEST_CASE("gives unique ids to nodes of the root, its Inlines and run time, also in reused slots") {
   World world("DEF Kept Group { } DEF Part Inline { }");
   auto content = std::make_shared<SceneGraph>("part.wrl", world.scene().budget());
   Diagnostics diagnostics;
@@ -100,7 +100,7 @@ TEST_CASE("ids are unique over the root, its Inlines and what is made at run tim
   }
 }
 
-TEST_CASE("a node that was made at run time has the origin of its text") {
+TEST_CASE("gives a node that was created at run time the origin of its text") {
   World world("DEF Kept Group { }");
   world.start();
   const NodeId made = read(world, "DEF A Group { } PROTO P [ ] { Group { } } P { }")[0];
@@ -113,7 +113,7 @@ TEST_CASE("a node that was made at run time has the origin of its text") {
   CHECK(diagnostics.entries()[0].text().starts_with("url.wrl:1:9: error:"));
 }
 
-TEST_CASE("keeps nodes that fields or ROUTEs or PROTO instances or hold refer to") {
+TEST_CASE("keeps nodes that fields, ROUTEs, PROTO instances or holds refer to") {
   World world("DEF Kept Transform { } DEF T TimeSensor { }");
   world.start();
   SceneGraph& scene = world.scene();
@@ -206,7 +206,7 @@ TEST_CASE("stops events of removed nodes and reuses their slots") {
   }
 }
 
-TEST_CASE("a bound node that is deleted is unbound as by set_bind FALSE (4.6.10)") {
+TEST_CASE("unbinds a bound node that is deleted, as set_bind FALSE would (4.6.10)") {
   World world("DEF First Viewpoint { } DEF Kept Group { }");
   world.start();
   const MFNode made = read(world, "DEF Second Viewpoint { }");
@@ -222,7 +222,7 @@ TEST_CASE("a bound node that is deleted is unbound as by set_bind FALSE (4.6.10)
   CHECK(world.execution().bound(*built_in_node_type("Viewpoint")).node == world.node("First"));
 }
 
-TEST_CASE("the content of an Inline is removed with all that is in it") {
+TEST_CASE("removes an Inline with its whole content") {
   World world("DEF V Viewpoint { } DEF Part Inline { }");
   world.start();
   const std::uint64_t before = world.scene().budget()->used(Resource::nodes);
@@ -263,7 +263,7 @@ TEST_CASE("the content of an Inline is removed with all that is in it") {
   CHECK(world.scene().budget()->used(Resource::nodes) < before + (1 << 19));
 }
 
-TEST_CASE("whatever is done with nodes, those that nothing holds go and all others stay") {
+TEST_CASE("removes exactly the unreferenced nodes under random operations") {
   for (std::uint32_t seed = 1; seed <= 40; seed += static_cast<std::uint32_t>(watched_step(9))) {
     World world(
         "PROTO P [ exposedField MFNode children [ ] ] { Group { children IS children } } DEF G0 Group { } "

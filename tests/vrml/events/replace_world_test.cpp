@@ -4,7 +4,7 @@
 
 namespace gs::vrml::traces {
 
-TEST_CASE("replaceWorld: the world is the given nodes, and what they do not hold is removed (4.12.10.8)") {
+TEST_CASE("replaces the world by the nodes of replaceWorld and removes all others (4.12.10.8)") {
   World world(
       "DEF V Viewpoint { } DEF Kept Group { children DEF Inner Group { } } DEF Ticks TimeSensor { loop TRUE } "
       "DEF I Inline { }");
@@ -34,7 +34,7 @@ TEST_CASE("replaceWorld: the world is the given nodes, and what they do not hold
   CHECK(world.execution().bound(*built_in_node_type("Viewpoint")).node == scene.roots()[0]);
 }
 
-TEST_CASE("replaceWorld: nodes of an Inline's scene are the world, and the one that held it goes (4.12.10.8)") {
+TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inline (4.12.10.8)") {
   World world("DEF V Viewpoint { } DEF G Group { children DEF I Inline { } } DEF Ticks TimeSensor { loop TRUE }");
   const auto read_part = [&](const std::string& name, const std::string& text) {
     auto part = std::make_shared<SceneGraph>(name, world.scene().budget());

@@ -6,7 +6,7 @@
 
 namespace gs::vrml::traces {
 
-TEST_CASE("A hundred thousand ROUTEs in cycles are one cascade") {
+TEST_CASE("delivers a hundred thousand cyclic ROUTEs in one cascade") {
   std::string text = "DEF A Switch { } DEF B Switch { }";
   constexpr int kTargets = 1000;
   for (int i = 0; i < kTargets; ++i) text += " DEF S" + std::to_string(i) + " Switch { }";
@@ -21,7 +21,7 @@ TEST_CASE("A hundred thousand ROUTEs in cycles are one cascade") {
   CHECK(world.execution().problem().empty());
 }
 
-TEST_CASE("Fan-in times fan-out of PROTO instances is cut short") {
+TEST_CASE("limits fan-in times fan-out of PROTO instances") {
   std::string inner = "PROTO P [ eventIn SFInt32 in ] { Group { children [";
   for (int i = 0; i < 5000; ++i) inner += " Switch { set_whichChoice IS in }";
   std::string text = inner + " ] } } DEF I P { } DEF A Switch { }";
@@ -37,7 +37,7 @@ TEST_CASE("Fan-in times fan-out of PROTO instances is cut short") {
   CHECK(world.scene().get<SFInt32>(world.node("S4999"), "whichChoice") == 8);
 }
 
-TEST_CASE("events go through PROTO instances nested as deep as a file likes") {
+TEST_CASE("sends events through PROTO instances of any nesting depth") {
   std::string text = "PROTO P0 [ exposedField SFInt32 x 0 ] { DEF Core Switch { whichChoice IS x } }";
   constexpr int kDepth = 5000;
   for (int i = 1; i <= kDepth; ++i)
@@ -65,7 +65,7 @@ TEST_CASE("leaves out ROUTEs beyond the budget and reports it") {
   execution.step(1);
 }
 
-TEST_CASE("time-dependent nodes that set each other off end with the timestamp") {
+TEST_CASE("stops time-dependent nodes that trigger each other within one timestamp") {
   World world(R"(
 DEF A TimeSensor { cycleInterval 0.001 } DEF B TimeSensor { cycleInterval 0.001 }
 ROUTE A.time TO B.startTime ROUTE B.time TO A.startTime ROUTE A.cycleTime TO A.startTime ROUTE B.time TO B.startTime)");

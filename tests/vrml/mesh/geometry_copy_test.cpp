@@ -35,7 +35,7 @@ bool same(const Mesh& a, const Mesh& b) {
 
 }  // namespace
 
-TEST_CASE("A copy of a geometry makes the same mesh on another thread, and shares its arrays until they change") {
+TEST_CASE("makes an equal mesh from a copied geometry on another thread, with shared arrays") {
   const auto scene = scene_of(kFaces);
   const NodeId geometry = geometry_of(*scene);
   const Mesh own = tessellate(*scene, geometry);
@@ -53,7 +53,7 @@ TEST_CASE("A copy of a geometry makes the same mesh on another thread, and share
   CHECK(tessellate(*scene, geometry).indices.size() == 3);
 }
 
-TEST_CASE("A copy has the node that refines an OutlineGroup") {
+TEST_CASE("copies an OutlineGroup with the node that refines it") {
   const auto scene = scene_of(
       "Group { children [ Shape { geometry DEF A OutlineGroup { point [ 0 0 0, 1 0 0, 0 1 0 ] coordIndex [ 0 1 2 -1 ] "
       "} } "
@@ -73,7 +73,7 @@ TEST_CASE("A copy has the node that refines an OutlineGroup") {
   CHECK(tessellate(*alone.scene, alone.geometry).empty());
 }
 
-TEST_CASE("There is no copy where the world has no room for its nodes, nor of what is no node") {
+TEST_CASE("returns no copy beyond the world's budget, or for an id of no node") {
   const auto scene = scene_of(kFaces);
   CHECK_FALSE(copy_geometry(*scene, NodeId{}).scene);
   const std::uint64_t left = scene->budget()->left(Resource::nodes);
@@ -85,7 +85,7 @@ TEST_CASE("There is no copy where the world has no room for its nodes, nor of wh
   CHECK(scene->budget()->used(Resource::nodes) == used);  // and what it took is given back
 }
 
-TEST_CASE("The work of a mesh follows from the lengths of lists, without going through them") {
+TEST_CASE("estimates the cost of a mesh from list lengths alone") {
   const auto cost = [](const std::string& geometry) {
     const auto scene = scene_of("Shape { geometry " + geometry + " }");
     return tessellation_cost(*scene, geometry_of(*scene));

@@ -52,7 +52,7 @@ GeometryScene face(const std::vector<glm::dvec2>& corners, const MFInt32& index)
 
 }  // namespace
 
-TEST_CASE("Holes that a bridge joins to the outline of a face stay open (VRML97 6.23)") {
+TEST_CASE("keeps holes open that a bridge joins to the outline of a face (VRML97 6.23)") {
   Random random(6232);
   for (int round = 0; round < 300; round += static_cast<int>(gs::watched_step(9))) {
     // Holes side by side along the axis X, each reached by a bridge from the one to its right, the first from the
@@ -104,7 +104,7 @@ TEST_CASE("Holes that a bridge joins to the outline of a face stay open (VRML97 
   }
 }
 
-TEST_CASE("Faces that touch themselves are covered once") {
+TEST_CASE("covers faces that touch themselves once") {
   // Two squares that share a corner; a frame whose inner side touches the outer one; a comb with a corner on its back.
   const Mesh squares =
       face({{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}, {1, 2}, {0, 1}}, {0, 1, 2, 3, 4, 5, 2, 6, -1}).mesh();
@@ -121,7 +121,7 @@ TEST_CASE("Faces that touch themselves are covered once") {
   }
 }
 
-TEST_CASE("Faces without area are not drawn, and take nothing else away") {
+TEST_CASE("skips faces without area, and draws all others") {
   const MFVec3f points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 0, 0}, {1, 1, 0}, {kNaN, 0, 0}, {0, kInfinity, 0}};
   for (const bool convex : {true, false})
     for (const float crease : {0.0f, 1.0f}) {
@@ -147,7 +147,7 @@ TEST_CASE("Faces without area are not drawn, and take nothing else away") {
     }
 }
 
-TEST_CASE("Edges are sharp from the crease angle on (VRML97 4.6.3.5)") {
+TEST_CASE("makes edges sharp from the crease angle on (VRML97 4.6.3.5)") {
   // The faces of a cube meet at 90 degrees: less than the angle is smooth.
   GeometryScene cube("IndexedFaceSet");
   cube.points(cube_points()).set("coordIndex", cube_faces());
@@ -163,7 +163,7 @@ TEST_CASE("Edges are sharp from the crease angle on (VRML97 4.6.3.5)") {
     CHECK(corner_normals(smooth) == std::pair{8ul, 8ul});
 }
 
-TEST_CASE("Points that are repeated change nothing of an Extrusion (VRML97 6.18.3)") {
+TEST_CASE("ignores repeated points of an Extrusion (VRML97 6.18.3)") {
   Random random(6186);
   for (int round = 0; round < 200; round += static_cast<int>(gs::watched_step(9))) {
     MFVec2f section, repeated_section, scale, repeated_scale;
@@ -202,7 +202,7 @@ TEST_CASE("Points that are repeated change nothing of an Extrusion (VRML97 6.18.
   }
 }
 
-TEST_CASE("The cross-section of a straight spine is turned as +Y is turned to the spine (VRML97 6.18.3)") {
+TEST_CASE("turns the cross-section of a straight spine as +Y turns to the spine (VRML97 6.18.3)") {
   Random random(6187);
   for (int round = 0; round < 200; round += static_cast<int>(gs::watched_step(9))) {
     const glm::dvec3 along = glm::normalize(
@@ -262,7 +262,7 @@ TEST_CASE("ends an Extrusion with scale 0 in a point") {
   }
 }
 
-TEST_CASE("Numbers that are none, or overflow, take only the faces at them") {
+TEST_CASE("drops only the faces at NaN or overflowing coordinates") {
   for (const float odd : {kNaN, kInfinity, -kInfinity, 3e38f, -3e38f}) {
     MFVec3f spine{{0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {1, 3, 0}};
     for (std::size_t i = 0; i < spine.size(); ++i) {

@@ -18,7 +18,7 @@ MFFloat flat(int count) {
 
 }  // namespace
 
-TEST_CASE("ElevationGrid: vertices stand where the standard puts them") {
+TEST_CASE("places ElevationGrid vertices as the standard defines") {
   GeometryScene scene = grid(3, 2, {0, 1, 2, 3, 4, 5});
   scene.set<SFFloat>("xSpacing", 10).set<SFFloat>("zSpacing", 100).set<SFFloat>("creaseAngle", 3.2f);
   const Mesh mesh = scene.mesh();
@@ -35,7 +35,7 @@ TEST_CASE("ElevationGrid: vertices stand where the standard puts them") {
   for (const glm::vec3& normal : mesh.normals) CHECK(normal.y > 0);
 }
 
-TEST_CASE("ElevationGrid: ccw, solid and flat normals") {
+TEST_CASE("applies ccw and solid of an ElevationGrid, and flat normals") {
   GeometryScene scene = grid(3, 3, flat(9));
   Mesh mesh = scene.mesh();
   check_promises(mesh);
@@ -50,7 +50,7 @@ TEST_CASE("ElevationGrid: ccw, solid and flat normals") {
   CHECK_FALSE(mesh.solid);
 }
 
-TEST_CASE("ElevationGrid: crease angle") {
+TEST_CASE("smooths ElevationGrid edges below the crease angle") {
   GeometryScene roof = grid(3, 2, {0, 1, 0, 0, 1, 0});  // the slopes meet at 90 degrees
   CHECK(roof.set<SFFloat>("creaseAngle", 1.5f).mesh().positions.size() == 8);
   const Mesh smooth = roof.set<SFFloat>("creaseAngle", 1.6f).mesh();
@@ -58,7 +58,7 @@ TEST_CASE("ElevationGrid: crease angle") {
   CHECK(near(smooth.normals[1], {0, 1, 0}));
 }
 
-TEST_CASE("ElevationGrid: colours, normals and texture coordinates of its own") {
+TEST_CASE("uses an ElevationGrid's own colours, normals and texture coordinates") {
   GeometryScene scene = grid(3, 2, flat(6));
   scene.normals({{0, 1, 0}, {0, 1, 0}, {0, 1, 0}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}});
   scene.colors({kRed, kGreen, kBlue, kRed, kGreen, kBlue});
@@ -80,7 +80,7 @@ TEST_CASE("ElevationGrid: colours, normals and texture coordinates of its own") 
   CHECK(mesh.texture_coordinates[mesh.indices[8]] == glm::vec2(2, 3));
 }
 
-TEST_CASE("ElevationGrid: wrong numbers") {
+TEST_CASE("tolerates wrong dimensions and counts of an ElevationGrid") {
   CHECK(GeometryScene("ElevationGrid").mesh().empty());
   CHECK(grid(1, 5, flat(5)).mesh().empty());
   CHECK(grid(5, 1, flat(5)).mesh().empty());
@@ -103,7 +103,7 @@ TEST_CASE("ElevationGrid: wrong numbers") {
   CHECK(grid(2, 2, flat(4)).set("zSpacing", std::numeric_limits<float>::infinity()).mesh().empty());
 }
 
-TEST_CASE("ElevationGrid: heights that are no numbers take only their quadrilaterals") {
+TEST_CASE("drops only the quadrilaterals at NaN heights of an ElevationGrid") {
   MFFloat heights = flat(16);
   heights.mutable_data()[0] = kNaN;
   for (const float crease : {0.0f, 1.0f}) {

@@ -35,7 +35,7 @@ bool same_axes(const CrossSectionPlane& plane, glm::vec3 x, glm::vec3 y, glm::ve
 
 }  // namespace
 
-TEST_CASE("Extrusion: by default a box") {
+TEST_CASE("makes a box of a default Extrusion") {
   const Mesh mesh = extrusion().mesh();
   check_promises(mesh);
   CHECK(triangles_of(mesh) == 12);
@@ -57,7 +57,7 @@ TEST_CASE("Extrusion: by default a box") {
   }
 }
 
-TEST_CASE("Extrusion: ccw FALSE is seen from inside") {
+TEST_CASE("turns an Extrusion inside out on ccw FALSE") {
   const Mesh mesh = extrusion().set("ccw", false).set("solid", false).mesh();
   check_promises(mesh);
   CHECK(volume_of(mesh) == Approx(-4));
@@ -65,7 +65,7 @@ TEST_CASE("Extrusion: ccw FALSE is seen from inside") {
   CHECK_FALSE(mesh.solid);
 }
 
-TEST_CASE("Extrusion: caps") {
+TEST_CASE("adds the caps of an Extrusion as beginCap and endCap demand") {
   GeometryScene scene = extrusion();
   CHECK(triangles_of(scene.set("beginCap", false).mesh()) == 10);
   CHECK(triangles_of(scene.set("endCap", false).mesh()) == 8);
@@ -107,7 +107,7 @@ TEST_CASE("Extrusion: caps") {
   }
 }
 
-TEST_CASE("Extrusion: texture coordinates") {
+TEST_CASE("maps textures of an Extrusion by the lengths of cross-section and spine") {
   GeometryScene scene = extrusion();
   scene.set("spine", MFVec3f{{0, 0, 0}, {0, 1, 0}, {0, 4, 0}});
   const Mesh mesh = scene.mesh();
@@ -126,7 +126,7 @@ TEST_CASE("Extrusion: texture coordinates") {
   CHECK(near(texture_at(flat, {-1, 4, 0}, {0, 1, 0}), {0, 0}));
 }
 
-TEST_CASE("Extrusion: scale and orientation at each spine point") {
+TEST_CASE("applies scale and orientation of an Extrusion at each spine point") {
   GeometryScene scene = extrusion();
   SECTION("a frustum") {
     const Mesh mesh = scene.set("scale", MFVec2f{{1, 1}, {0.5f, 0.5f}}).mesh();
@@ -160,7 +160,7 @@ TEST_CASE("Extrusion: scale and orientation at each spine point") {
   }
 }
 
-TEST_CASE("Extrusion: smooth sides, edges at the caps") {
+TEST_CASE("smooths the sides of an Extrusion and keeps the edges at its caps") {
   GeometryScene tube = extrusion();
   tube.set("crossSection", circle(24, 1)).set("spine", MFVec3f{{0, 0, 0}, {0, 1, 0}, {0, 2, 0}});
   const Mesh mesh = tube.set<SFFloat>("creaseAngle", 3.2f).mesh();
@@ -176,7 +176,7 @@ TEST_CASE("Extrusion: smooth sides, edges at the caps") {
   CHECK(sharp.positions.size() > mesh.positions.size());
 }
 
-TEST_CASE("Extrusion: a torus is closed and smooth all around") {
+TEST_CASE("closes and smooths a torus made by an Extrusion") {
   GeometryScene torus = extrusion();
   torus.set("crossSection", circle(32, 1)).set("spine", ring(64, 4)).set<SFFloat>("creaseAngle", 3.2f);
   torus.set("beginCap", false).set("endCap", false);
@@ -195,7 +195,7 @@ TEST_CASE("Extrusion: a torus is closed and smooth all around") {
   }
 }
 
-TEST_CASE("Extrusion: spine-aligned cross-section planes") {
+TEST_CASE("aligns the cross-section planes of an Extrusion with its spine") {
   using Spine = std::vector<glm::vec3>;
   const glm::vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   SECTION("a straight spine turns the plane by the shortest way") {
@@ -252,7 +252,7 @@ TEST_CASE("Extrusion: spine-aligned cross-section planes") {
   }
 }
 
-TEST_CASE("Extrusion: a surface of revolution from coincident spine points") {
+TEST_CASE("makes a surface of revolution from coincident spine points") {
   // Ten times the same point, a little further round the Y axis each time, the cross-section upright.
   GeometryScene scene = extrusion();
   MFVec3f spine;
@@ -268,7 +268,7 @@ TEST_CASE("Extrusion: a surface of revolution from coincident spine points") {
   CHECK(area_of(mesh) == Approx(kPi * 3).epsilon(0.01));
 }
 
-TEST_CASE("Extrusion: what cannot be drawn") {
+TEST_CASE("returns an empty mesh for an Extrusion that cannot be drawn") {
   CHECK(extrusion().set("spine", MFVec3f{}).mesh().empty());
   CHECK(extrusion().set("spine", MFVec3f{{0, 0, 0}}).mesh().empty());
   CHECK(extrusion().set("crossSection", MFVec2f{}).mesh().empty());

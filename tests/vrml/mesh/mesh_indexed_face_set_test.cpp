@@ -27,7 +27,7 @@ std::vector<Color> corner_colors(const Mesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("IndexedFaceSet: a cube is closed, flat and outside out") {
+TEST_CASE("makes a closed, flat cube with its front outside") {
   const Mesh mesh = cube().mesh();
   check_promises(mesh);
   CHECK(triangles_of(mesh) == 12);
@@ -39,14 +39,14 @@ TEST_CASE("IndexedFaceSet: a cube is closed, flat and outside out") {
   CHECK(mesh.lit);
 }
 
-TEST_CASE("IndexedFaceSet: the last -1 may be left out") {
+TEST_CASE("accepts an IndexedFaceSet without the last -1") {
   const MFVec3f points = cube_points();
   CHECK(triangles_of(face_set(points, {4, 5, 6, 7, -1}).mesh()) == 2);
   CHECK(triangles_of(face_set(points, {4, 5, 6, 7}).mesh()) == 2);
   CHECK(triangles_of(face_set(points, {4, 5, 6, -1, 6, 7, 4}).mesh()) == 2);
 }
 
-TEST_CASE("IndexedFaceSet: ccw FALSE turns faces and generated normals, not given ones") {
+TEST_CASE("turns faces and generated normals on ccw FALSE, but no given normals") {
   GeometryScene faces = face_set({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {0, 1, 2, 3, -1});
   faces.set("ccw", false);
   for (const float crease : {0.0f, 1.0f}) {
@@ -63,12 +63,12 @@ TEST_CASE("IndexedFaceSet: ccw FALSE turns faces and generated normals, not give
   CHECK(given.normals[0] == glm::vec3(0, 0, 1));
 }
 
-TEST_CASE("IndexedFaceSet: solid is passed on") {
+TEST_CASE("copies solid of an IndexedFaceSet to the mesh") {
   CHECK_FALSE(cube().set("solid", false).mesh().solid);
   CHECK_FALSE(face_set({}, {}).set("solid", false).mesh().solid);
 }
 
-TEST_CASE("IndexedFaceSet: concave faces are cut right when convex is FALSE") {
+TEST_CASE("triangulates concave faces if convex is FALSE") {
   GeometryScene faces =
       face_set({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {3, 4, 0}, {3, 1, 0}, {0, 1, 0}}, {0, 1, 2, 3, 4, 5});
   faces.set("convex", false);
@@ -82,7 +82,7 @@ TEST_CASE("IndexedFaceSet: concave faces are cut right when convex is FALSE") {
   }
 }
 
-TEST_CASE("IndexedFaceSet: crease angle") {
+TEST_CASE("smooths IndexedFaceSet edges below the crease angle") {
   GeometryScene faces = face_set(bent_points(), bent_faces());
   SECTION("0 is flat") {
     const Mesh mesh = faces.mesh();
@@ -110,7 +110,7 @@ TEST_CASE("IndexedFaceSet: crease angle") {
   }
 }
 
-TEST_CASE("IndexedFaceSet: a smooth cube has the diagonals for normals, one vertex a corner") {
+TEST_CASE("shares one vertex per corner of a smooth cube, with diagonal normals") {
   GeometryScene faces = cube();
   for (const float crease : {1.6f, kPi, 100.0f}) {
     const Mesh mesh = faces.set<SFFloat>("creaseAngle", crease).mesh();
@@ -122,7 +122,7 @@ TEST_CASE("IndexedFaceSet: a smooth cube has the diagonals for normals, one vert
   for (const float none : {-1.0f, kNaN}) CHECK(faces.set<SFFloat>("creaseAngle", none).mesh().positions.size() == 24);
 }
 
-TEST_CASE("IndexedFaceSet: some edges of a prism are smooth and some are not") {
+TEST_CASE("smooths the sides of a prism and keeps the edges at its caps") {
   // A tube of 16 sides with caps: the sides are 22.5 degrees apart, the caps 90.
   constexpr int kSides = 16;
   MFVec3f points;
@@ -150,7 +150,7 @@ TEST_CASE("IndexedFaceSet: some edges of a prism are smooth and some are not") {
   }
 }
 
-TEST_CASE("IndexedFaceSet: a vertex of very many faces") {
+TEST_CASE("smooths a vertex with thousands of faces") {
   for (const int sides : {255, 257, 5000}) {
     MFVec3f points{{0, 0.2f, 0}};
     MFInt32 index;
@@ -170,7 +170,7 @@ TEST_CASE("IndexedFaceSet: a vertex of very many faces") {
   }
 }
 
-TEST_CASE("IndexedFaceSet: arrays that fit are shared with the node, not copied") {
+TEST_CASE("shares arrays that fit with the node, without a copy") {
   GeometryScene faces = cube();
   MFVec3f normals;
   for (const glm::vec3& p : cube_points()) normals.push_back(glm::normalize(p));
@@ -192,7 +192,7 @@ TEST_CASE("IndexedFaceSet: arrays that fit are shared with the node, not copied"
   CHECK(faces.mesh().texture_coordinates.size() == 8);
 }
 
-TEST_CASE("IndexedFaceSet: few faces out of many coordinates get an array of their own") {
+TEST_CASE("makes a smaller array for few faces out of many coordinates") {
   MFVec3f points, normals;
   MFColor colors;
   MFVec2f texture;
@@ -213,7 +213,7 @@ TEST_CASE("IndexedFaceSet: few faces out of many coordinates get an array of the
   CHECK(mesh.texture_coordinates[mesh.indices[5]].x == 4008);
 }
 
-TEST_CASE("IndexedFaceSet: normals") {
+TEST_CASE("assigns IndexedFaceSet normals per vertex and per face") {
   GeometryScene faces = face_set(bent_points(), bent_faces());
   const glm::vec3 a(0, 0, 1), b(1, 0, 0), c(0, 1, 0);
   const auto corner_normals = [&] {
@@ -265,7 +265,7 @@ TEST_CASE("IndexedFaceSet: normals") {
   }
 }
 
-TEST_CASE("IndexedFaceSet: colours") {
+TEST_CASE("assigns IndexedFaceSet colours per vertex and per face") {
   GeometryScene faces = face_set(bent_points(), bent_faces());
   faces.set<SFFloat>("creaseAngle", 3);
   using Colors = std::vector<Color>;
@@ -305,7 +305,7 @@ TEST_CASE("IndexedFaceSet: colours") {
   }
 }
 
-TEST_CASE("IndexedFaceSet: texture coordinates") {
+TEST_CASE("assigns IndexedFaceSet texture coordinates by texCoordIndex") {
   GeometryScene faces = face_set({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {0, 1, 2, 3});
   using Corners = std::vector<glm::vec2>;
   const auto corners = [&] {
@@ -323,7 +323,7 @@ TEST_CASE("IndexedFaceSet: texture coordinates") {
   CHECK(corners() == Corners{{0, 5}, {5, 5}, {0, 0}, {0, 5}, {0, 0}, {0, 0}});
 }
 
-TEST_CASE("IndexedFaceSet: default texture coordinates follow the bounding box") {
+TEST_CASE("derives default texture coordinates from the bounding box") {
   const auto mapped = [](glm::vec3 size, glm::vec3 at) {
     MFVec3f points = cube_points();
     glm::vec3* p = points.mutable_data();
@@ -345,7 +345,7 @@ TEST_CASE("IndexedFaceSet: default texture coordinates follow the bounding box")
   CHECK(near(mapped({2, 1, 2}, {0, 1, 1}), {0, 1}));
 }
 
-TEST_CASE("IndexedFaceSet: broken faces are lost alone") {
+TEST_CASE("drops only the broken faces of an IndexedFaceSet") {
   const MFVec3f points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {kNaN, 0, 0}, {0, HUGE_VALF, 0}};
   const auto triangles = [&](MFInt32 index) {
     GeometryScene faces = face_set(points, std::move(index));
@@ -377,7 +377,7 @@ TEST_CASE("IndexedFaceSet: broken faces are lost alone") {
   CHECK(triangles({0, 1, 2, -7, 0, 2, 3, -2147483647}) == 2);         // any negative number ends a face
 }
 
-TEST_CASE("IndexedFaceSet: without coordinates there is nothing") {
+TEST_CASE("makes an empty mesh of an IndexedFaceSet without coordinates") {
   GeometryScene faces("IndexedFaceSet");
   faces.set("coordIndex", cube_faces());
   CHECK(faces.mesh().empty());
@@ -387,14 +387,14 @@ TEST_CASE("IndexedFaceSet: without coordinates there is nothing") {
   CHECK(faces.mesh().empty());
 }
 
-TEST_CASE("IndexedFaceSet: property nodes may be PROTO instances") {
+TEST_CASE("accepts PROTO instances as coord of an IndexedFaceSet") {
   GeometryScene faces = cube();
   const auto coord = faces.scene.get<SFNode>(faces.geometry, "coord");
   faces.set<SFNode>("coord", faces.instance_of(coord));
   CHECK(triangles_of(faces.mesh()) == 12);
 }
 
-TEST_CASE("IndexedFaceSet: triangles, quadrilaterals and larger faces in one list") {
+TEST_CASE("mixes triangles, quadrilaterals and larger faces in one IndexedFaceSet") {
   // A strip in the plane z = 0 of all three kinds, with arrays that are shared.
   MFVec3f points, normals;
   for (int i = 0; i < 2000; ++i) {

@@ -28,7 +28,7 @@ Colors end_colors(const Mesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("IndexedLineSet: polylines become segments, unlit") {
+TEST_CASE("makes unlit segments of the polylines of an IndexedLineSet") {
   const Mesh mesh = lines({0, 1, 2, -1, 3, 4}).mesh();
   CHECK(mesh.primitive == Mesh::Primitive::lines);
   CHECK_FALSE(mesh.lit);
@@ -38,7 +38,7 @@ TEST_CASE("IndexedLineSet: polylines become segments, unlit") {
   CHECK(ends(mesh) == std::vector<float>{0, 1, 1, 2, 3, 4});
 }
 
-TEST_CASE("IndexedLineSet: colours") {
+TEST_CASE("assigns IndexedLineSet colours per vertex and per polyline") {
   GeometryScene set = lines({0, 1, 2, -1, 3, 4, -1});
   SECTION("a vertex, by coordIndex, shared with the node") {
     const MFColor colors{kRed, kGreen, kBlue, kRed, kGreen};
@@ -72,7 +72,7 @@ TEST_CASE("IndexedLineSet: colours") {
   }
 }
 
-TEST_CASE("IndexedLineSet: broken vertices take only the segments at them") {
+TEST_CASE("drops only the segments at broken vertices of an IndexedLineSet") {
   CHECK(ends(lines({0, 1, 9, 2, 3, -1}).mesh()) == std::vector<float>{0, 1, 2, 3});
   CHECK(ends(lines({0, 0, 1, 1, -1, 4, -1, -1}).mesh()) == std::vector<float>{0, 1});
   CHECK(ends(lines({}).mesh()).empty());
@@ -84,7 +84,7 @@ TEST_CASE("IndexedLineSet: broken vertices take only the segments at them") {
   CHECK(GeometryScene("IndexedLineSet").set("coordIndex", MFInt32{0, 1}).mesh().empty());
 }
 
-TEST_CASE("IndexedLineSet: short lines out of many coordinates get an array of their own") {
+TEST_CASE("makes a smaller array for short lines out of many coordinates") {
   MFVec3f points;
   MFColor colors;
   for (int i = 0; i < 3000; ++i) {
@@ -101,7 +101,7 @@ TEST_CASE("IndexedLineSet: short lines out of many coordinates get an array of t
   CHECK(mesh.colors[mesh.indices[1]].r == 2999);
 }
 
-TEST_CASE("PointSet") {
+TEST_CASE("makes points of a PointSet") {
   GeometryScene set("PointSet");
   CHECK(set.mesh().empty());
   const MFVec3f points{{0, 0, 0}, {1, 0, 0}, {kNaN, 0, 0}, {3, 2, 1}};

@@ -40,7 +40,7 @@ GeometryScene quarter_cylinder() {
 
 }  // namespace
 
-TEST_CASE("NURBS: what control points count is what the definition says, and so are the slopes") {
+TEST_CASE("evaluates NURBS basis functions and slopes as their definition does") {
   std::mt19937 random(17);
   for (int round = 0; round < 200; ++round) {
     const int order = 2 + round % 5;
@@ -78,7 +78,7 @@ TEST_CASE("NURBS: what control points count is what the definition says, and so 
   }
 }
 
-TEST_CASE("NURBS: knots that cannot be used are uniform ones from the first to the last control point") {
+TEST_CASE("replaces unusable knots by uniform ones from the first to the last control point") {
   const std::vector<float> unusable[] = {{},
                                          {0, 1, 2},
                                          {0, 0, 0, 2, 1, 3, 3, 3},
@@ -100,7 +100,7 @@ TEST_CASE("NURBS: knots that cannot be used are uniform ones from the first to t
   CHECK_FALSE(NurbsAxis::make(5, -3, {}));
 }
 
-TEST_CASE("NURBS: tessellation says of how many pieces an axis is drawn") {
+TEST_CASE("divides a NURBS axis into as many pieces as tessellation demands") {
   const auto axis = NurbsAxis::make(20, 4, {});
   REQUIRE(axis);
   CHECK(axis->steps(7) == 7);
@@ -111,7 +111,7 @@ TEST_CASE("NURBS: tessellation says of how many pieces an axis is drawn") {
   for (const std::int32_t huge : {2'000'000'000, -2'000'000'000, INT32_MIN}) CHECK(axis->steps(huge) == 2048);
 }
 
-TEST_CASE("NurbsCurve: weights make a circle of a parabola") {
+TEST_CASE("makes a circle of a parabola by the weights of a NurbsCurve") {
   GeometryScene scene("NurbsCurve");
   scene.set("controlPoint", MFVec3f{{1, 0, 0}, {1, 1, 0}, {0, 1, 0}}).set("knot", MFFloat{0, 0, 0, 1, 1, 1});
   scene.set("weight", MFFloat{1, kHalfRoot, 1}).set<SFInt32>("tessellation", 10);
@@ -130,7 +130,7 @@ TEST_CASE("NurbsCurve: weights make a circle of a parabola") {
     CHECK(near(scene.set("weight", weights).mesh().positions[5], {0.75F, 0.75F, 0}));
 }
 
-TEST_CASE("NurbsSurface: a quarter of a cylinder, with its normals") {
+TEST_CASE("makes a quarter of a cylinder with its normals of a NurbsSurface") {
   GeometryScene scene = quarter_cylinder();
   Mesh mesh = scene.mesh();
   check_promises(mesh);
@@ -155,7 +155,7 @@ TEST_CASE("NurbsSurface: a quarter of a cylinder, with its normals") {
   CHECK(normals_on_front(mesh));
 }
 
-TEST_CASE("NurbsSurface: texture coordinates of its control points, or of a surface of their own") {
+TEST_CASE("takes texture coordinates of a NurbsSurface from its control points or a NurbsTextureSurface") {
   GeometryScene scene = quarter_cylinder();
   scene.texture({{0, 0}, {1, 0}, {2, 0}, {0, 4}, {1, 4}, {2, 4}});
   Mesh mesh = scene.mesh();
@@ -174,7 +174,7 @@ TEST_CASE("NurbsSurface: texture coordinates of its control points, or of a surf
   CHECK(near(scene.mesh().texture_coordinates[35], glm::vec2(1, 1)));
 }
 
-TEST_CASE("NurbsSurface: broken fields lose what they touch, and huge ones are bounded") {
+TEST_CASE("tolerates broken fields of a NurbsSurface, and bounds huge ones") {
   CHECK(quarter_cylinder().set<SFInt32>("uDimension", 4).mesh().empty());
   CHECK(quarter_cylinder().set<SFInt32>("vDimension", -2).mesh().empty());
   CHECK(quarter_cylinder().set<SFInt32>("uDimension", INT32_MAX).set<SFInt32>("vDimension", INT32_MAX).mesh().empty());

@@ -52,7 +52,7 @@ const double kFolded = 2 * 2 * std::sqrt(2.0);  // 2 wide, slope of 45 degrees
 
 }  // namespace
 
-TEST_CASE("OutlineGroup: an outline is filled until all that it stands for is there") {
+TEST_CASE("fills an outline until all its polygons are received") {
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + kOutline + "} }").mesh()) == Approx(4 + 3));
   // In the same node.
   const std::string own = "outline [ 0 0 0, 2 0 0, 2 2 0, 0 2 0 ] outlineIndex [ 0 1 2 3 -1 ] groupSize [ 2 ] ";
@@ -65,7 +65,7 @@ TEST_CASE("OutlineGroup: an outline is filled until all that it stands for is th
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + ended + "} }").mesh()) == Approx(4));
 }
 
-TEST_CASE("OutlineGroup: polygons may come in a node of their own") {
+TEST_CASE("accepts the polygons of an OutlineGroup in a second node") {
   const std::string base = "Shape { geometry DEF R OutlineGroup { " + kOutline + "} } ";
   const Outlines whole(base + "Shape { geometry OutlineGroup { refines USE R " + kInner + "} }");
   REQUIRE(whole.nodes.size() == 2);
@@ -85,7 +85,7 @@ TEST_CASE("OutlineGroup: polygons may come in a node of their own") {
   CHECK(area(numbered.mesh(0, numbered.nodes[1])) == Approx(4.5 + 2));
 }
 
-TEST_CASE("OutlineGroup: polygons that stand alone shade smoothly where they meet, and keep their textures") {
+TEST_CASE("smooths polygons of an OutlineGroup where they meet, and keeps their textures") {
   const std::string roof =
       "point [ 0 0 0, 2 0 0, 2 1 1, 0 1 1, 0 1 1, 2 1 1, 2 2 0, 0 2 0 ] coordIndex [ 0 1 2 3 -1 4 5 6 7 -1 ] "
       "texCoord [ 0 0, 1 0, 1 .5, 0 .5, 0 .6, 1 .6, 1 1, 0 1 ] ";
@@ -107,7 +107,7 @@ TEST_CASE("OutlineGroup: polygons that stand alone shade smoothly where they mee
   CHECK(top_normal("creaseAngle 3 ") == Approx(0).margin(1e-5));
 }
 
-TEST_CASE("OutlineGroup: numbers that make no sense cost what they touch") {
+TEST_CASE("tolerates wrong numbers in an OutlineGroup") {
   for (const char* text :
        {"outlineIndex [ 0 1 2 -1 ]", "outline [ 0 0 0 ] outlineIndex [ 0 0 0 -1 ]",
         "outline [ 0 0 0, 1 0 0, 0 1 0 ] outlineIndex [ 0 1 2147483647 ]", "coordIndex [ 5 6 7 -1 ] group [ 3 ]",
@@ -127,7 +127,7 @@ TEST_CASE("OutlineGroup: numbers that make no sense cost what they touch") {
   CHECK(circle.mesh(0, circle.nodes[0]).empty());
 }
 
-TEST_CASE("A PROTO of the name and interface of our own OutlineGroup gives way to it, any other does not") {
+TEST_CASE("prefers the built-in OutlineGroup over a PROTO of equal name and interface") {
   const auto text = [](const std::string& interface) {
     return "PROTO OutlineGroup [ " + interface +
            " ] { IndexedFaceSet { coord Coordinate { point IS point } coordIndex IS coordIndex convex FALSE } }\n"

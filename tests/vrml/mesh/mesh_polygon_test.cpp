@@ -65,18 +65,18 @@ Polygon turned(Polygon polygon) {
 
 }  // namespace
 
-TEST_CASE("Newell's vector is normal and twice the area") {
+TEST_CASE("returns a Newell vector that is normal to the polygon, with twice its area") {
   CHECK(newell_vector(Polygon{{0, 0, 5}, {2, 0, 5}, {2, 3, 5}, {0, 3, 5}}) == glm::dvec3(0, 0, 12));
   CHECK(newell_vector(Polygon{{0, 0, 0}, {1, 0, 0}}) == glm::dvec3(0));
 }
 
-TEST_CASE("Polygons with too few corners have no triangles") {
+TEST_CASE("returns no triangles for polygons with under three corners") {
   PolygonTriangulator triangulator;
   CHECK(triangulator.triangulate({}).empty());
   CHECK(triangulator.triangulate(Polygon{{0, 0, 0}, {1, 0, 0}}).empty());
 }
 
-TEST_CASE("A concave quadrilateral is cut at its reflex corner, wherever that is") {
+TEST_CASE("cuts a concave quadrilateral at its reflex corner, whichever corner it is") {
   const Polygon dart = {{0, 0, 0}, {4, 0, 0}, {1, 1, 0}, {0, 4, 0}};
   for (std::ptrdiff_t shift = 0; shift < 4; ++shift) {
     Polygon polygon = dart;
@@ -87,7 +87,7 @@ TEST_CASE("A concave quadrilateral is cut at its reflex corner, wherever that is
   }
 }
 
-TEST_CASE("Simple polygons of n corners become n - 2 triangles that cover them") {
+TEST_CASE("covers simple polygons of n corners by n - 2 triangles") {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> between(0.3, 1.0);
   for (const int n : {5, 6, 12, 50, 301, 3000}) {
@@ -102,7 +102,7 @@ TEST_CASE("Simple polygons of n corners become n - 2 triangles that cover them")
   }
 }
 
-TEST_CASE("A spiral corridor is covered") {
+TEST_CASE("covers a spiral corridor with triangles") {
   Polygon spiral;
   for (int i = 0; i < 1000; ++i) {
     const double angle = 12 * std::numbers::pi * i / 1000;
@@ -116,7 +116,7 @@ TEST_CASE("A spiral corridor is covered") {
   check_covered(spiral);
 }
 
-TEST_CASE("Holes that are reached by cuts stay holes") {
+TEST_CASE("keeps holes open that are reached by cuts") {
   // Rows of square holes; each row hangs on a cut from the left side, and goes there and back.
   Polygon plate = {{0, 0, 0}, {44, 0, 0}, {44, 40, 0}, {0, 40, 0}};
   for (int row = 9; row >= 0; --row) {
@@ -139,7 +139,7 @@ TEST_CASE("Holes that are reached by cuts stay holes") {
   check_covered(turned(plate));
 }
 
-TEST_CASE("Corners that coincide or lie on a line do no harm") {
+TEST_CASE("triangulates polygons with coincident or collinear corners") {
   check_covered({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 2, 0}, {0, 2, 0}, {0, 1, 0}});
   check_covered({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {3, 0, 0}, {3, 3, 0}});
   check_covered({{0, 0, 0}, {4, 0, 0}, {6, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}});  // with a spike
@@ -147,7 +147,7 @@ TEST_CASE("Corners that coincide or lie on a line do no harm") {
   CHECK(cut(Polygon(9, glm::vec3(1, 2, 3))).area == 0);
 }
 
-TEST_CASE("Far from the origin and at any size polygons are covered") {
+TEST_CASE("covers polygons far from the origin and of any size") {
   const Polygon star = around(40, [](int i) { return i % 2 ? 1.0 : 0.4; });
   for (const float scale : {1e-18f, 1e-6f, 1e6f, 1e18f}) {
     Polygon scaled = star;
@@ -159,7 +159,7 @@ TEST_CASE("Far from the origin and at any size polygons are covered") {
   check_covered(far);
 }
 
-TEST_CASE("Polygons that cross themselves end in some triangles") {
+TEST_CASE("returns some triangles for polygons that cross themselves") {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> coarse(0, 9);
   std::uniform_real_distribution<float> fine(-1, 1);

@@ -6,21 +6,21 @@
 using namespace gs::vrml;
 using namespace gs::vrml::test;
 
-TEST_CASE("A node that is no geometry has no mesh") {
+TEST_CASE("returns no mesh for a node that is no geometry") {
   const GeometryScene group("Group");
   CHECK(group.mesh().empty());
   CHECK(tessellate(group.scene, NodeId{}).empty());
   CHECK(tessellate(group.scene, NodeId{77, 1}).empty());
 }
 
-TEST_CASE("A PROTO instance has the mesh of its first node") {
+TEST_CASE("returns the mesh of the first node of a PROTO instance") {
   GeometryScene box("Box");
   const NodeId inner = box.instance_of(box.geometry);
   const NodeId outer = box.instance_of(inner);
   CHECK(triangles_of(tessellate(box.scene, outer)) == 12);
 }
 
-TEST_CASE("Box") {
+TEST_CASE("makes a Box of its size") {
   GeometryScene box("Box");
   box.set<SFVec3f>("size", {2, 4, 6});
   const Mesh mesh = box.mesh();
@@ -55,7 +55,7 @@ TEST_CASE("Box") {
   }
 }
 
-TEST_CASE("Sphere") {
+TEST_CASE("makes a Sphere of its radius") {
   GeometryScene sphere("Sphere");
   sphere.set<SFFloat>("radius", 2);
   const Mesh mesh = sphere.mesh({.segments = 64});
@@ -82,7 +82,7 @@ TEST_CASE("Sphere") {
   for (const float bad : {0.0f, -1.0f, kNaN, kInfinity}) CHECK(sphere.set<SFFloat>("radius", bad).mesh().empty());
 }
 
-TEST_CASE("Cylinder") {
+TEST_CASE("makes a Cylinder of its radius and height") {
   GeometryScene cylinder("Cylinder");
   cylinder.set<SFFloat>("radius", 2).set<SFFloat>("height", 3);
   const MeshOptions fine{.segments = 256};
@@ -123,7 +123,7 @@ TEST_CASE("Cylinder") {
   }
 }
 
-TEST_CASE("Cone") {
+TEST_CASE("makes a Cone of its radius and height") {
   GeometryScene cone("Cone");
   cone.set<SFFloat>("bottomRadius", 3).set<SFFloat>("height", 4);
   const MeshOptions fine{.segments = 256};
@@ -145,7 +145,7 @@ TEST_CASE("Cone") {
   CHECK(cone.mesh(fine).empty());
 }
 
-TEST_CASE("A Box, Cone or Cylinder with a measure of 0 is flat, and a mesh of its own") {
+TEST_CASE("makes a flat mesh of a Box, Cone or Cylinder with a size of 0") {
   struct Case {
     const char* type;
     const char* field;

@@ -86,7 +86,7 @@ void throw_at(const char* type, int rounds, const Fill& fill) {
 
 }  // namespace
 
-TEST_CASE("Random IndexedFaceSets keep the promises of a mesh") {
+TEST_CASE("makes valid meshes of random IndexedFaceSets") {
   throw_at("IndexedFaceSet", 3000, [](GeometryScene& scene, Dice& dice) {
     scene.points(dice.triples(30));
     if (dice.flip()) scene.normals(dice.triples(30));
@@ -103,7 +103,7 @@ TEST_CASE("Random IndexedFaceSets keep the promises of a mesh") {
   });
 }
 
-TEST_CASE("Random large concave faces keep the promises of a mesh") {
+TEST_CASE("makes valid meshes of random large concave faces") {
   throw_at("IndexedFaceSet", 60, [](GeometryScene& scene, Dice& dice) {
     MFVec3f points;
     while (points.size() < 400) points.append(dice.triples(100).span());
@@ -114,7 +114,7 @@ TEST_CASE("Random large concave faces keep the promises of a mesh") {
   });
 }
 
-TEST_CASE("Random IndexedFaceSets with few faces out of many points keep the promises of a mesh") {
+TEST_CASE("makes valid meshes of random IndexedFaceSets with few faces out of many points") {
   throw_at("IndexedFaceSet", 60, [](GeometryScene& scene, Dice& dice) {
     MFVec3f points;
     while (points.size() < 1500) points.append(dice.triples(100).span());
@@ -126,7 +126,7 @@ TEST_CASE("Random IndexedFaceSets with few faces out of many points keep the pro
   });
 }
 
-TEST_CASE("Random IndexedLineSets and PointSets keep the promises of a mesh") {
+TEST_CASE("makes valid meshes of random IndexedLineSets and PointSets") {
   throw_at("IndexedLineSet", 1500, [](GeometryScene& scene, Dice& dice) {
     scene.points(dice.triples(30)).set("coordIndex", dice.indices(60, 32));
     if (dice.flip()) scene.colors(dice.colors(30));
@@ -139,7 +139,7 @@ TEST_CASE("Random IndexedLineSets and PointSets keep the promises of a mesh") {
   });
 }
 
-TEST_CASE("Random ElevationGrids keep the promises of a mesh") {
+TEST_CASE("makes valid meshes of random ElevationGrids") {
   throw_at("ElevationGrid", 1500, [](GeometryScene& scene, Dice& dice) {
     scene.set("height", dice.numbers(200));
     scene.set<SFInt32>("xDimension", dice.index(14)).set<SFInt32>("zDimension", dice.index(14));
@@ -152,7 +152,7 @@ TEST_CASE("Random ElevationGrids keep the promises of a mesh") {
   });
 }
 
-TEST_CASE("Random Extrusions keep the promises of a mesh") {
+TEST_CASE("makes valid meshes of random Extrusions") {
   throw_at("Extrusion", 1500, [](GeometryScene& scene, Dice& dice) {
     MFVec2f section = dice.pairs(12);
     MFVec3f spine = dice.triples(12);

@@ -63,7 +63,7 @@ std::size_t faults(const Mesh& mesh, double half, double radius, int segments, c
 
 }  // namespace
 
-TEST_CASE("Boxes of random sizes are those of the formulas (VRML97 6.7)") {
+TEST_CASE("matches the formulas for Boxes of random sizes (VRML97 6.7)") {
   Random random(607);
   for (int round = 0; round < 200; round += static_cast<int>(gs::watched_step(9))) {
     const glm::dvec3 size(random.measure(), random.measure(), random.measure());
@@ -101,7 +101,7 @@ TEST_CASE("Boxes of random sizes are those of the formulas (VRML97 6.7)") {
   }
 }
 
-TEST_CASE("Cylinders of random measures are those of the formulas (VRML97 6.14)") {
+TEST_CASE("matches the formulas for Cylinders of random sizes (VRML97 6.14)") {
   Random random(614);
   for (int round = 0; round < 200; round += static_cast<int>(gs::watched_step(9))) {
     const double radius = random.measure(), height = random.measure();
@@ -126,7 +126,7 @@ TEST_CASE("Cylinders of random measures are those of the formulas (VRML97 6.14)"
   }
 }
 
-TEST_CASE("Cones of random measures are those of the formulas (VRML97 6.11)") {
+TEST_CASE("matches the formulas for Cones of random sizes (VRML97 6.11)") {
   Random random(611);
   for (int round = 0; round < 200; round += static_cast<int>(gs::watched_step(9))) {
     const double radius = random.measure(), height = random.measure();
@@ -156,7 +156,7 @@ TEST_CASE("Cones of random measures are those of the formulas (VRML97 6.11)") {
   }
 }
 
-TEST_CASE("Spheres of random radii are those of the formulas (VRML97 6.43)") {
+TEST_CASE("matches the formulas for Spheres of random radii (VRML97 6.43)") {
   Random random(640);
   for (int round = 0; round < 100; round += static_cast<int>(gs::watched_step(9))) {
     const double radius = random.measure();

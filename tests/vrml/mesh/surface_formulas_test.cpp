@@ -130,7 +130,7 @@ GeometryScene scene_of(const ExtrusionFields& fields, bool ccw, bool caps) {
 
 }  // namespace
 
-TEST_CASE("Sides of random Extrusions are those of the formulas (VRML97 6.18)") {
+TEST_CASE("matches the formulas for sides of random Extrusions (VRML97 6.18)") {
   Random random(618);
   std::size_t compared = 0;
   for (int round = 0; round < 300; round += static_cast<int>(gs::watched_step(9))) {
@@ -158,7 +158,7 @@ TEST_CASE("Sides of random Extrusions are those of the formulas (VRML97 6.18)") 
   CHECK(compared > 100);
 }
 
-TEST_CASE("Caps of random Extrusions cover their cross-section once (VRML97 6.18)") {
+TEST_CASE("covers the cross-section once by the caps of random Extrusions (VRML97 6.18)") {
   Random random(6185);
   for (int round = 0; round < 300; round += static_cast<int>(gs::watched_step(9))) {
     ExtrusionFields fields = random_extrusion(random);
@@ -203,7 +203,7 @@ TEST_CASE("Caps of random Extrusions cover their cross-section once (VRML97 6.18
   }
 }
 
-TEST_CASE("Random ElevationGrids are those of the formulas (VRML97 6.17)") {
+TEST_CASE("matches the formulas for random ElevationGrids (VRML97 6.17)") {
   Random random(617);
   for (int round = 0; round < 200; round += static_cast<int>(gs::watched_step(9))) {
     const int columns = 2 + random.below(8), rows = 2 + random.below(8);
@@ -344,7 +344,7 @@ struct RandomBinding {
 
 }  // namespace
 
-TEST_CASE("Random IndexedFaceSets take normals, colours and texture coordinates as the rules say (VRML97 6.23)") {
+TEST_CASE("assigns normals, colours and texture coordinates of random IndexedFaceSets as 6.23 defines (VRML97 6.23)") {
   Random random(623);
   for (int round = 0; round < 400; round += static_cast<int>(gs::watched_step(9))) {
     const RandomFaces all = random_faces(random);
@@ -423,7 +423,7 @@ TEST_CASE("Random IndexedFaceSets take normals, colours and texture coordinates 
   }
 }
 
-TEST_CASE("Random concave faces are covered once by triangles within them (VRML97 6.23, convex FALSE)") {
+TEST_CASE("covers random concave faces once, by triangles inside them (VRML97 6.23, convex FALSE)") {
   Random random(6231);
   for (int round = 0; round < 400; round += static_cast<int>(gs::watched_step(9))) {
     const int count = 4 + random.below(30);

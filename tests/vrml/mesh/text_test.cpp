@@ -74,7 +74,7 @@ void check_box(const Mesh& mesh, const glm::vec2& lower, const glm::vec2& upper)
 
 }  // namespace
 
-TEST_CASE("Text is flat, two-sided and lit, and looks along +z") {  // 6.47.1
+TEST_CASE("makes flat, two-sided, lit Text that faces +z") {  // 6.47.1
   TextScene text({"ab", "c"});
   const Mesh mesh = text.drawn();
   check_promises(mesh);
@@ -87,14 +87,14 @@ TEST_CASE("Text is flat, two-sided and lit, and looks along +z") {  // 6.47.1
   for (std::size_t t = 0; t < triangles_of(mesh); ++t) CHECK(area_vector(mesh, t).z > 0);
 }
 
-TEST_CASE("Text without fonts, without strings or of blanks shows nothing") {
+TEST_CASE("makes no mesh of Text without fonts, without strings or of blanks") {
   TextScene text({"abc"});
   CHECK(text.mesh().empty());
   CHECK(TextScene({}).drawn().empty());
   CHECK(TextScene({"", " ", ""}).drawn().empty());
 }
 
-TEST_CASE("Text stands where justify says (VRML97 6.20.3, Tables 6.2 to 6.5)") {
+TEST_CASE("aligns Text by justify (VRML97 6.20.3, Tables 6.2 to 6.5)") {
   // Lines of 4, 2 and 3 characters; font size 2, spacing 1.5: base lines are 3 apart.
   const double extents[] = {4, 2, 3};
   const char* names[] = {"FIRST", "BEGIN", "MIDDLE", "END"};
@@ -156,7 +156,7 @@ TEST_CASE("Text stands where justify says (VRML97 6.20.3, Tables 6.2 to 6.5)") {
           }
 }
 
-TEST_CASE("Values of justify that mean the default") {  // 6.20.3
+TEST_CASE("uses the default alignment for empty and unknown values of justify") {  // 6.20.3
   const glm::vec2 lower(0, -0.25f), upper(1, 0.75f);
   check_box(TextScene({"ab"}).drawn(), lower, upper);  // no FontStyle
   check_box(TextScene({"ab"}).justify("", nullptr).drawn(), lower, upper);
@@ -167,12 +167,12 @@ TEST_CASE("Values of justify that mean the default") {  // 6.20.3
   check_box(TextScene({"ab"}).style("justify", MFString{}).drawn(), lower, upper);
 }
 
-TEST_CASE("Empty strings keep their place") {
+TEST_CASE("keeps the lines of empty strings") {
   check_box(TextScene({"", "a", "", "a"}).drawn(), {0, -3.25f}, {0.5f, -0.25f});
   check_box(TextScene({"a", "", ""}).justify("BEGIN", "END").drawn(), {0, 2}, {0.5f, 3});
 }
 
-TEST_CASE("Text of length is stretched or compressed, each string for itself") {  // 6.47.1
+TEST_CASE("stretches or compresses each string of Text to its length") {  // 6.47.1
   TextScene text({"ab", "ab", "ab", "ab"});
   text.set("length", MFFloat{3, 0.5f, 0});  // natural extents are 1; 0 and what is missing: any length
   const Mesh mesh = text.drawn();
@@ -195,7 +195,7 @@ TEST_CASE("Text of length is stretched or compressed, each string for itself") {
   }
 }
 
-TEST_CASE("maxExtent compresses all strings by the longest") {  // 6.47.1
+TEST_CASE("compresses all strings of Text by the longest one if it exceeds maxExtent") {  // 6.47.1
   TextScene text({"abcdefgh", "ab", ""});
   text.set("maxExtent", 2.0f);  // natural extents are 4 and 1
   Mesh mesh = text.drawn();
@@ -212,7 +212,7 @@ TEST_CASE("maxExtent compresses all strings by the longest") {  // 6.47.1
   check_box(text.drawn(), {-2, -1.25f}, {0, 0.75f});
 }
 
-TEST_CASE("Texture coordinates of Text begin at the first string's origin, an em is 1") {  // 6.47.3
+TEST_CASE("starts texture coordinates of Text at the first string's origin, with 1 per em") {  // 6.47.3
   TextScene text({"ab", "c"});
   text.style("size", 4.0f).justify("MIDDLE", "BEGIN");
   const Mesh mesh = text.drawn();
@@ -228,7 +228,7 @@ TEST_CASE("Texture coordinates of Text begin at the first string's origin, an em
   CHECK(text.mesh(plain).texture_coordinates.empty());
 }
 
-TEST_CASE("Fonts are asked for as the FontStyle says") {  // 6.20.2, 6.20.4
+TEST_CASE("requests the fonts that the FontStyle names") {  // 6.20.2, 6.20.4
   TextScene text({"a"});
   (void)text.drawn();
   text.style("family", MFString{SFString("Humanist"), SFString("SANS")}).style("style", SFString("BOLDITALIC"));
@@ -250,7 +250,7 @@ TEST_CASE("Fonts are asked for as the FontStyle says") {  // 6.20.2, 6.20.4
   CHECK_FALSE(text.blocks.asked[3].bold);
 }
 
-TEST_CASE("A FontStyle may be a PROTO instance, and a wrong node is none") {
+TEST_CASE("accepts a PROTO instance as FontStyle, and ignores a wrong node") {
   TextScene text({"ab"});
   text.style("size", 3.0f);
   text.scene.set<SFNode>(text.geometry, "fontStyle", text.instance_of(text.font_style));
@@ -259,7 +259,7 @@ TEST_CASE("A FontStyle may be a PROTO instance, and a wrong node is none") {
   check_box(text.drawn(), {0, -0.25f}, {1, 0.75f});
 }
 
-TEST_CASE("Text takes numbers that are none") {
+TEST_CASE("tolerates zero, negative and NaN numbers in Text") {
   const float numbers[] = {0, -1, kNaN, std::numeric_limits<float>::infinity(), 3e38f, 1e-38f};
   for (const float size : numbers)
     for (const float other : numbers) {
@@ -272,7 +272,7 @@ TEST_CASE("Text takes numbers that are none") {
   check_box(text.drawn(), {0, -0.25f}, {1, 0.75f});  // as if it were the default
 }
 
-TEST_CASE("Table 7-1: Text of 100 strings of 100 characters") {
+TEST_CASE("draws Text of 100 strings of 100 characters (Table 7-1)") {
   TextScene text({});
   MFString strings;
   for (int i = 0; i < 100; ++i) strings.push_back(SFString(std::string(100, 'x')));
@@ -283,7 +283,7 @@ TEST_CASE("Table 7-1: Text of 100 strings of 100 characters") {
   check_box(mesh, {0, -99.25f}, {50, 0.75f});
 }
 
-TEST_CASE("Text that there is no memory for is left out") {
+TEST_CASE("leaves out Text that exceeds the memory limit") {
   Limits limits;
   limits.memory = std::size_t{1} << 20;
   SceneGraph scene("text.wrl", std::make_shared<Budget>(limits));

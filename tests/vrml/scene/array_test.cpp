@@ -9,7 +9,7 @@
 
 namespace gs::vrml::array_test {
 
-TEST_CASE("a list that is copied before each element that is added stays as small as twice what it holds") {
+TEST_CASE("keeps the capacity below twice the size of a list that is copied before each addition") {
   Array<std::int32_t> list;
   Array<std::string> texts;
   for (int i = 0; i < 200; ++i) {
@@ -31,7 +31,7 @@ TEST_CASE("a list that is copied before each element that is added stays as smal
   CHECK(texts.span()[199] == "199");
 }
 
-TEST_CASE("a list of its own grows by doubling, so that many elements are moved seldom") {
+TEST_CASE("doubles the capacity of an unshared list, so that its elements move rarely") {
   Array<std::int32_t> list;
   std::size_t moves = 0;
   for (int i = 0; i < 100'000; ++i) {

@@ -51,7 +51,7 @@ std::string laughs(int levels) {
 
 }  // namespace
 
-TEST_CASE("A budget has a limit for each resource, and one for all that is held") {
+TEST_CASE("limits each resource of a budget, and their sum") {
   Budget budget(Limits{.memory = 3200});
   CHECK(budget.limit(Resource::meshes) == 1600);
   CHECK(budget.limit(Resource::unpacked) == 3200);
@@ -72,7 +72,7 @@ TEST_CASE("A budget has a limit for each resource, and one for all that is held"
   CHECK_FALSE(budget.take(Resource::meshes, ~std::uint64_t{0}));
 }
 
-TEST_CASE("Shares are given back, once") {
+TEST_CASE("gives a share back once") {
   const auto budget = std::make_shared<Budget>(Limits{.memory = 3200});
   {
     Share share(budget, Resource::meshes);
@@ -93,7 +93,7 @@ TEST_CASE("Shares are given back, once") {
   CHECK(Share().grow(1u << 30));  // no budget, no limit
 }
 
-TEST_CASE("Nodes, names and lists end at the limit, and what came before shows") {
+TEST_CASE("stops at the limit for nodes, names and lists, and keeps the nodes before it") {
   const std::string box = "Shape { geometry Box { } }\n";
   const auto check = [](const Small& small) {
     INFO(small.said());
@@ -130,7 +130,7 @@ TEST_CASE("stops a parse in pieces at the memory limit and discards the rest") {
   CHECK(scene.roots().size() > 1000);
 }
 
-TEST_CASE("An image of a few numbers is not filled up to what it claims") {
+TEST_CASE("allocates no pixels of an image that the file does not contain") {
   const Small small("Shape { appearance Appearance { texture PixelTexture { image 16384 16384 1 0 x } } }\nGroup { }",
                     std::size_t{256} << 20);
   CHECK(small.said("pixels of an image are missing"));
@@ -138,7 +138,7 @@ TEST_CASE("An image of a few numbers is not filled up to what it claims") {
   CHECK(small.budget().used(Resource::nodes) < (std::size_t{1} << 20));
 }
 
-TEST_CASE("PROTOs inside each other that make too many nodes stay empty, and the rest shows") {
+TEST_CASE("leaves nested PROTOs empty that exceed the limit, and keeps the other nodes") {
   const Small small("Shape { }\n" + laughs(40) + "P40 { }\nP3 { }\nShape { geometry Box { } }");
   INFO(small.said());
   CHECK(small.diagnostics.errors() == 1);
@@ -160,7 +160,7 @@ TEST_CASE("PROTOs inside each other that make too many nodes stay empty, and the
   CHECK_FALSE(many.scene.resolve(many.scene.roots()[9999]));
 }
 
-TEST_CASE("Scenes of one world share its budget, and give it back") {
+TEST_CASE("shares one budget between the scenes of a world, and gives it back") {
   const auto budget = std::make_shared<Budget>(Limits{.memory = kMemory});
   Diagnostics diagnostics;
   const std::string text = "#VRML V2.0 utf8\n" + repeated("Group { } ", 8000);
@@ -180,7 +180,7 @@ TEST_CASE("Scenes of one world share its budget, and give it back") {
   CHECK_FALSE(again.exhausted());
 }
 
-TEST_CASE("Instances stop when the budget says that it is time") {
+TEST_CASE("stops instantiation when the budget's stop function returns true") {
   const auto budget = std::make_shared<Budget>();
   SceneGraph scene("slow.wrl", budget);
   budget->stop_when([] { return true; });
@@ -190,7 +190,7 @@ TEST_CASE("Instances stop when the budget says that it is time") {
   CHECK(scene.node_count() < 10'000);
 }
 
-TEST_CASE("Geometries that take too much memory are left out, and the work gives back what it drew") {
+TEST_CASE("leaves out geometries that exceed the memory limit, and gives back their share") {
   SceneGraph scene("", Limits{.memory = std::size_t{16} << 20});
   const auto made = [&](std::string_view type) { return scene.create(*built_in_node_type(type)); };
   const auto check = [&](NodeId id, bool some) {
@@ -244,7 +244,7 @@ TEST_CASE("Geometries that take too much memory are left out, and the work gives
   check(points, false);
 }
 
-TEST_CASE("A mesh in work ends when the budget says that it is time") {
+TEST_CASE("stops tessellation when the budget's stop function returns true") {
   const auto budget = std::make_shared<Budget>();
   SceneGraph scene("", budget);
   const NodeId faces = scene.create(*built_in_node_type("IndexedFaceSet")),
@@ -264,7 +264,7 @@ TEST_CASE("A mesh in work ends when the budget says that it is time") {
   CHECK(mesh.indices.size() < 300'000);
 }
 
-TEST_CASE("Primitives are the ones of the default measures, scaled") {
+TEST_CASE("draws primitives as scaled default primitives") {
   SceneGraph scene;
   Diagnostics diagnostics;
   (void)parse(

@@ -44,7 +44,7 @@ std::string repaired(const std::string& node, std::string range) {
 
 }  // namespace
 
-TEST_CASE("the table has the 54 node types of VRML97 and finds them by name") {
+TEST_CASE("finds the 54 node types of VRML97 by name") {
   std::size_t standard = 0;
   for (const auto& type : built_in_node_types()) {
     CHECK(built_in_node_type(type->name) == type.get());
@@ -56,7 +56,7 @@ TEST_CASE("the table has the 54 node types of VRML97 and finds them by name") {
   CHECK(built_in_node_type("WorldInfo")->clause == "6.55");
 }
 
-TEST_CASE("the table says what the standard says, row by row") {
+TEST_CASE("matches the interfaces of the standard, row by row") {
   const auto path = shared_folder() / "spec/vrml97-nodes.json";
   if (!std::filesystem::exists(path)) {
     WARN("skipped: " << path << " is not there");
@@ -89,7 +89,7 @@ TEST_CASE("the table says what the standard says, row by row") {
   CHECK(rows == 312);
 }
 
-TEST_CASE("events of exposedFields go by their aliases") {
+TEST_CASE("finds events of exposedFields under set_x and x_changed") {
   const NodeType& transform = *built_in_node_type("Transform");
   CHECK(transform.find_event_in("set_translation") == transform.find("translation"));
   CHECK(transform.find_event_in("translation") == transform.find("translation"));
@@ -102,7 +102,7 @@ TEST_CASE("events of exposedFields go by their aliases") {
   CHECK(transform.find_field("addChildren") == nullptr);
 }
 
-TEST_CASE("a default node of every type prints, parses and prints the same") {
+TEST_CASE("prints and parses a default node of every type without a change") {
   SceneGraph scene;
   for (const auto& type : built_in_node_types())
     if (type->kind != NodeType::Kind::script) scene.add_root(scene.create(*type));
@@ -115,7 +115,7 @@ TEST_CASE("a default node of every type prints, parses and prints the same") {
   CHECK(print(again) == printed);
 }
 
-TEST_CASE("printed interfaces parse to the same declarations") {
+TEST_CASE("parses printed interfaces to equal declarations") {
   for (const auto& type : built_in_node_types()) {
     if (type->kind == NodeType::Kind::script) continue;
     NodeType again;
@@ -128,7 +128,7 @@ TEST_CASE("printed interfaces parse to the same declarations") {
   }
 }
 
-TEST_CASE("our own node QNV is parsed, printed and routed like any other") {
+TEST_CASE("parses, prints and routes the QNV node like any other") {
   const NodeType* type = built_in_node_type("QNV");
   REQUIRE(type);
   CHECK(type->clause == "GhostSpace");

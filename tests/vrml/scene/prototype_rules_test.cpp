@@ -20,7 +20,7 @@ struct Reading {
 
 }  // namespace
 
-TEST_CASE("names of a PROTO's body and of what is outside do not meet (4.6.2, 4.8.3)") {
+TEST_CASE("separates names of a PROTO's body from names outside (4.6.2, 4.8.3)") {
   CHECK(Reading("PROTO P [ ] { DEF X Group { } } USE X").said.find("USE of 'X'") != std::string::npos);
   CHECK(Reading("DEF X Group { } PROTO P [ ] { Group { children USE X } }").said.find("USE of 'X'") !=
         std::string::npos);
@@ -30,7 +30,7 @@ TEST_CASE("names of a PROTO's body and of what is outside do not meet (4.6.2, 4.
   CHECK(inner.said.find("USE of 'X'") != std::string::npos);
 }
 
-TEST_CASE("a PROTO does not stand inside its own body, nor outside of the one that declares it (4.8.3)") {
+TEST_CASE("rejects a PROTO inside its own body, or outside the PROTO that declares it (4.8.3)") {
   const Reading own("PROTO P [ ] { Group { children P { } } } P { }");
   CHECK(own.said == "text.wrl:2:32: error: unknown node type 'P'; the node is skipped\n");
   CHECK(own.scene.resolve_as(own.scene.roots()[0], NodeKind::group));
@@ -39,7 +39,7 @@ TEST_CASE("a PROTO does not stand inside its own body, nor outside of the one th
   CHECK(Reading("P { } PROTO P [ ] { Group { } }").said.find("unknown node type 'P'") != std::string::npos);
 }
 
-TEST_CASE("IS between accesses that Table 4.4 does not pair is said (4.8.2)") {
+TEST_CASE("reports an IS between accesses that Table 4.4 does not pair (4.8.2)") {
   const auto said = [](const std::string& outer, const std::string& inner) {
     return Reading("PROTO P [ " + outer + " ] { " + inner + " }").said;
   };

@@ -35,7 +35,7 @@ NodeId child(const SceneGraph& scene, NodeId node, std::size_t i) { return scene
 
 }  // namespace
 
-TEST_CASE("each instance has nodes of its own, with the values IS hands over") {
+TEST_CASE("gives each instance its own nodes, with the values of IS") {
   const auto scene = scene_of(std::string(kBall) + "Ball { size 5 } Ball { tint 1 0 0 extra [ ] at 7 8 9 }");
   const NodeId first = scene->resolve_as(scene->roots()[0], NodeKind::transform);
   const NodeId second = scene->resolve_as(scene->roots()[1], NodeKind::transform);
@@ -55,7 +55,7 @@ TEST_CASE("each instance has nodes of its own, with the values IS hands over") {
   CHECK(scene->node(scene->routes()[1].from).type->name == "TimeSensor");
 }
 
-TEST_CASE("the first node of an instance stands for it, through instances inside instances") {
+TEST_CASE("resolves an instance to its first node, through nested instances") {
   const auto scene = scene_of(
       R"(PROTO A [ field SFFloat r 1 ] { Sphere { radius IS r } } PROTO B [ field SFFloat q 2 ] { A { r IS q } }
                                  PROTO C [ ] { B { q 9 } } Shape { geometry C { } })");
@@ -68,7 +68,7 @@ TEST_CASE("the first node of an instance stands for it, through instances inside
   CHECK_FALSE(scene->resolve_as(geometry, NodeKind::point_set));
 }
 
-TEST_CASE("an EXTERNPROTO declares a part of its PROTO's interface, and nothing else (4.9.2)") {
+TEST_CASE("reports a declaration of an EXTERNPROTO that its PROTO does not have (4.9.2)") {
   const auto library =
       scene_of("PROTO P [ eventIn SFBool a eventOut SFBool b field SFBool c TRUE exposedField SFBool d TRUE ] { }");
   const auto odd = [&](const std::string& declarations) {
@@ -85,7 +85,7 @@ TEST_CASE("an EXTERNPROTO declares a part of its PROTO's interface, and nothing 
   CHECK(odd("exposedField SFBool c") == "c");
 }
 
-TEST_CASE("an EXTERNPROTO gets body and defaults of its PROTO, from another scene") {
+TEST_CASE("takes body and defaults of an EXTERNPROTO from a PROTO of another scene") {
   auto library = scene_of(kBall);
   const auto scene = scene_of(R"(EXTERNPROTO Ball [ field SFFloat size field MFNode extra ] "lib.wrl#Ball"
                                  PROTO Two [ field SFFloat s 4 ] { Group { children [ Ball { size IS s } Ball { } ] } }
@@ -119,7 +119,7 @@ TEST_CASE("an EXTERNPROTO gets body and defaults of its PROTO, from another scen
   CHECK(radius(child(*scene, two, 1)) == 3);
 }
 
-TEST_CASE("ten thousand PROTOs inside each other need no stack") {
+TEST_CASE("nests ten thousand PROTOs without a deep stack") {
   std::string text = "PROTO P0 [ ] { Group { } }\n";
   for (int i = 1; i < 10000; ++i)
     text += "PROTO P" + std::to_string(i) + " [ ] { P" + std::to_string(i - 1) + " { } }\n";
@@ -127,7 +127,7 @@ TEST_CASE("ten thousand PROTOs inside each other need no stack") {
   CHECK(scene->resolve_as(scene->roots()[0], NodeKind::group));
 }
 
-TEST_CASE("nodes and urls know the file in which they were written, through EXTERNPROTO and IS") {
+TEST_CASE("keeps the file of origin of nodes and URLs, through EXTERNPROTO and IS") {
   auto library = std::make_unique<SceneGraph>("lib.wrl");
   Diagnostics diagnostics;
   (void)parse(R"(#VRML V2.0 utf8

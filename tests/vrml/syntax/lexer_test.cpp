@@ -47,7 +47,7 @@ const std::string kText =
 
 }  // namespace
 
-TEST_CASE("tokens and their places") {
+TEST_CASE("reports the kind, text and position of each token") {
   const auto tokens = tokens_of(kText, kText.size());
   const auto token = [](TokenKind kind, const std::string& text, int line, int column) {
     return std::to_string(static_cast<int>(kind)) + ":" + text + "@" + std::to_string(line) + ":" +
@@ -77,12 +77,12 @@ TEST_CASE("tokens and their places") {
   CHECK(tokens == expected);
 }
 
-TEST_CASE("tokens are the same whatever pieces the text comes in") {
+TEST_CASE("returns equal tokens however the text is cut into pieces") {
   const auto whole = tokens_of(kText, kText.size());
   for (std::size_t piece = 1; piece < kText.size(); ++piece) CHECK(tokens_of(kText, piece) == whole);
 }
 
-TEST_CASE("tokens of every prefix end with its end, and are those of the text up to the last but one") {
+TEST_CASE("tokenizes each prefix like the whole text, up to its last tokens") {
   const auto whole = tokens_of(kText, kText.size());
   for (std::size_t size = 0; size < kText.size(); ++size) {
     const auto part = tokens_of(kText.substr(0, size), kText.size());
@@ -92,7 +92,7 @@ TEST_CASE("tokens of every prefix end with its end, and are those of the text up
   }
 }
 
-TEST_CASE("strings: escapes, UTF-8, Latin-1") {
+TEST_CASE("decodes escapes, UTF-8 and Latin-1 in strings") {
   bool latin1 = false;
   CHECK(decode_string(R"(a\"b\\c\n)", true, latin1) == "a\"b\\c\\n");
   CHECK(decode_string("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9d\x84\x9e", false, latin1) ==
@@ -107,12 +107,12 @@ TEST_CASE("strings: escapes, UTF-8, Latin-1") {
   }
 }
 
-TEST_CASE("names follow Annex A.2") {
+TEST_CASE("accepts the names of Annex A.2") {
   for (const char* good : {"a", "_a-1+b", "Transform", "x:y", "%$&*()/<>=!?@^`|~", "\xc3\xa9"}) CHECK(is_id(good));
   for (const char* wrong : {"", "1a", "-a", "+a", ".a", ":a", "a.b"}) CHECK_FALSE(is_id(wrong));
 }
 
-TEST_CASE("arrays share storage until they are changed") {
+TEST_CASE("shares the storage of arrays until a change") {
   Array<int> a{1, 2, 3};
   Array<int> b = a;
   CHECK(a.shares_with(b));
@@ -140,7 +140,7 @@ TEST_CASE("arrays share storage until they are changed") {
   CHECK(texts.data() == nullptr);
 }
 
-TEST_CASE("the twenty field types have their names and first values") {
+TEST_CASE("has names and default values for the twenty field types") {
   for (int i = 0; i < kFieldTypeCount; ++i) {
     const auto type = static_cast<FieldType>(i);
     CHECK(field_type_named(name_of(type)) == type);

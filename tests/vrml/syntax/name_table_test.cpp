@@ -9,7 +9,7 @@
 
 using namespace gs::vrml;
 
-TEST_CASE("A table of names gives each its node, however many there are") {
+TEST_CASE("finds the node of each name in a table of any size") {
   NameTable table;
   CHECK_FALSE(table.find(""));
   CHECK_FALSE(table.find("any"));

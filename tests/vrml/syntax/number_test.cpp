@@ -280,7 +280,7 @@ void check_stop(const std::string& text, std::size_t count, std::size_t next) {
   }
 }
 
-TEST_CASE("A number of VRML97 5.5 and 5.6 is parsed as a whole") {
+TEST_CASE("parses numbers as VRML97 5.5 and 5.6 define") {
   float f = 0;
   CHECK((parse_number("-1.5e+3", f) && f == -1500.0f));
   CHECK((parse_number("+.5", f) && f == 0.5f));
@@ -312,25 +312,25 @@ TEST_CASE("A number of VRML97 5.5 and 5.6 is parsed as a whole") {
   CHECK(i == 7);
 }
 
-TEST_CASE("Runs of floats are correctly rounded") { check_random_texts<float>(1, 300, 3000, float_token); }
+TEST_CASE("rounds runs of floats correctly") { check_random_texts<float>(1, 300, 3000, float_token); }
 
-TEST_CASE("Runs of the commonest floats are correctly rounded") {
+TEST_CASE("rounds runs of the commonest floats correctly") {
   check_random_texts<float>(2, 100, 5000, [](RandomBits& random) {
     static const char* const patterns[] = {"%.6f", "%g", "%.3f", "%.8f", "%.0f", "%.1f"};
     return format(patterns[below(random, 6)], std::uniform_real_distribution<double>(-1e5, 1e5)(random));
   });
 }
 
-TEST_CASE("Runs of floats between two floats are rounded to the even one") {
+TEST_CASE("rounds runs of floats halfway between two floats to the even one") {
   check_random_texts<float>(3, 100, 2000, midpoint);
   check_random_texts<float>(4, 30, 2000, [](RandomBits& random) {
     return std::to_string(16777216 + (random() >> (12 + below(random, 28))) * 2 + 1);
   });
 }
 
-TEST_CASE("Runs of integers are exact") { check_random_texts<std::int32_t>(5, 200, 3000, integer_token); }
+TEST_CASE("parses runs of integers exactly") { check_random_texts<std::int32_t>(5, 200, 3000, integer_token); }
 
-TEST_CASE("Limits of integers are read in runs") {
+TEST_CASE("parses the smallest and largest integers in runs") {
   const std::string eight = "2147483647 -2147483648 0 -0 +5 00000012 -99999999 99999999 ";
   const std::vector<std::int32_t> expected = {2147483647, -2147483647 - 1, 0, 0, 5, 12, -99999999, 99999999};
   for (const Path<std::int32_t>& path : paths(0)) {
@@ -343,7 +343,7 @@ TEST_CASE("Limits of integers are read in runs") {
   }
 }
 
-TEST_CASE("Denormal, huge and negative zero floats are read in runs") {
+TEST_CASE("parses denormal floats, huge floats and negative zero in runs") {
   const std::string text = "1e-40 -1.17549435e-38 1.4e-45 7e-46 3.4028235e38 3.5e38 -0 -0.0 ";
   const std::string all = text + text + text;
   const float expected[] = {1e-40f, -1.17549435e-38f, 1.4e-45f, 0, 3.4028235e38f, INFINITY, -0.0f, -0.0f};
@@ -356,7 +356,7 @@ TEST_CASE("Denormal, huge and negative zero floats are read in runs") {
   }
 }
 
-TEST_CASE("A run stops in front of what it does not read") {
+TEST_CASE("stops a run before the first token that is no number") {
   const std::string four = "1 -2.5, 3\n.25 ";
   const std::string ten = four + four + four + four + four + four + four + four + four + four;
   for (const std::string& text : {four, ten}) {
@@ -376,7 +376,7 @@ TEST_CASE("A run stops in front of what it does not read") {
   }
 }
 
-TEST_CASE("Every prefix of a text gives the same run on every path, and nothing outside of it is read") {
+TEST_CASE("parses each prefix of a text equally on every path, without reads beyond it") {
   RandomBits random(6);
   for (int i = 0; i < 6; ++i) {
     std::vector<std::string> floats;
@@ -394,7 +394,7 @@ TEST_CASE("Every prefix of a text gives the same run on every path, and nothing 
   check_prefixes<std::int32_t>(std::string(70, '\n') + std::string(300, '7'));
 }
 
-TEST_CASE("A text in two windows reads as in one") {
+TEST_CASE("parses a text in two windows like one text") {
   RandomBits random(7);
   std::vector<std::string> floats;
   std::vector<std::string> integers;
@@ -406,7 +406,7 @@ TEST_CASE("A text in two windows reads as in one") {
   check_splits<std::int32_t>(joined(random, integers));
 }
 
-TEST_CASE("A run writes no more than its capacity") {
+TEST_CASE("writes at most the capacity of a run") {
   RandomBits random(8);
   std::string floats;
   std::string integers;
@@ -418,7 +418,7 @@ TEST_CASE("A run writes no more than its capacity") {
   check_capacities<std::int32_t>(integers);
 }
 
-TEST_CASE("Rubbish stops a run and does no harm") {
+TEST_CASE("stops a run at random bytes") {
   const std::string likely = "0123456789...--++eE ,\n\t\r] ";
   check_garbage<float>(9, "");
   check_garbage<std::int32_t>(10, "");

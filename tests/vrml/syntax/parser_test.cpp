@@ -71,7 +71,7 @@ struct Parsed {
 
 }  // namespace
 
-TEST_CASE("good files parse without errors, lenient ones with the warnings that are expected of them") {
+TEST_CASE("good files parse without errors, lenient ones with the expected warnings") {
   for (const fs::path& path : corpus("good")) {
     INFO(path.filename().string());
     SceneGraph scene(path.filename().string());
@@ -86,7 +86,7 @@ TEST_CASE("good files parse without errors, lenient ones with the warnings that 
   }
 }
 
-TEST_CASE("bad files give exactly the diagnostics that are expected of them") {
+TEST_CASE("bad files give exactly the expected diagnostics") {
   for (const fs::path& path : corpus("bad")) {
     INFO(path.filename().string());
     SceneGraph scene(path.filename().string());
@@ -102,7 +102,7 @@ TEST_CASE("bad files give exactly the diagnostics that are expected of them") {
   }
 }
 
-TEST_CASE("printing, parsing and printing again gives the same text") {
+TEST_CASE("prints equal text after a second parse") {
   for (const fs::path& path : corpus("good")) {
     INFO(path.filename().string());
     SceneGraph scene, again;
@@ -115,7 +115,7 @@ TEST_CASE("printing, parsing and printing again gives the same text") {
   }
 }
 
-TEST_CASE("a text in two pieces, cut anywhere, is the text in one") {
+TEST_CASE("parses a text in two pieces like one, wherever it is cut") {
   for (const char* folder : {"good", "bad"})
     for (const fs::path& path : corpus(folder)) {
       const std::string text = read_file(path), name = path.filename().string();
@@ -130,7 +130,7 @@ TEST_CASE("a text in two pieces, cut anywhere, is the text in one") {
     }
 }
 
-TEST_CASE("a text in single bytes, or in pieces of any size, is the text in one") {
+TEST_CASE("parses a text in single bytes or pieces of any size like one") {
   for (const char* folder : {"good", "bad"})
     for (const fs::path& path : corpus(folder)) {
       const std::string text = read_file(path), name = path.filename().string();
@@ -145,7 +145,7 @@ TEST_CASE("a text in single bytes, or in pieces of any size, is the text in one"
     }
 }
 
-TEST_CASE("every prefix of a text parses, and all that a prefix shows the text shows too") {
+TEST_CASE("parses every prefix of a text, and shows only nodes that the whole text shows") {
   for (const fs::path& path : corpus("good")) {
     const std::string text = read_file(path);
     std::size_t nodes = 0;
@@ -163,7 +163,7 @@ TEST_CASE("every prefix of a text parses, and all that a prefix shows the text s
   }
 }
 
-TEST_CASE("nodes of a list stand in the scene before the list is closed") {
+TEST_CASE("adds nodes of a list to the scene before the list ends") {
   SceneGraph scene("progressive");
   Diagnostics diagnostics;
   Parser parser(scene, diagnostics);
@@ -183,7 +183,7 @@ TEST_CASE("nodes of a list stand in the scene before the list is closed") {
   CHECK(diagnostics.errors() == 0);
 }
 
-TEST_CASE("long number lists give the same values in pieces as whole") {
+TEST_CASE("parses long number lists equally in pieces") {
   std::string text = "#VRML V2.0 utf8\nIndexedFaceSet { coord Coordinate { point [\n";
   for (int i = 0; i < 30000; ++i)
     text += std::to_string(i * 0.37 - 500) + " " + std::to_string(i) + (i % 3 ? " -0.5, " : " 1e-3,\n# note\n");
@@ -200,7 +200,7 @@ TEST_CASE("long number lists give the same values in pieces as whole") {
   }
 }
 
-TEST_CASE("a list of numbers takes the memory of its elements") {
+TEST_CASE("uses only the memory of its elements for a list of numbers") {
   std::string text = "#VRML V2.0 utf8\nCoordinate { point [";
   for (int i = 0; i < 100000; ++i) text += " 1 2 3,";
   SceneGraph scene;
@@ -211,14 +211,14 @@ TEST_CASE("a list of numbers takes the memory of its elements") {
   CHECK(points.capacity() == points.size());
 }
 
-TEST_CASE("DEF and USE make one node, the last DEF counts") {
+TEST_CASE("shares one node between DEF and USE, and uses the last DEF of a name") {
   const Parsed p("DEF X Shape { } DEF X Group { } USE X Transform { children [ USE X USE X ] }");
   CHECK(p.root(2) == p.root(1));
   CHECK(p.scene.get<MFNode>(p.root(3), "children") == MFNode{p.root(1), p.root(1)});
   CHECK(p.scene.node(p.root(0)).name == "X");
 }
 
-TEST_CASE("field values are what the text says") {
+TEST_CASE("parses field values exactly") {
   const Parsed p(R"(PROTO P [ field SFBool b TRUE field SFInt32 i -0x10 field SFTime t 1e9 field SFString s "a\"b\\c\d"
                     field SFImage m 1 2 3 0x102030 255 field SFRotation r 1 2 3 4 field MFString ms "one" ] { Group { } } P { })");
   REQUIRE(p.diagnostics.errors() == 0);
@@ -231,7 +231,7 @@ TEST_CASE("field values are what the text says") {
   CHECK(p.scene.get<MFString>(p.root(), "ms") == MFString{"one"});
 }
 
-TEST_CASE("locations count lines for LF, CRLF and CR, and columns in bytes") {
+TEST_CASE("counts lines at LF, CRLF and CR, and columns in bytes") {
   for (const char* end : {"\n", "\r\n", "\r"}) {
     const std::string text =
         std::string("#VRML V2.0 utf8") + end + end + "# note" + end + "  Shape { nothing 1 }" + end;
@@ -244,7 +244,7 @@ TEST_CASE("locations count lines for LF, CRLF and CR, and columns in bytes") {
   }
 }
 
-TEST_CASE("the number of nodes and of what PROTOs make of them is bounded") {
+TEST_CASE("limits the number of nodes, including those of PROTO instances") {
   Limits limits;
   limits.nodes = 10;
   const Parsed few(
@@ -266,7 +266,7 @@ TEST_CASE("the number of nodes and of what PROTOs make of them is bounded") {
   CHECK(bomb.diagnostics.errors() == 1);
 }
 
-TEST_CASE("diagnostics are counted past the number that is kept") {
+TEST_CASE("counts diagnostics beyond the number that is kept") {
   std::string text = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 50; ++i) text += "Nonsense" + std::to_string(i) + " { }\n";
   SceneGraph scene;
@@ -277,7 +277,7 @@ TEST_CASE("diagnostics are counted past the number that is kept") {
   CHECK(diagnostics.dropped() == 40);
 }
 
-TEST_CASE("the nodes that are still open are known") {
+TEST_CASE("lists the nodes that are still open") {
   SceneGraph scene("open.wrl");
   Diagnostics diagnostics;
   Parser parser(scene, diagnostics);
@@ -299,7 +299,7 @@ TEST_CASE("the nodes that are still open are known") {
   CHECK(diagnostics.errors() == 0);
 }
 
-TEST_CASE("no blank is needed between a number and what cannot belong to it (Annex A)") {
+TEST_CASE("accepts a number without a blank before a token that cannot continue it (Annex A)") {
   const auto same = [](const std::string& glued, const std::string& apart) {
     const auto read = [](const std::string& body) {
       SceneGraph scene("text.wrl");

@@ -8,7 +8,7 @@
 
 namespace gs::vrml::traces {
 
-TEST_CASE("a stand-in is a PROTO of the name it is asked for") {
+TEST_CASE("returns a stand-in PROTO of the requested name") {
   for (const std::string name :
        {"BlaxxunZone", "BspGroup",          "DeviceSensor",        "HUD",         "Layer",       "Layer2D",
         "Layer3D",     "LayerSet",          "Occlusion",           "Particles",   "SharedEvent", "SharedObject",
@@ -39,7 +39,7 @@ TEST_CASE("a stand-in is a PROTO of the name it is asked for") {
   CHECK(stand_in(scene, "") == nullptr);
 }
 
-TEST_CASE("a node type that nobody knows is told of once") {
+TEST_CASE("reports an unknown node type once") {
   SceneGraph scene("text.wrl");
   Diagnostics diagnostics;
   (void)parse(
@@ -54,7 +54,7 @@ TEST_CASE("a node type that nobody knows is told of once") {
                       "text.wrl:3:73: error: unknown node type 'Other'; the node is skipped"});
 }
 
-TEST_CASE("a stand-in for an EXTERNPROTO needs its name or its children") {
+TEST_CASE("chooses a stand-in for an EXTERNPROTO by its name or its children") {
   SceneGraph scene("text.wrl");
   NodeType external;
   external.name = "Region";
@@ -73,7 +73,7 @@ TEST_CASE("a stand-in for an EXTERNPROTO needs its name or its children") {
   CHECK(stand_in_for(scene, group)->find_event_in("addChildren"));
 }
 
-TEST_CASE("a HUD goes with the viewer, wherever it stands") {
+TEST_CASE("moves a HUD with the viewer, wherever it is in the scene") {
   World world("Transform { translation 5 1 2 scale 2 2 2 children DEF Overlay HUD { children DEF Sign Group { } } }");
   world.start();
   SceneGraph& scene = world.scene();
@@ -91,7 +91,7 @@ TEST_CASE("a HUD goes with the viewer, wherever it stands") {
   CHECK(scene.get<MFNode>(frame, "children").empty());
 }
 
-TEST_CASE("of the stand-ins, a HUD alone is fixed to the viewer") {
+TEST_CASE("fixes only the HUD stand-in to the viewer") {
   SceneGraph scene("main.wrl");
   REQUIRE(stand_in(scene, "HUD"));
   CHECK(is_overlay(*stand_in(scene, "HUD")));

@@ -22,7 +22,7 @@ std::string repeated(const std::string& text, int count) {
 
 }  // namespace
 
-TEST_CASE("Table 7-1: 500 children, given and added") {
+TEST_CASE("accepts 500 children, in the file and by addChildren (Table 7-1)") {
   World world("DEF G Group { children [ " + repeated("Group { } ", 600) + "] } DEF H Group { }");
   CHECK(world.scene().get<MFNode>(world.node("G"), "children").size() == 600);
   world.start();
@@ -30,7 +30,7 @@ TEST_CASE("Table 7-1: 500 children, given and added") {
   CHECK(world.scene().get<MFNode>(world.node("H"), "children").size() == 600);
 }
 
-TEST_CASE("Table 7-1: 1000 keys, and 15,000 coordinates in a keyValue") {
+TEST_CASE("accepts 1,000 keys, and 15,000 coordinates in a keyValue (Table 7-1)") {
   std::string keys, values;
   for (int i = 0; i <= 1000; ++i) {
     keys += std::to_string(i) + ' ';
@@ -49,7 +49,7 @@ TEST_CASE("Table 7-1: 1000 keys, and 15,000 coordinates in a keyValue") {
   CHECK(lines[0].find("2 3 4, 2 3 4") != std::string::npos);
 }
 
-TEST_CASE("Table 7-1: 30 fields, eventIns, eventOuts and exposedFields in a PROTO, 10 URLs, names of 50 octets") {
+TEST_CASE("accepts 30 interfaces of each kind in a PROTO, 10 URLs, names of 50 octets (Table 7-1)") {
   const std::string tail(48, 'n');
   std::string interface;
   for (int i = 10; i < 45; ++i) {
@@ -67,7 +67,7 @@ TEST_CASE("Table 7-1: 30 fields, eventIns, eventOuts and exposedFields in a PROT
   CHECK(world.take("S.") == Lines{"0 S.whichChoice 3"});
 }
 
-TEST_CASE("Table 7-1: strings of 30,000 octets, lists of 15,000 strings, images of 256 x 256 pixels") {
+TEST_CASE("accepts strings of 30,000 octets, lists of 15,000 strings, images of 256 x 256 pixels (Table 7-1)") {
   World world("WorldInfo { title \"" + std::string(32'000, 'x') + "\" info [ " + repeated("\"y\" ", 15'000) +
               "] } Shape { appearance Appearance { texture DEF T PixelTexture { image 256 256 4 " +
               repeated("0x01020304 ", 256 * 256) + "} } }");
@@ -76,7 +76,7 @@ TEST_CASE("Table 7-1: strings of 30,000 octets, lists of 15,000 strings, images 
   CHECK(world.scene().get<SFImage>(world.node("T"), "image").pixels().size() == 256 * 256);
 }
 
-TEST_CASE("Table 7-1: 5,000 faces of 10 corners, 15,000 lines, 5,000 points, grids of 16,000 heights") {
+TEST_CASE("draws 5,000 faces of 10 corners, 15,000 lines, 5,000 points, grids of 16,000 heights (Table 7-1)") {
   std::string points, faces;
   for (int i = 0; i < 5000; ++i) {
     for (int k = 0; k < 10; ++k)
