@@ -9,7 +9,7 @@
 namespace gs::qnv {
 namespace {
 
-TEST_CASE("Morton codes interleave the bits of x, y and z") {
+TEST_CASE("interleaves the bits of x, y and z in Morton codes") {
   STATIC_REQUIRE(morton_encode(0, 0, 0) == 0);
   STATIC_REQUIRE(morton_encode(1, 0, 0) == 1);
   STATIC_REQUIRE(morton_encode(0, 1, 0) == 2);
@@ -18,7 +18,7 @@ TEST_CASE("Morton codes interleave the bits of x, y and z") {
   STATIC_REQUIRE(morton_encode(0x1fffff, 0x1fffff, 0x1fffff) == 0x7fffffffffffffffULL);
 }
 
-TEST_CASE("Morton codes are read back, and follow one bit at a time") {
+TEST_CASE("decodes Morton codes, whole or one bit at a time") {
   std::mt19937 random(1);
   for (int i = 0; i < 10000; ++i) {
     const auto number = [&random] { return static_cast<std::uint32_t>(random() & 0x1fffff); };

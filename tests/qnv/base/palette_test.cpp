@@ -39,7 +39,7 @@ double mean_error(const std::vector<Rgb8>& colors, const std::vector<Rgb8>& pale
 
 }  // namespace
 
-TEST_CASE("colours differ by what their luma and chroma do") {
+TEST_CASE("measures the distance of colours by luma and chroma") {
   CHECK(color_distance({1, 2, 3}, {1, 2, 3}) == 0);
   CHECK(color_distance({10, 10, 10}, {11, 11, 11}) == 16);  // luma 4
   CHECK(color_distance({11, 10, 10}, {10, 10, 10}) == 1 + 4 + 1);
@@ -47,7 +47,7 @@ TEST_CASE("colours differ by what their luma and chroma do") {
   CHECK(color_distance({10, 10, 11}, {10, 10, 10}) == color_distance({10, 10, 10}, {10, 10, 11}));
 }
 
-TEST_CASE("few colours are kept as they are, the most frequent first") {
+TEST_CASE("keeps few colours unchanged, the most frequent first") {
   CHECK(make_palette({}).empty());
   const std::vector<Rgb8> colors{{1, 2, 3}, {9, 9, 9}, {9, 9, 9}, {200, 0, 0}, {9, 9, 9}, {200, 0, 0}};
   CHECK(make_palette(colors) == std::vector<Rgb8>{{9, 9, 9}, {200, 0, 0}, {1, 2, 3}});
@@ -59,7 +59,7 @@ TEST_CASE("few colours are kept as they are, the most frequent first") {
   CHECK(mean_error(many, palette) == 0);
 }
 
-TEST_CASE("many colours are clustered well") {
+TEST_CASE("clusters many colours with a small error") {
   const std::vector<Rgb8> colors = gradient(50'000);
   const std::vector<Rgb8> palette = make_palette(colors);
   REQUIRE(palette.size() <= 256);
@@ -75,7 +75,7 @@ TEST_CASE("many colours are clustered well") {
   CHECK(std::sqrt(mean_error(colors, palette)) < 4 * 3);
 }
 
-TEST_CASE("a palette does not depend on order or threads") {
+TEST_CASE("makes the same palette in any order and on any number of threads") {
   std::vector<Rgb8> colors = gradient(60'000);
   const std::vector<Rgb8> palette = make_palette(colors, 1);
   CHECK(palette == make_palette(colors, 4));
@@ -85,7 +85,7 @@ TEST_CASE("a palette does not depend on order or threads") {
   CHECK(palette_indices(colors, palette, 1) == palette_indices(colors, palette, 3));
 }
 
-TEST_CASE("the index is that of the nearest colour, the first of several") {
+TEST_CASE("returns the index of the nearest colour, and the first one if several are equal") {
   std::mt19937 random(2);
   for (const std::size_t size : {1u, 2u, 17u, 256u}) {
     std::vector<Rgb8> palette, colors;
@@ -99,7 +99,7 @@ TEST_CASE("the index is that of the nearest colour, the first of several") {
   }
 }
 
-TEST_CASE("colours that differ in their last bits only still make a palette") {
+TEST_CASE("makes a palette of colours that differ only in their last bits") {
   std::vector<Rgb8> colors;
   for (unsigned i = 0; i < 64 * 64; ++i)
     colors.push_back({static_cast<std::uint8_t>(100 + i % 16), static_cast<std::uint8_t>(100 + i / 16 % 16),

@@ -37,22 +37,22 @@ bool same(const std::vector<Voxel>& a, const std::vector<Voxel>& b) {
   return true;
 }
 
-TEST_CASE("A triangle that is cut into many voxels keeps its area") {
+TEST_CASE("keeps the area of a triangle that is cut into many voxels") {
   const Triangles one{triangle_of({0, 0, 0}, {1, 0.2f, 0.3f}, {0.1f, 0.9f, 0.7f})};
   for (const int level : {1, 3, 5, 6, 8, 10}) check_area(one, level, 1e-4);
 }
 
-TEST_CASE("Random triangles of all sizes keep their area", "[optimised]") {
+TEST_CASE("keeps the area of random triangles of all sizes", "[optimised]") {
   for (const int level : {2, 5, 7, 9}) check_area(random_triangles(90, 1, 5), level, 1e-4);
 }
 
-TEST_CASE("Surfaces far from the origin, huge and tiny ones keep their area") {
+TEST_CASE("keeps the area of distant, huge and tiny surfaces") {
   check_area(sphere(20, 1, {4096, -8192, 2048}), 6, 1e-4);
   check_area(sphere(20, 1e9f), 6, 1e-4);
   check_area(sphere(20, 1e-9f), 6, 1e-4);
 }
 
-TEST_CASE("Faces that lie in the faces of voxels count once") {
+TEST_CASE("counts faces on voxel boundaries once") {
   // A cube of which every face is a plane between voxels: 2 of 8 voxels an axis.
   SurfaceVoxelizer voxelizer(Cube{{0, 0, 0}, 8}, 3);
   voxelizer.add(box_shape({2, 2, 2}, {4, 4, 4}));
@@ -61,7 +61,7 @@ TEST_CASE("Faces that lie in the faces of voxels count once") {
   CHECK(area == Approx(24).epsilon(1e-6));
 }
 
-TEST_CASE("Moments of a plane are those worked out by hand") {
+TEST_CASE("computes the moments of a plane as by hand") {
   // z = 0.25 in the cube of edge 1, at level 1: four voxels of a quarter each, in the middle of their height.
   SurfaceVoxelizer voxelizer(Cube{{0, 0, 0}, 1}, 1);
   const glm::vec3 a(0, 0, 0.25f), b(0.9999f, 0, 0.25f), c(0.9999f, 0.9999f, 0.25f), d(0, 0.9999f, 0.25f);
@@ -85,7 +85,7 @@ TEST_CASE("Moments of a plane are those worked out by hand") {
   CHECK(root[0].moments.position.z == Approx(-0.25).epsilon(1e-3));
 }
 
-TEST_CASE("Coarser levels keep area, place and colour") {
+TEST_CASE("keeps area, position and colour on coarser levels") {
   const Triangles ball = sphere(24, 2, {5, 6, 7}, true);
   const Cube cube = Cube::around(box_of(ball));
   std::vector<Voxel> voxels = voxels_of(ball, 7);
@@ -107,7 +107,7 @@ TEST_CASE("Coarser levels keep area, place and colour") {
   REQUIRE(voxels.size() == 1);
 }
 
-TEST_CASE("Every voxel's moments are possible ones") {
+TEST_CASE("computes only possible moments in each voxel") {
   for (const Voxel& voxel : voxels_of(random_triangles(400, 3, 11), 6)) {
     const SurfaceMoments& m = voxel.moments;
     REQUIRE_EACH(m.area > 0);
@@ -117,7 +117,7 @@ TEST_CASE("Every voxel's moments are possible ones") {
   }
 }
 
-TEST_CASE("Triangles without area, not finite or outside are left out") {
+TEST_CASE("skips triangles that are degenerate, not finite or outside the cube") {
   const float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   const Cube cube{{0, 0, 0}, 1};
   SurfaceVoxelizer voxelizer(cube, 6);
@@ -142,7 +142,7 @@ TEST_CASE("Triangles without area, not finite or outside are left out") {
   for (const Voxel& voxel : other.finish()) REQUIRE(voxel.moments.normal.z == Approx(voxel.moments.area));
 }
 
-TEST_CASE("Cubes that hold nothing, or numbers at the edge of what there is, do no harm") {
+TEST_CASE("accepts empty cubes and cubes at the limits of floats") {
   for (const float size : {1e-38f, 1e-30f, 1e30f, 1.5e38f}) {
     Triangles some = sphere(4, size);
     const std::vector<Voxel> voxels = voxels_of(some, 3);
@@ -154,7 +154,7 @@ TEST_CASE("Cubes that hold nothing, or numbers at the edge of what there is, do 
   CHECK(nothing.finish().empty());
 }
 
-TEST_CASE("A long triangle that lies askew takes no more than the voxels it meets") {
+TEST_CASE("visits only the voxels that a long oblique triangle meets") {
   const Triangles sliver{triangle_of({0, 0, 0}, {1, 1, 1}, {1, 1.0001f, 1})};
   const std::vector<Voxel> voxels = voxels_of(sliver, kDeepestLevel);
   CHECK(voxels.size() > 65536);
@@ -163,7 +163,7 @@ TEST_CASE("A long triangle that lies askew takes no more than the voxels it meet
   CHECK(area_of(voxels, cube, kDeepestLevel) == Approx(area_of(sliver)).epsilon(0.01));
 }
 
-TEST_CASE("Threads and batches change no bit", "[optimised]") {
+TEST_CASE("gives the same bits for any number of threads and batches", "[optimised]") {
   Triangles many = random_triangles(900, 1, 17);
   const Triangles ball = sphere(80);
   many.insert(many.end(), ball.begin(), ball.end());
@@ -180,7 +180,7 @@ TEST_CASE("Threads and batches change no bit", "[optimised]") {
   CHECK(same(voxelizer.finish(), expected));
 }
 
-TEST_CASE("More triangles than wait at once give the sum of all") {
+TEST_CASE("sums more triangles than the queue holds") {
   // 600,000 copies of a triangle are more than one batch.
   const Triangle t = triangle_of({0.1f, 0.1f, 0.2f}, {0.12f, 0.1f, 0.2f}, {0.1f, 0.12f, 0.21f});
   const std::vector<Triangle> copies(1000, t);

@@ -25,7 +25,7 @@ std::vector<std::byte> begin_of_stream(Payload payload) {
 
 }  // namespace
 
-TEST_CASE("the payload of a stream is told by its first twelve bytes") {
+TEST_CASE("detects the payload of a stream from its first twelve bytes") {
   std::set<std::string_view> names;
   for (const PayloadRow& row : payload_rows()) {
     CHECK(&row_of(row.payload) == &row);
@@ -42,7 +42,7 @@ TEST_CASE("the payload of a stream is told by its first twelve bytes") {
   }
 }
 
-TEST_CASE("each payload is encoded from its sources and decoded again by its row") {
+TEST_CASE("encodes and decodes each payload by its row of the table") {
   const std::vector<Triangle> square = [] {
     std::vector<Triangle> made(2);
     const glm::vec3 corners[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -106,7 +106,7 @@ TEST_CASE("each payload is encoded from its sources and decoded again by its row
     }
 }
 
-TEST_CASE("chunks are cut so that what may be lost is of use in parts") {
+TEST_CASE("cuts chunks so that their parts are useful after losses") {
   const std::vector<std::byte> payload(kRecordsHeaderBytes + 24, std::byte{7});
   for (const PayloadRow& row : payload_rows()) {
     for (const ChunkType type : row.chunks) {
@@ -133,7 +133,7 @@ TEST_CASE("chunks are cut so that what may be lost is of use in parts") {
   CHECK(cut_chunk(records, encode_chunk(ChunkType::records, std::span(payload).first(56)))->body.size() == 8);
 }
 
-TEST_CASE("the head of a chunk tells its type and length") {
+TEST_CASE("reads type and length from the head of a chunk") {
   const std::vector<std::byte> chunk = encode_chunk(ChunkType::inner, std::vector<std::byte>(300));
   const auto head = chunk_head(std::span(chunk).first(kChunkHeaderBytes));
   REQUIRE(head);

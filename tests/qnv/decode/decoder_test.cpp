@@ -133,7 +133,7 @@ int finest_level(const PackedParts& parts) {
   return finest;
 }
 
-TEST_CASE("Every prefix of a stream is a whole picture") {
+TEST_CASE("decodes every prefix of a stream to a complete picture") {
   const PackedParts parts = sphere_parts(8000);
   const std::size_t first = parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size();
   std::size_t last = 0;
@@ -155,7 +155,7 @@ TEST_CASE("Every prefix of a stream is a whole picture") {
   CHECK(last == parts.stream.header.vectors);
 }
 
-TEST_CASE("However a stream is cut in two, the picture is the same") {
+TEST_CASE("decodes a stream to the same picture wherever it is cut in two") {
   const PackedParts parts = small_parts();
   const Cloud expected = parts.whole();
   CHECK(expected.size() > 1500);
@@ -169,7 +169,7 @@ TEST_CASE("However a stream is cut in two, the picture is the same") {
   }
 }
 
-TEST_CASE("Chunks in any order, with any losses, leave no hole and cover nothing twice") {
+TEST_CASE("leaves no hole and no overlap with chunks in any order and with any losses") {
   const PackedParts parts = sphere_parts(8000);
   const Cloud expected = parts.whole();
   const int finest = finest_level(parts);
@@ -194,7 +194,7 @@ TEST_CASE("Chunks in any order, with any losses, leave no hole and cover nothing
   }
 }
 
-TEST_CASE("A cluster needs its ancestors and nothing else") {
+TEST_CASE("decodes a cluster with its ancestors alone") {
   const PackedParts parts = sphere_parts(5000);
   std::vector<std::uint32_t> parent;
   for (const Bytes& payload : parts.payloads)
@@ -209,7 +209,7 @@ TEST_CASE("A cluster needs its ancestors and nothing else") {
   }
 }
 
-TEST_CASE("Every flipped bit of a stream is reported and shows nothing that is wrong") {
+TEST_CASE("reports every flipped bit of a stream and shows no wrong data") {
   const PackedParts parts = small_parts();
   const Cloud expected = parts.whole();
   Bytes bytes = parts.stream.bytes;
@@ -238,7 +238,7 @@ TEST_CASE("Every flipped bit of a stream is reported and shows nothing that is w
   }
 }
 
-TEST_CASE("Every flipped bit of chunks that no checksum guards does no harm") {
+TEST_CASE("survives every flipped bit in chunks without a checksum") {
   const PackedParts parts = small_parts();
   std::vector<Bytes> payloads = parts.payloads;
   for (std::size_t which = 0; which < 3; ++which)
@@ -262,7 +262,7 @@ Bytes with_ids(Bytes payload, std::uint32_t id, std::uint32_t parent) {
   return payload;
 }
 
-TEST_CASE("Cycles, repeated numbers and second roots are refused") {
+TEST_CASE("rejects cycles, duplicate numbers and second roots") {
   const PackedParts parts = small_parts();
   const Cloud expected = parts.whole();
   StreamDecoder decoder = parts.begun();
@@ -291,7 +291,7 @@ TEST_CASE("Cycles, repeated numbers and second roots are refused") {
   CHECK(decoder.refused_chunks() == ++refused);
 }
 
-TEST_CASE("Chunks without their parents take a bounded amount of memory") {
+TEST_CASE("limits the memory for chunks without their parents") {
   const PackedParts parts = small_parts();
   StreamDecoder decoder = parts.begun();
   Bytes tiny(parts.payloads[1].begin(), parts.payloads[1].begin() + 22);
@@ -301,7 +301,7 @@ TEST_CASE("Chunks without their parents take a bounded amount of memory") {
   CHECK(decoder.cloud().empty());
 }
 
-TEST_CASE("No more vectors come out than were allowed") {
+TEST_CASE("decodes at most the maximum number of vectors") {
   const PackedParts parts = small_parts();
   for (const std::size_t most : {0u, 10u, 300u, 900u}) {
     StreamDecoder decoder(most);
@@ -312,7 +312,7 @@ TEST_CASE("No more vectors come out than were allowed") {
   }
 }
 
-TEST_CASE("Records of a chunk may come in any pieces") {
+TEST_CASE("accepts the records of a chunk in any pieces") {
   Cloud cloud;
   std::mt19937 random(5);
   for (int i = 0; i < 3000; ++i) {
@@ -364,7 +364,7 @@ TEST_CASE("Records of a chunk may come in any pieces") {
   CHECK(pieces.refused_chunks() == 1);
 }
 
-TEST_CASE("Before its header a stream is empty, and directories come piece by piece") {
+TEST_CASE("is empty before the header, and reads directories in pieces") {
   const PackedParts parts = small_parts();
   StreamDecoder decoder;
   decoder.add(ChunkType::packed, parts.payloads[0]);
@@ -379,7 +379,7 @@ TEST_CASE("Before its header a stream is empty, and directories come piece by pi
 // tests/qnv/vectors/v1/packed_sphere.qnv is a stream as encode_surface wrote it once; packed_sphere.txt is what a
 // program written from FORMAT.md alone made of it. Neither may ever be made again: streams of version 1 are read for
 // ever.
-TEST_CASE("A stream of the first version decodes to its pinned numbers") {
+TEST_CASE("decodes a stream of version 1 to its pinned numbers") {
   const std::string folder = GHOSTSPACE_TESTS "/qnv/vectors/v1/";
   std::ifstream in(folder + "packed_sphere.qnv", std::ios::binary);
   const std::vector<char> chars{std::istreambuf_iterator<char>(in), {}};
@@ -421,7 +421,7 @@ TEST_CASE("A stream of the first version decodes to its pinned numbers") {
 }
 
 // tests/qnv/vectors/v2: as above, with an origin; records_far.txt is what records_decode.py made of it.
-TEST_CASE("A stream of the second version decodes to its pinned places") {
+TEST_CASE("decodes a stream of version 2 to its pinned positions") {
   const Bytes bytes = read_bytes("records_far.qnv", "v2");
   StreamDecoder decoder;
   REQUIRE(decoder.push(bytes));

@@ -92,7 +92,7 @@ void check_sound(const BaseMesh& base, std::size_t bytes) {
 
 }  // namespace
 
-TEST_CASE("a base mesh comes out of its bytes as it went in") {
+TEST_CASE("restores a base mesh from its bytes") {
   for (const auto& [name, base] : bases()) {
     INFO(name);
     const CodedBase coded = encode_base(base, none);
@@ -108,7 +108,7 @@ TEST_CASE("a base mesh comes out of its bytes as it went in") {
   }
 }
 
-TEST_CASE("creases of a base mesh are kept, and rims are none") {
+TEST_CASE("keeps the creases of a base mesh, without those at its boundary") {
   const BaseMesh base = base_of(simplify(mesh_of(sheet(60)), 300), 9);
   // Those whose ends lie on the same side of a plane.
   const auto crease = [&](std::uint32_t a, std::uint32_t b) {
@@ -129,12 +129,12 @@ TEST_CASE("creases of a base mesh are kept, and rims are none") {
   CHECK(creases > 20);
 }
 
-TEST_CASE("a base of a smooth mesh takes about a byte and a half a triangle") {
+TEST_CASE("encodes a smooth base mesh in about 1.5 bytes per triangle") {
   const BaseMesh base = base_of(simplify(mesh_of(torus(120, 60)), 640), 8);
   CHECK(encode_base(base, none).bytes.size() < base.triangles.size() * 3 / 2);
 }
 
-TEST_CASE("prefixes and mutations of a base mesh are one or are refused") {
+TEST_CASE("decodes prefixes and mutations of a base mesh to a valid mesh or rejects them") {
   std::mt19937 random(5);
   for (const auto& [name, base] : bases()) {
     INFO(name);
@@ -158,7 +158,7 @@ TEST_CASE("prefixes and mutations of a base mesh are one or are refused") {
   }
 }
 
-TEST_CASE("bytes that say yes for ever end") {
+TEST_CASE("ends on bytes that always decode to new vertices") {
   // Behind the end are zeros, which are yes: a new vertex beside every gate, until the bytes allow no more.
   for (const std::size_t length : {1, 2, 30, 3000, 65535})
     for (const int fill : {0x00, 0xff, 0x55}) {

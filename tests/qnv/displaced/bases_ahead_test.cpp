@@ -7,7 +7,7 @@
 
 namespace gs::qnv::displaced::bases_ahead_test {
 
-TEST_CASE("a base that was expected is the one that is made when it is asked for, and so is any other") {
+TEST_CASE("returns the same base mesh whether it was prepared in advance or not") {
   const SurfaceMesh mesh = mesh_of(ball(12));
   BasesAhead bases(mesh, GENERATE(0u, 1u, 2u));
   const auto same = [&](std::size_t triangles) {

@@ -73,7 +73,7 @@ TEST_CASE("decodes the output of the range coder") {
   }
 }
 
-TEST_CASE("any number of equal decisions is read again, with few bytes and no more zeros behind them than are spared") {
+TEST_CASE("decodes any number of equal decisions from few bytes and spared trailing zeros") {
   for (const bool bit : {false, true})
     for (std::size_t count = 0; count < 20000; count += 1 + count / 3) {
       BinaryEncoder encoder;
@@ -89,7 +89,7 @@ TEST_CASE("any number of equal decisions is read again, with few bytes and no mo
 }
 
 // FORMAT.md, "Binary range coding": worked out by hand-written integer arithmetic apart from this program.
-TEST_CASE("the bytes of a range coder are pinned") {
+TEST_CASE("writes the pinned bytes of the range coder") {
   BinaryEncoder encoder;
   BitModel model;
   for (const bool bit : {true, true, false, true, false, false, false, true, true, false}) encoder.put(model, bit);
@@ -106,7 +106,7 @@ TEST_CASE("the bytes of a range coder are pinned") {
   CHECK(learned.one == 54612 - 21845);
 }
 
-TEST_CASE("a prefix of a range coder's bytes is read without harm, and known to be one") {
+TEST_CASE("decodes a prefix of range-coded bytes safely, and detects that it is one") {
   const std::vector<Decision> decisions = random_decisions(77, 900);
   const std::vector<std::byte> bytes = written(decisions);
   std::size_t known = 0;
@@ -120,7 +120,7 @@ TEST_CASE("a prefix of a range coder's bytes is read without harm, and known to 
   CHECK(known > bytes.size() * 9 / 10);
 }
 
-TEST_CASE("numbers with a sign are numbers from 0 up") {
+TEST_CASE("maps signed numbers to unsigned ones and back") {
   CHECK(zigzag(0) == 0);
   CHECK(zigzag(-1) == 1);
   CHECK(zigzag(1) == 2);

@@ -69,7 +69,7 @@ StreamDecoder decoded(const Parts& parts, double lost, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("parts with many sharp edges become the mesh itself, which losses do not take away") {
+TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives losses") {
   EncodeOptions options;
   options.only_if_suited = true;
   const Triangles source = wheel();
@@ -107,7 +107,7 @@ TEST_CASE("parts with many sharp edges become the mesh itself, which losses do n
   CHECK(decoded(parts_of(part), 0, 1).cloud().triangles.size() >= 300);
 }
 
-TEST_CASE("the last stage is there although a third of its pieces is lost") {
+TEST_CASE("shows the last stage after the loss of a third of its pieces") {
   // tests/qnv/vectors/v1/displaced_pieces.qnv has two stages.
   const Parts parts = parts_of(read_bytes("displaced_pieces.qnv"));
   REQUIRE(std::ranges::count(parts.chunks, ChunkType::piece, &std::pair<ChunkType, Bytes>::first) > 5);

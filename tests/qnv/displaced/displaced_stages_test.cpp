@@ -69,7 +69,7 @@ std::vector<Corners> welded(const Cloud& cloud) {
 
 }  // namespace
 
-TEST_CASE("a later stage takes over in whatever order its chunks come") {
+TEST_CASE("switches to a later stage whatever the order of its chunks is") {
   const Parts parts = parts_of(read_bytes("displaced_stages.qnv"));
   const Cloud wanted = decoded(parts, parts.chunks).cloud();
   std::mt19937 random(2);
@@ -110,7 +110,7 @@ TEST_CASE("keeps the previous stage if the base mesh of a stage is lost") {
   CHECK(same(decoder.cloud(), decoded(parts, parts.chunks).cloud()));
 }
 
-TEST_CASE("small parts stand beside the others, from their chunk on") {
+TEST_CASE("shows small parts beside the others as soon as their chunk is received") {
   Triangles all = ball(20);
   for (int i = 0; i < 3; ++i)
     for (Triangle t : ball(2)) {
@@ -132,7 +132,7 @@ TEST_CASE("small parts stand beside the others, from their chunk on") {
   CHECK(same(decoded(parts, turned).cloud(), cloud));
 }
 
-TEST_CASE("however many stages are claimed, memory stays bounded") {
+TEST_CASE("limits memory however many stages a stream claims") {
   const Parts parts = parts_of(read_bytes("displaced_stages.qnv"));
   const auto base =
       std::find_if(parts.chunks.begin(), parts.chunks.end(), [](const Bytes& chunk) { return kind_of(chunk) == 0; });

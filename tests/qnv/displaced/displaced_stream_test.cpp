@@ -125,7 +125,7 @@ std::size_t header_bytes(std::span<const std::byte> stream) {
 
 }  // namespace
 
-TEST_CASE("a surface comes out of a displaced stream, the nearer the more of it has come") {
+TEST_CASE("approaches the surface as more of a displaced stream is received") {
   for (const Sample& s : samples()) {
     INFO(s.name);
     CHECK(header_bytes(s.stream) <= 1000);
@@ -152,7 +152,7 @@ TEST_CASE("a surface comes out of a displaced stream, the nearer the more of it 
   }
 }
 
-TEST_CASE("a closed surface comes out closed, and an open one keeps its rims") {
+TEST_CASE("keeps closed surfaces closed and boundaries in place") {
   for (const Sample& s : samples()) {
     INFO(s.name);
     for (const double part : {0.3, 1.0}) {
@@ -172,14 +172,14 @@ TEST_CASE("a closed surface comes out closed, and an open one keeps its rims") {
   }
 }
 
-TEST_CASE("sharp edges are creases: beside them normals are those of the sides") {
+TEST_CASE("keeps sharp edges as creases with the normals of their sides") {
   const Cloud cloud = decoded(samples()[3].stream).cloud();
   std::size_t straight = 0;
   for (const glm::vec3& n : cloud.normals) straight += std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 0.98f;
   CHECK(straight > cloud.size() * 97 / 100);
 }
 
-TEST_CASE("colours come back within their steps") {
+TEST_CASE("restores colours within their quantisation steps") {
   const Sample& s = samples()[4];
   const Cloud cloud = decoded(s.stream).cloud();
   REQUIRE(cloud.colors.size() == cloud.size());
@@ -194,7 +194,7 @@ TEST_CASE("colours come back within their steps") {
   CHECK(decoded(samples()[0].stream).cloud().colors.empty());
 }
 
-TEST_CASE("every prefix of a displaced stream is a picture once its header is there") {
+TEST_CASE("shows a picture for every prefix that holds the header of a displaced stream") {
   for (const Sample& s : {samples()[2], samples()[4]}) {
     const std::size_t head = header_bytes(s.stream);
     StreamDecoder decoder;
@@ -214,7 +214,7 @@ TEST_CASE("every prefix of a displaced stream is a picture once its header is th
   }
 }
 
-TEST_CASE("however a displaced stream is cut into pieces, it is the same surface") {
+TEST_CASE("decodes a displaced stream to the same surface in any pieces") {
   const Sample& s = samples()[0];
   const Cloud wanted = decoded(s.stream).cloud();
   for (std::size_t at = 0; at <= s.stream.size(); at += 1 + 16 * watched_step(20)) {
@@ -226,7 +226,7 @@ TEST_CASE("however a displaced stream is cut into pieces, it is the same surface
   }
 }
 
-TEST_CASE("chunks of a displaced stream give the same surface in any order, and twice") {
+TEST_CASE("decodes a displaced stream to the same surface in any order, and with repeated chunks") {
   std::mt19937 random(6);
   for (const Sample& s : samples()) {
     INFO(s.name);
@@ -246,7 +246,7 @@ TEST_CASE("chunks of a displaced stream give the same surface in any order, and 
   }
 }
 
-TEST_CASE("lost chunks make a displaced surface rougher, and nothing else", "[optimised]") {
+TEST_CASE("makes a displaced surface only rougher when chunks are lost", "[optimised]") {
   const Triangles rough = sheet(150);
   const Bytes stream = encode(rough);
   StreamReader reader;
@@ -288,7 +288,7 @@ TEST_CASE("lost chunks make a displaced surface rougher, and nothing else", "[op
   }
 }
 
-TEST_CASE("a flipped bit costs a displaced stream one chunk at most") {
+TEST_CASE("loses at most one chunk of a displaced stream to a flipped bit") {
   const Sample& s = samples()[4];
   const std::size_t head = header_bytes(s.stream);
   const std::size_t whole = decoded(s.stream).vectors();
@@ -303,7 +303,7 @@ TEST_CASE("a flipped bit costs a displaced stream one chunk at most") {
   }
 }
 
-TEST_CASE("mutated chunks of a displaced stream are numbers or are refused") {
+TEST_CASE("decodes mutated chunks of a displaced stream to finite numbers or rejects them") {
   std::mt19937 random(12);
   for (const Sample& s : {samples()[2], samples()[4]}) {
     StreamReader reader;
@@ -326,7 +326,7 @@ TEST_CASE("mutated chunks of a displaced stream are numbers or are refused") {
   }
 }
 
-TEST_CASE("a displaced decoder keeps to as many vectors as it is given") {
+TEST_CASE("decodes at most the maximum number of vectors of a displaced stream") {
   const Sample& s = samples()[0];
   for (const std::size_t most : {500, 2000}) {
     StreamDecoder decoder(most);
@@ -340,7 +340,7 @@ TEST_CASE("a displaced decoder keeps to as many vectors as it is given") {
   }
 }
 
-TEST_CASE("a few bytes do not ask for much memory") {
+TEST_CASE("allocates little memory for a few hostile bytes") {
   // A base of many triangles whose deepest level has 2^26 vertices, of which a small cluster brings a few.
   const Sample& s = samples()[0];
   StreamReader reader;
@@ -362,7 +362,7 @@ TEST_CASE("a few bytes do not ask for much memory") {
   check_sound(decoder.cloud());
 }
 
-TEST_CASE("small and far surfaces are as near as others") {
+TEST_CASE("encodes small and distant surfaces as precisely as others") {
   const Triangles wanted = ball(16);
   const double error = error_of(decoded(encode(wanted)).cloud(), wanted);
   for (const auto& [scale, away] : {std::pair{1e-12f, 0.0f}, {1e15f, 0.0f}, {1.0f, 512.0f}}) {
@@ -376,7 +376,7 @@ TEST_CASE("small and far surfaces are as near as others") {
   }
 }
 
-TEST_CASE("few triangles keep their colours") {
+TEST_CASE("keeps the colours of a few triangles") {
   for (const bool striped : {false, true}) {
     Triangles small = ball(4);
     for (Triangle& t : small)
@@ -393,7 +393,7 @@ TEST_CASE("few triangles keep their colours") {
   }
 }
 
-TEST_CASE("the same surface gives the same bytes, whatever the threads") {
+TEST_CASE("encodes a surface to the same bytes on any number of threads") {
   const Sample& s = samples()[4];
   for (const unsigned threads : {1u, 3u}) {
     EncodeOptions options;

@@ -113,7 +113,7 @@ void check_stage(Surface& surface, Told wanted) {
 
 // tests/qnv/vectors/v1/displaced_*.qnv are streams as encode_displaced wrote them once; the .txt beside them is what
 // tests/qnv/vectors/displaced.py, written from FORMAT.md alone, made of them. Neither may ever be made again.
-TEST_CASE("Displaced streams of the first version decode to their pinned numbers") {
+TEST_CASE("decodes displaced streams of version 1 to their pinned numbers") {
   for (const std::string name : {"displaced_fold", "displaced_stages", "displaced_pieces"}) {
     INFO(name);
     const std::vector<std::byte> bytes = read_bytes(name + ".qnv");

@@ -34,14 +34,14 @@ TEST_CASE("welds equal positions and keeps a closed surface closed") {
   CHECK(rims_of(mesh.triangles) == 0);
 }
 
-TEST_CASE("an edge at which three and more triangles meet is cut") {
+TEST_CASE("cuts an edge where three or more triangles meet") {
   const SurfaceMesh mesh =
       mesh_of({triangle_of(kA, kB, kC), triangle_of(kB, kA, kD), triangle_of(kA, kB, kE), triangle_of(kB, kA, kF)});
   check_manifold(mesh);
   CHECK(mesh.triangles.size() == 4);
 }
 
-TEST_CASE("of triangles with the same corners one stays, whichever way they turn") {
+TEST_CASE("keeps one of several triangles with equal corners, whichever way they face") {
   const SurfaceMesh mesh = mesh_of({triangle_of(kA, kB, kC), triangle_of(kB, kC, kA), triangle_of(kC, kB, kA)});
   check_manifold(mesh);
   CHECK(mesh.triangles.size() == 1);
@@ -49,7 +49,7 @@ TEST_CASE("of triangles with the same corners one stays, whichever way they turn
   CHECK(mesh_of(two_sided_sheet()).triangles.size() == 2);
 }
 
-TEST_CASE("fans that meet at a vertex only get a vertex each") {
+TEST_CASE("gives each of two fans that meet at a vertex its own vertex") {
   const SurfaceMesh mesh = mesh_of({triangle_of(kA, kB, kC), triangle_of(kA, kD, kE)});
   check_manifold(mesh);
   CHECK(mesh.positions.size() == 6);
@@ -64,20 +64,20 @@ TEST_CASE("fans that meet at a vertex only get a vertex each") {
   CHECK(rims_of(balls.triangles) == 0);
 }
 
-TEST_CASE("neighbours that turn different ways are parted") {
+TEST_CASE("separates neighbours that face opposite ways") {
   const SurfaceMesh mesh = mesh_of({triangle_of(kA, kB, kC), triangle_of(kA, kB, kD)});
   check_manifold(mesh);
   CHECK(mesh.positions.size() == 6);
 }
 
-TEST_CASE("triangles without area or with places that are no numbers are left out") {
+TEST_CASE("drops triangles without area or with positions that are not finite") {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   const SurfaceMesh mesh = mesh_of({triangle_of(kA, kA, kC), triangle_of(kA, {nan, 0, 0}, kC),
                                     triangle_of({inf, 0, 0}, kB, kC), triangle_of(kA, kB, kC)});
   CHECK(mesh.triangles.size() == 1);
 }
 
-TEST_CASE("any heap of triangles becomes a manifold with colours") {
+TEST_CASE("makes a manifold with colours of any set of triangles") {
   std::mt19937 random(9);
   for (std::size_t round = 0; round < 30; ++round) {
     // Corners on a few places: everything meets everything.
@@ -122,7 +122,7 @@ TEST_CASE("returns a manifold with its neighbours and numbers vertices by first 
   CHECK(named == mesh.positions.size());
 }
 
-TEST_CASE("neighbours lie beside the same edge") {
+TEST_CASE("stores each neighbour at the edge that the triangles share") {
   const SurfaceMesh mesh = mesh_of(sheet(12));
   const auto beside = neighbours_of(mesh.triangles);
   std::size_t ends = 0;

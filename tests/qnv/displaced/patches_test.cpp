@@ -24,7 +24,7 @@ Patches square() { return {{{0, 1, 2}, {0, 2, 3}}, 4}; }
 
 }  // namespace
 
-TEST_CASE("every vertex of a level is numbered once, and shared by the patches beside it") {
+TEST_CASE("numbers each vertex of a level once, shared by the neighbouring patches") {
   for (const Triangles& shape : {ball(2), torus(7, 5), sheet(9)}) {
     const Patches patches = patches_of(mesh_of(shape));
     for (int level = 0; level <= 4; ++level) {
@@ -52,7 +52,7 @@ TEST_CASE("every vertex of a level is numbered once, and shared by the patches b
   }
 }
 
-TEST_CASE("edges are numbered by the first patch beside them, from its corners on") {
+TEST_CASE("numbers edges by the first patch at them, starting at its corners") {
   const Patches patches = square();
   REQUIRE(patches.edges().size() == 5);
   CHECK(patches.edge(0, 2) == patches.edge(1, 0));
@@ -73,7 +73,7 @@ TEST_CASE("edges are numbered by the first patch beside them, from its corners o
   CHECK(row_start(4, 4) == 14);
 }
 
-TEST_CASE("every new vertex of a level lies between two that share an edge of the level before") {
+TEST_CASE("places each new vertex of a level between two ends of an edge of the level before") {
   const Patches patches = patches_of(mesh_of(sheet(6)));
   for (int level = 1; level <= 3; ++level) {
     std::vector<int> visited(patches.vertices_at(level), 0);
@@ -95,7 +95,7 @@ TEST_CASE("every new vertex of a level lies between two that share an edge of th
   }
 }
 
-TEST_CASE("patches cut along creases have vertices of their own on either side, where the crease goes through") {
+TEST_CASE("splits vertices along creases between the patches on either side") {
   Patches patches = square();
   CHECK(patches.has_lines());  // rims
   CHECK(patches.cut().base_vertices() == 4);
@@ -118,7 +118,7 @@ TEST_CASE("patches cut along creases have vertices of their own on either side, 
   CHECK(round.cut().base_vertices() == round.base_vertices());
 }
 
-TEST_CASE("normals are the same to the last bit on any number of threads, with creases and rims") {
+TEST_CASE("computes normals at creases and boundaries to the same bits on any number of threads") {
   for (const Triangles& shape : {ball(6), torus(9, 7), sheet(9)}) {
     Patches patches = patches_of(mesh_of(shape));
     std::vector<bool> creases(patches.edges().size(), false);

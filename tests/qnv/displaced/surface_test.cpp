@@ -122,7 +122,7 @@ SurfaceMesh shape(int which) {
 
 }  // namespace
 
-TEST_CASE("numbers come out of clusters as they went in, whatever runs of patches the clusters have") {
+TEST_CASE("restores the numbers of clusters, whatever their patch ranges are") {
   for (int which = 0; which < 3; ++which)
     for (const std::size_t creases : {0, 4})
       for (const std::uint32_t run : {1u, 5u, 1000u}) {
@@ -137,7 +137,7 @@ TEST_CASE("numbers come out of clusters as they went in, whatever runs of patche
       }
 }
 
-TEST_CASE("a stage's header comes out as it went in, and each impossible one is refused") {
+TEST_CASE("restores the header of a stage, and rejects impossible ones") {
   StageHeader stage = stage_of(shape(0), 5);
   stage.step_exponent = 13;
   stage.clusters = 255;
@@ -167,7 +167,7 @@ TEST_CASE("a stage's header comes out as it went in, and each impossible one is 
   CHECK(!decode_stage({}));
 }
 
-TEST_CASE("cluster headers come out as they went in, and each impossible one is refused") {
+TEST_CASE("restores cluster headers, and rejects impossible ones") {
   for (const int level : {1, 4, 8})
     for (const int layer : {0, 3})
       for (const std::uint32_t first : {0u, 127u, 128u, 131071u})
@@ -202,7 +202,7 @@ TEST_CASE("cluster headers come out as they went in, and each impossible one is 
   CHECK(refused({0x01, 0x01, 0, 0xff, 0xff, 0xff, 0x7f}));     // count
 }
 
-TEST_CASE("a surface has no cracks, whatever of its clusters has come") {
+TEST_CASE("leaves no cracks whichever clusters are received") {
   std::mt19937 random(3);
   for (int which = 0; which < 3; ++which) {
     const StageHeader stage = stage_of(shape(which), 4, 5);
@@ -229,7 +229,7 @@ TEST_CASE("a surface has no cracks, whatever of its clusters has come") {
   }
 }
 
-TEST_CASE("a level above another one has the same vertices") {
+TEST_CASE("shares the vertices of a level with the level above") {
   const StageHeader stage = stage_of(shape(2), 4, 5);
   Surface surface(stage);
   fill(surface, 8, 2);
@@ -241,7 +241,7 @@ TEST_CASE("a level above another one has the same vertices") {
   }
 }
 
-TEST_CASE("a cluster comes once, and those that do not fit are refused") {
+TEST_CASE("accepts a cluster once, and rejects clusters that do not fit") {
   const StageHeader stage = stage_of(shape(0), 2);
   Surface source(stage), copy(stage);
   fill(source, 1, 1);
@@ -274,7 +274,7 @@ TEST_CASE("a cluster comes once, and those that do not fit are refused") {
   CHECK(!add(without, payload));
 }
 
-TEST_CASE("prefixes and mutations of clusters are numbers or are refused") {
+TEST_CASE("decodes prefixes and mutations of clusters to finite numbers or rejects them") {
   const StageHeader stage = stage_of(shape(2), 5, 4);
   Surface source(stage);
   fill(source, 21, 1);
@@ -297,7 +297,7 @@ TEST_CASE("prefixes and mutations of clusters are numbers or are refused") {
   }
 }
 
-TEST_CASE("a surface of one place or without area is one of finite places") {
+TEST_CASE("gives finite positions for a surface at one point or without area") {
   StageHeader stage = stage_of(shape(0), 3);
   for (glm::ivec3& v : stage.base.vertices) v = {3, 3, 3};
   Surface surface(stage);
@@ -308,7 +308,7 @@ TEST_CASE("a surface of one place or without area is one of finite places") {
   CHECK(point.inside(glm::vec3(7)) == glm::vec3(0));
 }
 
-TEST_CASE("pages of numbers that never came are 0 and take no memory") {
+TEST_CASE("reads missing pages of numbers as 0 without allocating them") {
   NumberArray numbers;
   CHECK(numbers.empty());
   numbers.assign_zeros(std::size_t{1} << 20);

@@ -47,7 +47,7 @@ float near_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const 
 
 }  // namespace
 
-TEST_CASE("a tree of triangles finds what looking at all of them finds") {
+TEST_CASE("finds in a tree of triangles the result of a full search") {
   std::mt19937 random(8);
   for (const SurfaceMesh& mesh : {mesh_of(ball(1)), mesh_of(torus(9, 7)), mesh_of(sheet(9))})
     for (const unsigned threads : {1u, 3u}) {
@@ -86,7 +86,7 @@ TEST_CASE("a tree of triangles finds what looking at all of them finds") {
     }
 }
 
-TEST_CASE("a tree of few triangles, of none, and of such without area answers") {
+TEST_CASE("answers queries on a tree of few, no or degenerate triangles") {
   const SurfaceMesh none;
   const TriangleTree empty(none);
   CHECK(empty.nearest({0, 0, 0}, 9, {0, 0, 1}, -1).triangle == kNone);

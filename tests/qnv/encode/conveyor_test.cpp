@@ -49,7 +49,7 @@ TEST_CASE("rethrows an exception of the work at the end and takes no more triang
   CHECK(done == 3);
 }
 
-TEST_CASE("a conveyor that is left without a word has done what it was given") {
+TEST_CASE("finishes all its work when it is destroyed without a call") {
   std::size_t done = 0;
   {
     Conveyor conveyor([&](std::span<const Triangle> some) { done += some.size(); }, 2);

@@ -62,7 +62,7 @@ double sum(const Cloud& cloud) {
 
 }  // namespace
 
-TEST_CASE("a cloud comes back from its stream: places, directions, weights, colours") {
+TEST_CASE("restores positions, directions, weights and colours of a point set from its stream") {
   EncodeOptions options;
   options.metadata = {{"title", "ball"}};
   Cloud cloud = sphere_cloud(5000, true);
@@ -92,7 +92,7 @@ TEST_CASE("a cloud comes back from its stream: places, directions, weights, colo
   CHECK(decoded(encoded(sphere_cloud(100, false)).bytes).color == Rgb8{1, 2, 3});
 }
 
-TEST_CASE("a stream of records has every whole area at every cut, and keeps its budget") {
+TEST_CASE("keeps the whole area at every cut of a stream of records, within its budget") {
   const Cloud cloud = sphere_cloud(4000, false);
   const EncodedStream stream = encoded(cloud);
   std::size_t before = 0;
@@ -117,7 +117,7 @@ TEST_CASE("a stream of records has every whole area at every cut, and keeps its 
   CHECK(decoded(encoded(cloud, options).bytes).size() == 123);
 }
 
-TEST_CASE("a volume's classes and transfer function travel along, and its total is that of what is sent") {
+TEST_CASE("encodes a volume's classes and transfer function, with the total of the sent vectors") {
   Cloud cloud = sphere_cloud(500, false);
   cloud.description.kind = Kind::volume;
   cloud.description.total = 1e9;  // with vectors that were left out
@@ -152,7 +152,7 @@ TEST_CASE("leaves out invalid vectors and refuses an empty point set") {
   CHECK(std::get<EncodeError>(encode_cloud(sphere_cloud(50, false), {}, &progress)).message == "cancelled");
 }
 
-TEST_CASE("chunks of the other payload, and of nonsense, are refused") {
+TEST_CASE("rejects chunks of the other payload and nonsense") {
   const EncodedStream stream = encoded(sphere_cloud(200, false));
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));

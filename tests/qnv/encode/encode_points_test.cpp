@@ -45,7 +45,7 @@ Cloud decoded_points(const EncodedStream& stream) {
 
 }  // namespace
 
-TEST_CASE("Points of a surface are packed as that: where they were, facing as they did, without gaps") {
+TEST_CASE("packs points of a surface at their positions, with their normals and without gaps") {
   Cloud points = ball_of_points(8000);
   EncodeOptions options;
   options.metadata = {{"title", "ball"}};
@@ -70,7 +70,7 @@ TEST_CASE("Points of a surface are packed as that: where they were, facing as th
   }
 }
 
-TEST_CASE("Points that are broken do not count, and what are no points of a surface is refused") {
+TEST_CASE("skips invalid points, and refuses points that form no surface") {
   Cloud points = ball_of_points(500);
   points.positions[7].x = std::numeric_limits<float>::quiet_NaN();
   points.normals[8] = glm::vec3(0);

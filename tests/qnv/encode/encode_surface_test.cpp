@@ -33,7 +33,7 @@ std::string error_of(const TriangleSource& source, const EncodeOptions& options 
   return error ? error->message : "";
 }
 
-TEST_CASE("A stream says what its surface is") {
+TEST_CASE("describes its surface in the header of a stream") {
   const Triangles ball = sphere(40, 2, {1, 2, 3});
   EncodeOptions options;
   options.vectors = 5000;
@@ -57,7 +57,7 @@ TEST_CASE("A stream says what its surface is") {
   CHECK(encoded(open, options).header.description.two_sided);
 }
 
-TEST_CASE("About as many vectors come out as were asked for, with the area of the surface") {
+TEST_CASE("encodes about the requested number of vectors, with the area of the surface") {
   const Triangles ball = sphere(100);
   for (const std::size_t vectors : {500u, 2000u, 10000u, 40000u}) {
     EncodeOptions options;
@@ -70,7 +70,7 @@ TEST_CASE("About as many vectors come out as were asked for, with the area of th
   }
 }
 
-TEST_CASE("The same bytes come out whatever the threads") {
+TEST_CASE("encodes the same bytes on any number of threads") {
   Triangles many = random_triangles(500, 1, 23);
   const Triangles ball = sphere(60, 1, {}, true);
   many.insert(many.end(), ball.begin(), ball.end());
@@ -87,7 +87,7 @@ TEST_CASE("The same bytes come out whatever the threads") {
   }
 }
 
-TEST_CASE("A stream is never longer than was asked for", "[optimised]") {
+TEST_CASE("never exceeds the requested length of a stream", "[optimised]") {
   const Triangles ball = sphere(70, 1, {}, true);
   double last = 0;
   for (const std::size_t most : {300u, 500u, 700u, 900u, 1200u, 1900u, 3000u, 5000u, 9001u, 20000u, 60000u, 150000u}) {
@@ -113,7 +113,7 @@ TEST_CASE("A stream is never longer than was asked for", "[optimised]") {
   CHECK(error_of(source_of(ball), options).find("the coarsest picture takes ") == 0);
 }
 
-TEST_CASE("A compact stream is shorter, of the same discs") {
+TEST_CASE("encodes the same vectors in fewer bytes in a compact stream") {
   const Triangles ball = sphere(100);
   EncodeOptions options;
   options.vectors = 30000;
@@ -123,7 +123,7 @@ TEST_CASE("A compact stream is shorter, of the same discs") {
   CHECK(compact.bytes.size() * 20 < full.bytes.size() * 19);
 }
 
-TEST_CASE("Colours: one for all, or one a disc") {
+TEST_CASE("encodes one colour for all vectors, or one per vector") {
   EncodeOptions options;
   options.vectors = 3000;
   Triangles red = sphere(30);
@@ -140,7 +140,7 @@ TEST_CASE("Colours: one for all, or one a disc") {
     if (std::abs(two.positions[i].z) > 0.3f) REQUIRE((two.colors[i].b > two.colors[i].r) == (two.positions[i].z > 0));
 }
 
-TEST_CASE("Directory boxes hold the discs of their clusters") {
+TEST_CASE("stores directory boxes that contain the splats of their clusters") {
   const Triangles ball = sphere(60);
   EncodeOptions options;
   options.vectors = 8000;
@@ -164,7 +164,7 @@ TEST_CASE("Directory boxes hold the discs of their clusters") {
   }
 }
 
-TEST_CASE("Surfaces that cannot be encoded are refused with a reason") {
+TEST_CASE("refuses surfaces that cannot be encoded, with a reason") {
   const std::string nothing = "there is no surface to encode; expected triangles with an area";
   const float nan = std::numeric_limits<float>::quiet_NaN();
   CHECK(error_of([](const TriangleSink&) { return false; }) == "the surface could not be read");
@@ -181,7 +181,7 @@ TEST_CASE("Surfaces that cannot be encoded are refused with a reason") {
   CHECK(error_of(source_of(ball), {}, &progress) == "cancelled");
 }
 
-TEST_CASE("Surfaces of extreme size give discs that can be drawn") {
+TEST_CASE("encodes surfaces of extreme size as vectors that can be drawn") {
   for (const float size : {1e-25f, 1e-10f, 1e10f, 1e18f}) {
     EncodeOptions options;
     options.vectors = 500;
@@ -201,7 +201,7 @@ TEST_CASE("Surfaces of extreme size give discs that can be drawn") {
   }
 }
 
-TEST_CASE("Records of a surface have its exact area") {
+TEST_CASE("encodes records with the exact area of a surface") {
   const Triangles ball = sphere(50);
   EncodeOptions options;
   options.payload = Payload::records;

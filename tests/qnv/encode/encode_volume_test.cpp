@@ -50,7 +50,7 @@ bool same_vectors(const Cloud& a, const Cloud& b) {
 
 }  // namespace
 
-TEST_CASE("A linear ramp has the same gradient everywhere, whatever the axes") {
+TEST_CASE("computes the same gradient of a linear ramp everywhere, for any axes") {
   const VolumeLayout layout = oblique(7, 6, 5);
   const glm::vec3 slope(0.3f, -1.2f, 0.7f);
   const VolumeSource source = volume_of(layout, [&](auto x, auto y, auto z) {
@@ -67,7 +67,7 @@ TEST_CASE("A linear ramp has the same gradient everywhere, whatever the axes") {
   CHECK(cloud.description.spacing == Approx(glm::length(layout.axes[0])));
 }
 
-TEST_CASE("A single voxel in a row gives the vectors that differences by hand give") {
+TEST_CASE("computes the vectors around a single voxel as differences by hand do") {
   VolumeLayout layout;
   layout.dimensions = {5, 1, 1};
   layout.axes[0].x = 2;
@@ -85,7 +85,7 @@ TEST_CASE("A single voxel in a row gives the vectors that differences by hand gi
   CHECK(cloud.description.metadata == layout.metadata);
 }
 
-TEST_CASE("Missing voxels have no vector, and their neighbours one-sided differences") {
+TEST_CASE("omits vectors at missing voxels, and takes one-sided differences beside them") {
   VolumeLayout layout;
   layout.dimensions = {7, 1, 1};
   const auto along_x = [&](std::vector<float> values) {
@@ -109,7 +109,7 @@ TEST_CASE("Missing voxels have no vector, and their neighbours one-sided differe
   CHECK(masked.description.value_range.second == 2);
 }
 
-TEST_CASE("A ball's gradients point to its centre, whatever the axes") {
+TEST_CASE("points the gradients of a ball to its centre, for any axes") {
   VolumeLayout layout = oblique(40, 30, 20);
   const glm::vec3 centre = place_of(layout, 19.5f, 14.5f, 9.5f);
   const VolumeSource source = volume_of(layout, [&](auto x, auto y, auto z) {
@@ -129,7 +129,7 @@ TEST_CASE("A ball's gradients point to its centre, whatever the axes") {
   CHECK(far_away > 10000);
 }
 
-TEST_CASE("Vectors come longest first, equally long ones in the order of their voxels") {
+TEST_CASE("sorts vectors by length, equal ones by voxel") {
   const Cloud cloud = encoded(noise(20, 0, 3));
   const VolumeLayout layout = oblique(20, 23, 18);
   std::map<std::tuple<float, float, float>, std::size_t> voxels;
@@ -161,7 +161,7 @@ TEST_CASE("Vectors come longest first, equally long ones in the order of their v
   }
 }
 
-TEST_CASE("Fewer vectors are the beginning of more") {
+TEST_CASE("encodes fewer vectors as the beginning of more") {
   const VolumeSource source = noise(24, 5, 100);
   const Cloud all = encoded(source);
   const std::uint64_t voxels = 24 * 27 * 22;
@@ -182,7 +182,7 @@ TEST_CASE("Fewer vectors are the beginning of more") {
   }
 }
 
-TEST_CASE("More equal lengths than can be sorted at once are cut at the right voxel") {
+TEST_CASE("cuts more equal lengths than one sort holds at the right voxel") {
   // A ramp of 1.3 million voxels, all of one length but for one plane.
   VolumeLayout layout;
   layout.dimensions = {128, 128, 80};
@@ -205,7 +205,7 @@ TEST_CASE("More equal lengths than can be sorted at once are cut at the right vo
   CHECK(same_vectors(cloud, encoded(source, {.fraction = 1, .vectors = 40000, .threads = 1})));
 }
 
-TEST_CASE("Every number of threads gives the same bits") {
+TEST_CASE("encodes a volume to the same bits on any number of threads") {
   for (const unsigned gaps : {0u, 20u}) {
     const VolumeSource source = noise(70, gaps, 50);
     const Cloud one = encoded(source, {.fraction = 0.3, .threads = 1});
@@ -214,7 +214,7 @@ TEST_CASE("Every number of threads gives the same bits") {
   }
 }
 
-TEST_CASE("Both paths to the lengths of a row give the same bits") {
+TEST_CASE("computes the lengths of a row to the same bits on both paths") {
   if (!has_avx2()) {
     WARN("this processor has no AVX2");
     return;
@@ -244,7 +244,7 @@ TEST_CASE("Both paths to the lengths of a row give the same bits") {
     }
 }
 
-TEST_CASE("Values at the ends of the floats give finite vectors") {
+TEST_CASE("encodes values at the limits of floats as finite vectors") {
   for (const float scale : {1e-38f, 1e-20f, 1e20f, 3e38f}) {
     VolumeLayout layout;
     layout.dimensions = {3, 3, 3};
@@ -283,7 +283,7 @@ TEST_CASE("reports why a volume cannot be encoded") {
   CHECK(std::get<VolumeError>(result).message == "cancelled");
 }
 
-TEST_CASE("A volume of one value has no vectors but a description") {
+TEST_CASE("encodes a volume of one value as a description without vectors") {
   VolumeLayout layout;
   layout.dimensions = {3, 2, 2};
   const Cloud cloud = encoded(volume_of<std::uint8_t>(layout, std::vector<std::uint8_t>(12, 9)));
@@ -292,7 +292,7 @@ TEST_CASE("A volume of one value has no vectors but a description") {
   CHECK(cloud.description.value_range == std::pair<float, float>{9, 9});
 }
 
-TEST_CASE("Transfer functions start transparent and rise") {
+TEST_CASE("makes transfer functions that begin transparent and rise") {
   for (const auto& [least, most] :
        {std::pair{0.0f, 255.0f}, {-1000.0f, 3000.0f}, {-0.6f, 4.0f}, {-5.0f, 1.0f}, {2.0f, 2.0f}}) {
     const std::vector<TransferPoint> points = default_transfer(least, most);
@@ -308,7 +308,7 @@ TEST_CASE("Transfer functions start transparent and rise") {
   CHECK(default_transfer(-1000, 3000)[1].value == 0.25f);
 }
 
-TEST_CASE("Progress reaches its end") {
+TEST_CASE("reports progress up to its end") {
   Progress progress;
   VolumeLayout layout;
   layout.dimensions = {4, 4, 9};

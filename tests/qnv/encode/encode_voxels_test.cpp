@@ -81,7 +81,7 @@ Cloud cloud_of(std::span<const std::byte> bytes) {
   return decoder.cloud();
 }
 
-TEST_CASE("Every prefix of a stream of voxels is a whole picture") {
+TEST_CASE("decodes every prefix of a volume stream to a complete picture") {
   const SoftBall ball(24);
   const EncodedStream stream = ball.stream();
   const Cells cells(stream.header.lattice);
@@ -106,7 +106,7 @@ TEST_CASE("Every prefix of a stream of voxels is a whole picture") {
   CHECK(decoder.directory().size() == stream.header.chunks);
 }
 
-TEST_CASE("Every split of a stream of voxels gives the same vectors") {
+TEST_CASE("decodes a volume stream to the same vectors wherever it is split") {
   const EncodedStream stream = SoftBall(16).stream();
   const Cloud whole = cloud_of(stream.bytes);
   for (std::size_t split = 0; split <= stream.bytes.size(); split += watched_step(7)) {
@@ -117,7 +117,7 @@ TEST_CASE("Every split of a stream of voxels gives the same vectors") {
   }
 }
 
-TEST_CASE("Clusters of voxels in any order, and any of them lost, leave no hole") {
+TEST_CASE("leaves no hole with voxel clusters in any order and with any losses") {
   const SoftBall ball(24);
   const EncodedStream stream = ball.stream();
   const Cells cells(stream.header.lattice);
@@ -148,7 +148,7 @@ TEST_CASE("Clusters of voxels in any order, and any of them lost, leave no hole"
   CHECK(std::get<Cloud>(some.content).size() > 0);
 }
 
-TEST_CASE("The first vectors of a cloud of voxels cover all of it") {
+TEST_CASE("covers the whole volume with the first vectors of a volume stream") {
   const SoftBall ball(32);
   const Cloud cloud = cloud_of(ball.stream().bytes);
   REQUIRE(cloud.size() == ball.cloud.size());
@@ -169,7 +169,7 @@ TEST_CASE("The first vectors of a cloud of voxels cover all of it") {
   CHECK(full > 10);
 }
 
-TEST_CASE("A budget of bytes for voxels is kept, and said when it cannot be") {
+TEST_CASE("keeps the byte budget of a volume stream, or reports that it cannot") {
   const SoftBall ball(40, 0.3);
   for (const std::size_t most : {1500, 3000, 10000, 30000}) {
     EncodeOptions options;
@@ -186,7 +186,7 @@ TEST_CASE("A budget of bytes for voxels is kept, and said when it cannot be") {
   CHECK(ball.stream(compact).bytes.size() < ball.stream().bytes.size());
 }
 
-TEST_CASE("Vectors that do not stand on the voxels of a volume are no stream of voxels") {
+TEST_CASE("refuses vectors that are not at the voxels of a volume") {
   const SoftBall ball(12);
   const auto refused = [&](auto change) {
     Cloud cloud = ball.cloud;
@@ -208,7 +208,7 @@ TEST_CASE("Vectors that do not stand on the voxels of a volume are no stream of 
   }));
 }
 
-TEST_CASE("A reader refuses voxels of a surface, and payloads that it does not know, by name") {
+TEST_CASE("rejects volume clusters of a surface and unknown payloads, by name") {
   EncodedStream stream = SoftBall(12).stream();
   StreamHeader header = stream.header;
   header.description.kind = Kind::surface;
@@ -223,7 +223,7 @@ TEST_CASE("A reader refuses voxels of a surface, and payloads that it does not k
   CHECK(problem(encode_header(header)) == "the header's section of the lattice is missing or impossible");
 }
 
-TEST_CASE("Streams of voxels that were changed at random do no harm") {
+TEST_CASE("survives random changes of volume streams") {
   const EncodedStream stream = SoftBall(16).stream();
   std::mt19937 random(11);
   std::vector<Bytes> payloads = clusters_of(stream.bytes);

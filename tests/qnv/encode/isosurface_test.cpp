@@ -111,7 +111,7 @@ VolumeSource ball(VolumeLayout layout, glm::vec3 centre, float radius) {
 
 }  // namespace
 
-TEST_CASE("Every case of marching cubes is a closed set of loops about its edges") {
+TEST_CASE("makes closed loops around the cut edges in every case of marching cubes") {
   using namespace gs::qnv::marching_cubes;
   const Cases& cases = Cases::get();
   std::size_t most = 0;
@@ -148,7 +148,7 @@ TEST_CASE("Every case of marching cubes is a closed set of loops about its edges
   CHECK(cases.triangles(0x0f, 0).size() == 2);
 }
 
-TEST_CASE("The surface of a ball has the ball's area and volume, and normals that point out of it") {
+TEST_CASE("makes the isosurface of a ball with its area, its volume and outward normals") {
   VolumeLayout layout;
   layout.dimensions = {44, 44, 24};
   layout.axes[2] = glm::vec3(0, 0, 2);
@@ -175,7 +175,7 @@ TEST_CASE("The surface of a ball has the ball's area and volume, and normals tha
   }
 }
 
-TEST_CASE("A plane across oblique axes lies where it is") {
+TEST_CASE("makes an isosurface of a plane across oblique axes in its position") {
   const VolumeLayout layout = oblique(9, 8, 7);
   const glm::vec3 direction = glm::normalize(glm::vec3(1, 2, -1));
   const float middle = glm::dot(direction, place_of(layout, 4, 3.5f, 3));
@@ -192,7 +192,7 @@ TEST_CASE("A plane across oblique axes lies where it is") {
     }
 }
 
-TEST_CASE("Noise has a surface without cracks") {
+TEST_CASE("makes an isosurface of noise without cracks") {
   for (const unsigned levels : {2u, 3u, 1000u})
     for (const unsigned seed : {1u, 2u, 3u}) {
       const std::vector<Triangle> triangles = surface(closed_noise(16, levels, seed), levels == 1000 ? 500.5 : 1);
@@ -204,7 +204,7 @@ TEST_CASE("Noise has a surface without cracks") {
     }
 }
 
-TEST_CASE("The isosurface is the same for every number of threads, and in the order of cells", "[optimised]") {
+TEST_CASE("makes the same isosurface on any number of threads, in the order of cells", "[optimised]") {
   const VolumeSource source = closed_noise(60, 40, 5);
   const std::vector<Triangle> one = surface(source, 20, 1);
   REQUIRE(one.size() > 100000);
@@ -218,7 +218,7 @@ TEST_CASE("The isosurface is the same for every number of threads, and in the or
   }
 }
 
-TEST_CASE("Missing voxels have no surface") {
+TEST_CASE("makes no isosurface at missing voxels") {
   VolumeLayout layout;
   layout.dimensions = {30, 30, 30};
   const VolumeSource whole = ball(layout, glm::vec3(14.5f), 10);
@@ -234,7 +234,7 @@ TEST_CASE("Missing voxels have no surface") {
   CHECK(surface(volume_of(layout, [](auto...) { return kNaN; }), 0).empty());
 }
 
-TEST_CASE("Volumes without cells have no surface, what is wrong is told") {
+TEST_CASE("makes no isosurface of a volume without cells, and reports wrong arguments") {
   VolumeLayout layout;
   layout.dimensions = {4, 4, 1};
   CHECK(surface(volume_of<std::uint8_t>(layout, std::vector<std::uint8_t>(16, 3)), 2).empty());
@@ -253,7 +253,7 @@ TEST_CASE("Volumes without cells have no surface, what is wrong is told") {
   CHECK(cancelled->message == "cancelled");
 }
 
-TEST_CASE("A sink that wants no more gets no more") {
+TEST_CASE("stops as soon as the sink refuses more triangles") {
   int calls = 0;
   const auto problem =
       isosurface(closed_noise(60, 40, 5), {.isovalue = 20}, [&](std::span<const Triangle>) { return ++calls < 2; });
@@ -261,7 +261,7 @@ TEST_CASE("A sink that wants no more gets no more") {
   CHECK(calls == 2);
 }
 
-TEST_CASE("The bone of the CT head is as large as another marching cubes makes it", "[optimised]") {
+TEST_CASE("gives the bone of the CT head the area of another marching cubes program", "[optimised]") {
   const std::string folder = GHOSTSPACE_TESTS "/../../shared/data/";
   std::ifstream voxels(folder + "volumes/cthead/CThead.be.raw", std::ios::binary);
   std::ifstream reference(folder + "meshes/derived/cthead_bone_iso1400.ply", std::ios::binary);

@@ -79,7 +79,7 @@ TEST_CASE("ends an octree with the mesh if its colours have borders") {
   }
 }
 
-TEST_CASE("an octree alone is as it was, and has no mesh behind it") {
+TEST_CASE("encodes an octree without a mesh unchanged") {
   const EncodedStream stream = encoded(assembly(), 0);
   CHECK(!stream.header.meshed);
   StreamReader reader;
@@ -96,14 +96,14 @@ TEST_CASE("refuses to open a stream with a mesh at its end by levels") {
   CHECK(std::get<StreamProblem>(opened).message.find("mesh") != std::string::npos);
 }
 
-TEST_CASE("no mesh comes where it does not fit into the bytes that were asked for") {
+TEST_CASE("omits the mesh if it exceeds the requested bytes") {
   const std::size_t most = encoded(assembly(), kExactWherePays).bytes.size() / 4;
   const EncodedStream stream = encoded(assembly(), kExactWherePays, most);
   CHECK(!stream.header.meshed);
   CHECK(stream.bytes.size() <= most);
 }
 
-TEST_CASE("with a third of its packets lost an octree still ends with its mesh, mostly") {
+TEST_CASE("usually restores the mesh of an octree after the loss of a third of its packets") {
   const Triangles all = assembly();
   const EncodedStream stream = encoded(all, kExactWherePays);
   std::size_t whole = 0;

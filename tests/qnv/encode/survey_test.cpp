@@ -21,7 +21,7 @@ TEST_CASE("averages the colours of a surface by area") {
   CHECK(survey.mean_color() == Rgb8{125, 70, 30});
 }
 
-TEST_CASE("a surface without an area has the colour of its first corner") {
+TEST_CASE("gives a surface without area the colour of its first corner") {
   SurfaceSurvey survey;
   survey.add(Triangles{triangle_of(glm::vec3(0), glm::vec3(1), glm::vec3(2), {1, 2, 3}),
                        triangle_of(glm::vec3(0), glm::vec3(1), glm::vec3(2), {9, 9, 9})});

@@ -46,7 +46,7 @@ std::size_t open_sides(const ThinnedSurface& surface) {
 
 }  // namespace
 
-TEST_CASE("A thinned surface has as many triangles as were asked for, lies where it lay, and stays closed") {
+TEST_CASE("thins a surface to the requested triangles, and keeps its position and closedness") {
   const Triangles ball = sphere(150, 2, {10, 0, 0}, true);
   for (const std::size_t most : {20'000u, 2'000u}) {
     INFO(most);
@@ -67,7 +67,7 @@ TEST_CASE("A thinned surface has as many triangles as were asked for, lies where
   }
 }
 
-TEST_CASE("Edges and corners of a thinned box stay sharp") {
+TEST_CASE("keeps edges and corners of a thinned box sharp") {
   const ThinnedSurface surface = thinned(box_shape({0, 0, 0}, {4, 3, 2}, 60), 3'000);
   CHECK(open_sides(surface) == 0);
   std::size_t corners = 0;
@@ -96,7 +96,7 @@ TEST_CASE("ignores invalid triangles and reports a surface that cannot be simpli
   CHECK(std::get<EncodeError>(thin_surface(source_of(triangles), 1000, &progress)).message == "cancelled");
 }
 
-TEST_CASE("A surface of more triangles than memory has is encoded as one of fewer") {
+TEST_CASE("encodes a surface that exceeds the memory as one of fewer triangles") {
   const Triangles ball = sphere(90);
   EncodeOptions options;
   options.most_triangles = 8'000;

@@ -78,7 +78,7 @@ ExactMesh mesh_with(const TexturedSurface& surface, int bits) {
 
 }  // namespace
 
-TEST_CASE("every corner of a mesh comes back where it lies in the texture") {
+TEST_CASE("restores the texture coordinates of every corner of a mesh") {
   std::vector<Source> sources = smooth_sources();
   for (Source& s : nasty_sources()) sources.push_back(std::move(s));
   for (const Source& s : sources)
@@ -96,7 +96,7 @@ TEST_CASE("every corner of a mesh comes back where it lies in the texture") {
     }
 }
 
-TEST_CASE("texture coordinates that are smooth take about as many bits as the pixels that they are off") {
+TEST_CASE("encodes smooth texture coordinates in about as many bits as their error in pixels") {
   const Triangles ball = displaced::ball(24);
   const ExactMesh mesh = mesh_with(textured(ball, from_above), 11);
   ExactMesh plain = mesh;
@@ -122,7 +122,7 @@ TEST_CASE("predicts a corner from the triangle across the edge and exactly in a 
   CHECK(nothing.turned(1) == glm::ivec2(3, 4));
 }
 
-TEST_CASE("roots are whole numbers, and never too large") {
+TEST_CASE("computes integer roots rounded down") {
   std::mt19937_64 random(1);
   for (int i = 0; i < 2000; ++i) {
     const auto x = static_cast<std::int64_t>(random() >> (2 + random() % 61));
@@ -133,7 +133,7 @@ TEST_CASE("roots are whole numbers, and never too large") {
   CHECK(root_of(0) == 0);
 }
 
-TEST_CASE("a tail with texture coordinates grows byte by byte as it does at once") {
+TEST_CASE("decodes a tail with texture coordinates byte by byte as at once") {
   const ExactMesh mesh = mesh_with(textured(displaced::torus(20, 12), boxed), 10);
   const Bytes tail = encode_tail(mesh);
   const auto whole = decode_tail(tail, kMost);
@@ -153,7 +153,7 @@ TEST_CASE("a tail with texture coordinates grows byte by byte as it does at once
   CHECK(reader.state() == TailReader::State::whole);
 }
 
-TEST_CASE("mutated tails with texture coordinates are a mesh or are refused") {
+TEST_CASE("decodes mutated tails with texture coordinates to a mesh or rejects them") {
   std::mt19937 random(11);
   for (const Mapped& mapped : {Mapped(boxed), at_random(2)}) {
     const Bytes tail = encode_tail(mesh_with(textured(displaced::ball(7), mapped), 10));
@@ -174,7 +174,7 @@ TEST_CASE("mutated tails with texture coordinates are a mesh or are refused") {
   }
 }
 
-TEST_CASE("a lattice of texture coordinates is finite") {
+TEST_CASE("keeps the lattice of texture coordinates finite") {
   const Bytes tail = encode_tail(mesh_with(textured(displaced::ball(4), from_above), 11));
   REQUIRE(decode_tail(tail, kMost));
   const auto with = [&](std::size_t at, std::initializer_list<int> values) {
@@ -190,7 +190,7 @@ TEST_CASE("a lattice of texture coordinates is finite") {
   CHECK(!decode_tail(with(24, {0xff, 0xff, 0x7f, 0xff}), kMost));
 }
 
-TEST_CASE("a picture is shown as soon as there is enough of one of its files, in any order of its pieces") {
+TEST_CASE("shows a texture once enough of one of its files is received, in any order of pieces") {
   TailPicture picture;
   picture.repeat_t = false;
   for (const std::size_t size : {std::size_t{300}, std::size_t{2000}}) {
@@ -232,7 +232,7 @@ TEST_CASE("a picture is shown as soon as there is enough of one of its files, in
   CHECK(backwards.picture()->bytes == picture.files[1].bytes);
 }
 
-TEST_CASE("pictures that promise what is not there show nothing") {
+TEST_CASE("shows nothing for textures that promise missing data") {
   const auto read = [](const Bytes& bytes) {
     PictureReader reader;
     for (const Bytes& piece : pieces_of(bytes, 50)) (void)reader.add(piece);
@@ -250,7 +250,7 @@ TEST_CASE("pictures that promise what is not there show nothing") {
   }
 }
 
-TEST_CASE("a textured surface ends with its mesh and its picture, whatever has come in between") {
+TEST_CASE("ends a textured surface with its mesh and texture, in any order of its chunks") {
   const Triangles torus = displaced::torus(60, 30);
   const TexturedSurface surface = textured(torus, boxed);
   const TriangleSource source = [&](const TriangleSink& sink) { return sink(torus); };
@@ -308,7 +308,7 @@ TEST_CASE("a textured surface ends with its mesh and its picture, whatever has c
   }
 }
 
-TEST_CASE("without a picture a textured mesh is not shown") {
+TEST_CASE("hides a textured mesh until its texture is received") {
   const Triangles torus = displaced::torus(24, 12);
   const TexturedSurface surface = textured(torus, boxed);
   const TriangleSource source = [&](const TriangleSink& sink) { return sink(torus); };

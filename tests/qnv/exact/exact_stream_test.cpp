@@ -114,7 +114,7 @@ std::vector<Turned> triangles_shown(const Cloud& cloud, int bits, bool rgb) {
 
 }  // namespace
 
-TEST_CASE("a surface with colours at its vertices is followed by a base and ends as it is, without being asked") {
+TEST_CASE("encodes a surface with vertex colours as base mesh and exact mesh by default") {
   Triangles ball = displaced::ball(24);
   for (Triangle& t : ball)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -135,7 +135,7 @@ TEST_CASE("a surface with colours at its vertices is followed by a base and ends
   CHECK(triangles_shown(cloud, decoder.exact().bits(), true) == triangles_in(ball, decoder.exact().bits(), true));
 }
 
-TEST_CASE("the end of an exact stream is the mesh itself") {
+TEST_CASE("ends an exact stream with the mesh itself") {
   for (const Sample& s : samples()) {
     INFO(s.source.name);
     const StreamDecoder decoder = decoded(s.stream);
@@ -162,7 +162,7 @@ TEST_CASE("the end of an exact stream is the mesh itself") {
   }
 }
 
-TEST_CASE("surfaces as they should not be come back from exact streams, or say what was expected") {
+TEST_CASE("restores defective surfaces from exact streams, or reports the defect") {
   for (const Source& s : nasty_sources()) {
     INFO(s.name);
     const auto made = encoded(s.triangles, 11);
@@ -198,7 +198,7 @@ TEST_CASE("limits the data before an exact tail to a fifth of it and shows a pic
 }
 
 // FORMAT.md, "Low bits".
-TEST_CASE("behind the tail places become finer bit by bit, whatever is lost and in whatever order it comes") {
+TEST_CASE("refines positions bit by bit after the tail, with any losses and in any order") {
   const Sample& s = samples()[2];
   std::vector<Chunk> chunks = chunks_of(s.stream), low;
   for (const Chunk& chunk : chunks)
@@ -242,7 +242,7 @@ TEST_CASE("behind the tail places become finer bit by bit, whatever is lost and 
   CHECK(off(with(std::span(low).subspan(1), false)) > 0.5f * none);
 }
 
-TEST_CASE("every prefix of an exact stream is a surface, and none a broken mesh") {
+TEST_CASE("shows a surface for every prefix of an exact stream, and never a broken mesh") {
   for (const Sample& s : samples()) {
     INFO(s.source.name);
     std::size_t whole_at = 0;
@@ -277,7 +277,7 @@ TEST_CASE("draws the refined surface and then the mesh of an exact stream") {
   CHECK(drawn.triangles.size() == 3 * s.source.triangles.size());
 }
 
-TEST_CASE("pieces of a tail may come in any order, twice, and before all else") {
+TEST_CASE("accepts pieces of a tail in any order, repeated, and before all other chunks") {
   const Sample& s = samples()[2];
   auto chunks = chunks_of(s.stream);
   const Cloud wanted = decoded(s.stream).cloud();
@@ -295,7 +295,7 @@ TEST_CASE("pieces of a tail may come in any order, twice, and before all else") 
   }
 }
 
-TEST_CASE("a lost or damaged piece leaves what came before it, and the refined surface elsewhere") {
+TEST_CASE("keeps the earlier picture at a lost or damaged piece, and the refined surface elsewhere") {
   const Sample& s = samples()[2];
   const auto chunks = chunks_of(s.stream);
   std::mt19937 random(9);
@@ -318,7 +318,7 @@ TEST_CASE("a lost or damaged piece leaves what came before it, and the refined s
   CHECK(decoded(drop_packets(s.stream, 0, 2)).exact().whole());
 }
 
-TEST_CASE("pieces that do not go together are refused") {
+TEST_CASE("rejects pieces that do not belong together") {
   const Bytes tail(40000, std::byte{3});
   const auto pieces = pieces_of(tail);
   REQUIRE(pieces.size() == 3);
@@ -350,7 +350,7 @@ TEST_CASE("pieces that do not go together are refused") {
   CHECK(*whole == tail);
 }
 
-TEST_CASE("mutated pieces give the refined surface or a mesh") {
+TEST_CASE("decodes mutated pieces to the refined surface or to a mesh") {
   std::mt19937 random(21);
   const Sample& s = samples()[1];
   const auto chunks = chunks_of(s.stream);
@@ -369,7 +369,7 @@ TEST_CASE("mutated pieces give the refined surface or a mesh") {
   }
 }
 
-TEST_CASE("a decoder that may hold fewer vectors than a mesh has shows the refined surface") {
+TEST_CASE("shows the refined surface if the mesh exceeds the maximum number of vectors") {
   const Sample& s = samples()[2];
   const StreamDecoder decoder = decoded(s.stream, 9000);
   CHECK(decoder.full());
@@ -378,7 +378,7 @@ TEST_CASE("a decoder that may hold fewer vectors than a mesh has shows the refin
   CHECK(decoder.vectors() <= 9000);
 }
 
-TEST_CASE("the same mesh gives the same exact stream, whatever the threads, and displaced ones and octrees carry it") {
+TEST_CASE("encodes a mesh to the same exact stream on any number of threads, after stages and octrees") {
   const Sample& s = samples()[1];
   for (const unsigned threads : {1u, 3u})
     CHECK(std::get<EncodedStream>(encoded(s.source.triangles, s.bits, threads)).bytes == s.stream);

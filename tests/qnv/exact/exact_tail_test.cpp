@@ -39,7 +39,7 @@ void check_sound(const ExactMesh& mesh, std::size_t bytes) {
 
 }  // namespace
 
-TEST_CASE("a mesh comes back from its tail, whatever it looks like: all triangles, the way they turn, as often") {
+TEST_CASE("restores any mesh from its tail, with all triangles, their facing and duplicates") {
   for (const Source& s : all_sources())
     for (const int bits : {8, 11, 20}) {
       INFO(s.name << ", " << bits << " bits");
@@ -68,7 +68,7 @@ TEST_CASE("keeps the shared vertices of a mesh") {
   CHECK(std::count(decoded->twins.begin(), decoded->twins.end(), displaced::kNone) == 0);
 }
 
-TEST_CASE("a mesh is creased where its corners are shaded apart") {
+TEST_CASE("creases a mesh where the normals of its corners differ") {
   Triangles cube = box_shape(glm::vec3(-1), glm::vec3(1), 4);
   for (Triangle& t : cube)
     t.normals.fill(glm::normalize(glm::cross(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0])));
@@ -78,12 +78,12 @@ TEST_CASE("a mesh is creased where its corners are shaded apart") {
   CHECK(mesh_of(displaced::ball(8), 11, false).crease_angle > 90);  // normals of its vertices
 }
 
-TEST_CASE("a smooth mesh takes less than two bytes a vertex") {
+TEST_CASE("encodes a smooth mesh in under two bytes per vertex") {
   const ExactMesh mesh = mesh_of(displaced::torus(60, 40), 11, false);
   CHECK(encode_tail(mesh).size() < 2 * mesh.vertices.size());
 }
 
-TEST_CASE("prefixes of a tail are refused, and mutations are a mesh or are refused") {
+TEST_CASE("rejects prefixes of a tail, and decodes mutations to a mesh or rejects them") {
   std::mt19937 random(7);
   for (const Source& s : all_sources()) {
     INFO(s.name);
@@ -109,7 +109,7 @@ TEST_CASE("prefixes of a tail are refused, and mutations are a mesh or are refus
   }
 }
 
-TEST_CASE("a flipped bit among the decisions of a tail is found by the mark at its end") {
+TEST_CASE("detects a flipped bit in a tail by the mark at its end") {
   const Bytes tail = encode_tail(mesh_of(displaced::sheet(40), 11, false));
   std::size_t through = 0, tried = 0;
   for (std::size_t bit = 8 * 107; bit + 100 < 8 * tail.size(); bit += 61 * watched_step(9), ++tried) {
@@ -121,7 +121,7 @@ TEST_CASE("a flipped bit among the decisions of a tail is found by the mark at i
   CHECK(through == 0);
 }
 
-TEST_CASE("a tail that promises too much is refused") {
+TEST_CASE("rejects a tail that promises too much") {
   const Bytes tail = encode_tail(mesh_of(displaced::ball(6), 11, false));
   const auto with = [&](std::size_t at, std::initializer_list<int> values) {
     Bytes changed = tail;
@@ -139,7 +139,7 @@ TEST_CASE("a tail that promises too much is refused") {
   CHECK(!tail_size(std::span(tail).first(100)));
 }
 
-TEST_CASE("bytes that decide the same for ever end") {
+TEST_CASE("ends on tail bytes that repeat one decision") {
   for (const std::size_t length : {108, 200, 3000, 20000})
     for (const int fill : {0x00, 0xff, 0x55, 0xaa}) {
       Bytes bytes(length, static_cast<std::byte>(fill));

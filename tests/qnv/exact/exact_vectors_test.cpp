@@ -24,7 +24,7 @@ namespace gs::qnv::exact::vectors_test {
 // tests/qnv/vectors/v1/displaced_exact.qnv, _shaded and _small are streams as encode_displaced wrote them once; the
 // .txt beside them is what tests/qnv/vectors/displaced.py, written from FORMAT.md alone, made of them. None may ever be
 // made again.
-TEST_CASE("exact tails of the first version decode to their pinned meshes") {
+TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
   for (const std::string name : {"displaced_exact", "displaced_shaded", "displaced_small"}) {
     INFO(name);
     ExactMesh wanted;
@@ -94,7 +94,7 @@ TEST_CASE("exact tails of the first version decode to their pinned meshes") {
 }
 
 // The same of displaced_low_bits, whose tail has fewer bits than its mesh.
-TEST_CASE("low bits behind a tail come to their pinned places") {
+TEST_CASE("decodes low bits after a tail to their pinned positions") {
   std::vector<glm::ivec3> wanted;
   std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_low_bits.txt");
   for (std::string line; std::getline(in, line);) {
@@ -124,7 +124,7 @@ TEST_CASE("low bits behind a tail come to their pinned places") {
 }
 
 // The same of displaced_covered, whose tail has ranks and says what it covers, in pieces; so are its low bits.
-TEST_CASE("a tail with ranks and its table of covered patches come back as they were pinned") {
+TEST_CASE("decodes a tail with ranks and its table of covered patches as pinned") {
   std::vector<glm::ivec3> wanted;
   std::vector<displaced::Corners> faces;
   std::vector<int> covered;
@@ -179,7 +179,7 @@ TEST_CASE("a tail with ranks and its table of covered patches come back as they 
 }
 
 // The same of displaced_textured, whose corners have texture coordinates and normals of their own, with a picture.
-TEST_CASE("a textured tail comes back as it was pinned: corners, normals and the files of its picture") {
+TEST_CASE("decodes a textured tail to its pinned corners, normals and texture files") {
   TextureLattice lattice;
   std::vector<displaced::Corners> faces;
   std::vector<CornerCoordinates> coordinates;
@@ -245,7 +245,7 @@ TEST_CASE("a textured tail comes back as it was pinned: corners, normals and the
 }
 
 // The same of displaced_splits, by tests/qnv/vectors/splits.py.
-TEST_CASE("a mesh that grows vertex by vertex becomes its pinned one") {
+TEST_CASE("decodes a progressive mesh to its pinned result") {
   ExactMesh wanted;
   std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_splits.txt");
   for (std::string line; std::getline(in, line);) {

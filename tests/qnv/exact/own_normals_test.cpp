@@ -34,7 +34,7 @@ std::vector<glm::vec3> bent(const ExactMesh& mesh, bool apart) {
 
 }  // namespace
 
-TEST_CASE("normals of a file come back as nearly as their bits say, smooth or apart") {
+TEST_CASE("restores the normals of a file within their bits, for smooth and sharp vertices") {
   for (const Triangles& shape :
        {displaced::ball(9), displaced::torus(24, 12), box_shape(glm::vec3(-1), glm::vec3(1), 5)})
     for (const bool apart : {false, true})
@@ -54,7 +54,7 @@ TEST_CASE("normals of a file come back as nearly as their bits say, smooth or ap
       }
 }
 
-TEST_CASE("normals that are smooth are told once a vertex, in fewer bits than they have") {
+TEST_CASE("encodes smooth normals once per vertex, in fewer bits than their precision") {
   const ExactMesh mesh = decoded_mesh(displaced::ball(24));
   const std::vector<glm::vec3> shaded = shaded_normals(mesh, kSmooth);
   CHECK(8 * encode_normals(mesh, shaded, bent(mesh, false)).size() < 14 * mesh.vertices.size());
@@ -62,7 +62,8 @@ TEST_CASE("normals that are smooth are told once a vertex, in fewer bits than th
   CHECK(8 * encode_normals(mesh, shaded, shaded).size() < mesh.vertices.size());
 }
 
-TEST_CASE("normals of another mesh or cut off are refused, and mutated ones are unit or refused") {
+TEST_CASE(
+    "rejects truncated normals and normals of another mesh, and decodes mutated ones to unit vectors or rejects them") {
   const ExactMesh mesh = decoded_mesh(displaced::torus(24, 12)), other = decoded_mesh(displaced::ball(6));
   const std::vector<glm::vec3> shaded = shaded_normals(mesh, kSmooth);
   const Bytes bytes = encode_normals(mesh, shaded, bent(mesh, true));
@@ -86,7 +87,7 @@ TEST_CASE("normals of another mesh or cut off are refused, and mutated ones are 
   }
 }
 
-TEST_CASE("a stream has the normals of its source where no rule gives them, and else none") {
+TEST_CASE("encodes the normals of a source only if no shading rule gives them") {
   const Triangles plain = displaced::torus(40, 20);
   Triangles own = plain;
   for (Triangle& t : own)

@@ -135,7 +135,7 @@ double off(const Cloud& cloud, const Triangles& source) {
 
 }  // namespace
 
-TEST_CASE("corners are shaded by the faces that are near their own, or that edges lead to") {
+TEST_CASE("shades corners by faces of similar direction and by faces that edges connect") {
   const SurfaceMesh mesh = bent();
   const std::vector<glm::vec3> faces = faces_of(mesh);
   const float one = angle_between(faces[0], faces[1]), two = angle_between(faces[0], faces[2]);
@@ -161,7 +161,7 @@ TEST_CASE("corners are shaded by the faces that are near their own, or that edge
   CHECK(near(shaded(flat, {Shading::Rule::faces, 10})[0], glm::normalize(faces_of_flat[1] + faces_of_flat[2])));
 }
 
-TEST_CASE("a vertex of very many faces takes time in proportion to them") {
+TEST_CASE("shades a vertex of very many faces in linear time") {
   SurfaceMesh fan;
   constexpr std::uint32_t kFaces = 200'000;
   fan.positions.emplace_back(0.0f, 0.0f, 0.3f);
@@ -174,7 +174,7 @@ TEST_CASE("a vertex of very many faces takes time in proportion to them") {
   CHECK(near(normals[0], {0, 0, 1}));
 }
 
-TEST_CASE("the shading of a mesh is found again") {
+TEST_CASE("finds the shading rule of a mesh") {
   for (const int angle : {30, 60, 72}) {
     displaced::MeshBuilder builder(false);
     builder.add(rough({Shading::Rule::faces, angle}));
@@ -189,7 +189,7 @@ TEST_CASE("the shading of a mesh is found again") {
   CHECK(shading_of(builder.finish(), 40) == Shading{Shading::Rule::edges, 40});
 }
 
-TEST_CASE("an exact stream is shaded as its source, whenever it is told how") {
+TEST_CASE("shades an exact stream as its source, whenever the shading chunk is received") {
   const Triangles source = rough({Shading::Rule::faces, 60});
   ShadedStream stream = stream_of(source);
   REQUIRE(stream.shadings == 1);

@@ -99,7 +99,7 @@ bool meets(const Cloud& cloud, const glm::vec3& from, const glm::vec3& to) {
 
 }  // namespace
 
-TEST_CASE("a prefix of a tail is the first triangles of it, however it is cut") {
+TEST_CASE("decodes a prefix of a tail to its first triangles, wherever it is cut") {
   for (const Source& s : smooth_sources())
     for (const bool ranked : {false, true}) {
       INFO(s.name << (ranked ? ", with ranks" : ""));
@@ -138,7 +138,7 @@ TEST_CASE("a prefix of a tail is the first triangles of it, however it is cut") 
     }
 }
 
-TEST_CASE("the ranks of cells say where a mesh grows first") {
+TEST_CASE("grows a mesh first in the cells of the highest ranks") {
   const ExactMesh mesh = mesh_of(displaced::ball(40), 12, false);
   TailRanks ranks{2, std::vector<std::uint8_t>(64, 5)};
   for (std::size_t cell = 0; cell < 32; ++cell) ranks.of[cell] = 1;  // the lower half
@@ -151,7 +151,7 @@ TEST_CASE("the ranks of cells say where a mesh grows first") {
   CHECK(low > half * 9 / 10);
 }
 
-TEST_CASE("mutated tails with ranks give a part of a mesh, or are refused") {
+TEST_CASE("decodes mutated tails with ranks to a part of a mesh or rejects them") {
   std::mt19937 random(8);
   const TailRanks ranks = some_ranks();
   const Bytes tail = encode_tail(mesh_of(displaced::torus(30, 16), 11, false), false, &ranks);
@@ -167,7 +167,7 @@ TEST_CASE("mutated tails with ranks give a part of a mesh, or are refused") {
   }
 }
 
-TEST_CASE("a table of covered patches comes back, and none that is not one is taken") {
+TEST_CASE("restores a table of covered patches, and rejects invalid ones") {
   Cover cover{3, 64, 5000, {}};
   std::mt19937 random(2);
   for (int p = 0; p < 700; ++p) cover.patches.push_back(static_cast<std::uint8_t>(p % 5 == 0 ? random() % 65 : 20));
@@ -198,7 +198,7 @@ TEST_CASE("a table of covered patches comes back, and none that is not one is ta
   }
 }
 
-TEST_CASE("while a tail comes, patches give way to what is there of the mesh, and no hole is between them") {
+TEST_CASE("replaces patches by the received part of the mesh without holes while a tail is received") {
   StreamDecoder decoder;
   std::size_t mixed = 0, last = 0;
   std::mt19937 random(6);
@@ -231,7 +231,7 @@ TEST_CASE("while a tail comes, patches give way to what is there of the mesh, an
   CHECK(decoder.exact().whole());
 }
 
-TEST_CASE("without the table, or beside another stage than it says, a tail is nothing until all of it has come") {
+TEST_CASE("hides a partial tail without its table, or beside another stage than the table names") {
   const std::vector<Chunk> chunks = chunks_whole();
   for (const int which : {0, 1, 2}) {
     StreamDecoder decoder;

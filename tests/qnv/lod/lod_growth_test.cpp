@@ -36,7 +36,7 @@ Parts parts_of(EncodedStream stream) {
 
 }  // namespace
 
-TEST_CASE("Every prefix of a stream that is pushed is a whole picture") {
+TEST_CASE("draws every prefix of a pushed stream as a complete picture") {
   const Parts parts = parts_of(sphere_stream(20'000));
   const auto& bytes = parts.stream.bytes;
   for (std::size_t size = 0; size < parts.header_bytes; size += 7)
@@ -67,7 +67,7 @@ TEST_CASE("Every prefix of a stream that is pushed is a whole picture") {
   CHECK(lod->clusters() == parts.stream.header.chunks);
 }
 
-TEST_CASE("Chunks that are added in any order never leave a hole") {
+TEST_CASE("leaves no hole when chunks are added in any order") {
   const Parts parts = parts_of(sphere_stream(60'000));
   const auto whole = places(opened(parts.stream.bytes)->cut(everything()));
   std::mt19937 random(3);
@@ -175,7 +175,7 @@ TEST_CASE("lists the missing chunks of several viewports in turn without duplica
   CHECK(lod->wanted_by_all().size() == of_right.size() - 1);
 }
 
-TEST_CASE("Chunks that are pushed and chunks that are added make one stream") {
+TEST_CASE("merges pushed and added chunks to one stream") {
   const Parts parts = parts_of(sphere_stream(60'000));
   const auto lod = taken(LodStream::begin(parts.front(3000)));
   REQUIRE(lod->set_directory(parts.directory()));
@@ -214,7 +214,7 @@ TEST_CASE("ignores invalid chunks and reports them") {
   CHECK_FALSE(still->set_directory(parts.directory()));
 }
 
-TEST_CASE("A stream that is damaged on its way goes on behind the damage") {
+TEST_CASE("continues a damaged stream after the damage") {
   const Parts parts = parts_of(sphere_stream(20'000));
   for (std::size_t at = parts.header_bytes; at < parts.stream.bytes.size(); at += 331) {
     auto bytes = parts.stream.bytes;

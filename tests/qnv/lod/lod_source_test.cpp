@@ -54,7 +54,7 @@ void check_sound(LodStream& lod, std::size_t most) {
 
 }  // namespace
 
-TEST_CASE("Of a stream that lies elsewhere only what a view needs is read", "[optimised]") {
+TEST_CASE("reads from a remote stream only the chunks that a view needs", "[optimised]") {
   const EncodedStream& stream = sphere_stream(400'000);
   const auto source = std::make_shared<WatchedSource>(stream.bytes);
   const auto lod = taken(LodStream::open(source));
@@ -74,7 +74,7 @@ TEST_CASE("Of a stream that lies elsewhere only what a view needs is read", "[op
   CHECK(source->done == all);
 }
 
-TEST_CASE("Without a sound directory all of a stream is read") {
+TEST_CASE("reads the whole stream if it has no valid directory") {
   const EncodedStream& stream = sphere_stream(60'000);
   const auto expected = places(opened(stream.bytes)->cut(everything()));
   const auto at = static_cast<std::size_t>(stream.header.directory);
@@ -103,7 +103,7 @@ TEST_CASE("Without a sound directory all of a stream is read") {
       LodStream::open(memory_source(std::vector<std::byte>(stream.bytes.begin(), stream.bytes.begin() + 300)))));
 }
 
-TEST_CASE("A chunk that is damaged costs itself and what is below it, once") {
+TEST_CASE("loses only a damaged chunk and its descendants, once") {
   const EncodedStream& stream = sphere_stream(60'000);
   const std::vector<DirectoryEntry> entries = entries_of(stream);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));
@@ -125,7 +125,7 @@ TEST_CASE("A chunk that is damaged costs itself and what is below it, once") {
   }
 }
 
-TEST_CASE("A stream that becomes shorter while one looks keeps what it has") {
+TEST_CASE("keeps the data that it has when the file becomes shorter") {
   const EncodedStream& stream = sphere_stream(60'000);
   const auto source = std::make_shared<WatchedSource>(stream.bytes);
   const auto lod = taken(LodStream::open(source, 0));
@@ -142,7 +142,7 @@ TEST_CASE("A stream that becomes shorter while one looks keeps what it has") {
   CHECK(lod->problems().size() <= 100);
 }
 
-TEST_CASE("Whatever one entry of a directory says wrongly costs that cluster at most") {
+TEST_CASE("loses at most one cluster to a wrong entry of the directory") {
   const EncodedStream& stream = sphere_stream(60'000);
   const std::vector<DirectoryEntry> sound = entries_of(stream);
   REQUIRE(sound.size() == stream.header.chunks);
@@ -183,7 +183,7 @@ TEST_CASE("Whatever one entry of a directory says wrongly costs that cluster at 
   }
 }
 
-TEST_CASE("A directory that lies everywhere leaves a smaller picture, or none") {
+TEST_CASE("shows a smaller picture, or none, with many wrong entries in the directory") {
   const EncodedStream& stream = sphere_stream(20'000);
   const std::vector<DirectoryEntry> sound = entries_of(stream);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));

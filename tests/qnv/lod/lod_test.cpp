@@ -14,7 +14,7 @@
 
 namespace gs::qnv {
 
-TEST_CASE("A cut without limits is everything the decoder gives") {
+TEST_CASE("returns all vectors of the decoder for a cut without limits") {
   const EncodedStream& stream = sphere_stream(60'000);
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
@@ -30,7 +30,7 @@ TEST_CASE("A cut without limits is everything the decoder gives") {
   CHECK(lod->problems().empty());
 }
 
-TEST_CASE("A budget is kept, and what is drawn still covers the whole surface") {
+TEST_CASE("keeps the vector budget and still covers the whole surface") {
   const auto lod = opened(sphere_stream(60'000).bytes);
   for (const std::size_t budget : {1200u, 2000u, 5000u, 20'000u}) {
     LodView view;
@@ -43,7 +43,7 @@ TEST_CASE("A budget is kept, and what is drawn still covers the whole surface") 
   }
 }
 
-TEST_CASE("Detail follows the size on the screen") {
+TEST_CASE("refines detail by the size on the screen") {
   const auto lod = opened(sphere_stream(60'000).bytes);
   LodView far;
   far.eye = {0, 0, 1000};
@@ -70,7 +70,7 @@ TEST_CASE("neither refines nor draws clusters outside of the view") {
   CHECK(inside == Approx(kSphereArea / 4).epsilon(0.06));
 }
 
-TEST_CASE("A small cache gives the same cuts and stays small", "[optimised]") {
+TEST_CASE("makes the same cuts with a small cache, and keeps it small", "[optimised]") {
   const EncodedStream& stream = sphere_stream(200'000);
   constexpr std::size_t kSmall = 100'000;
   const auto large = opened_there(stream.bytes), small = opened_there(stream.bytes, kSmall);
@@ -98,7 +98,7 @@ TEST_CASE("A small cache gives the same cuts and stays small", "[optimised]") {
   CHECK(small->cached_bytes() <= kSmall);
 }
 
-TEST_CASE("Every prefix and every damaged byte of a stream with levels is a smaller one or refused") {
+TEST_CASE("shows less, or rejects the stream, for every prefix and damaged byte") {
   const EncodedStream& stream = sphere_stream(3000);
   LodView view;
   view.error_pixels = 0;
@@ -120,7 +120,7 @@ TEST_CASE("Every prefix and every damaged byte of a stream with levels is a smal
   }
 }
 
-TEST_CASE("Lost packets cost detail and leave no hole") {
+TEST_CASE("loses detail to lost packets, but leaves no hole") {
   const EncodedStream& stream = sphere_stream(200'000);
   CHECK(drop_packets(stream.bytes, 0.3, 1) == drop_packets(stream.bytes, 0.3, 1));
   CHECK(drop_packets(stream.bytes, 0.3, 1) != drop_packets(stream.bytes, 0.3, 2));
@@ -138,7 +138,7 @@ TEST_CASE("Lost packets cost detail and leave no hole") {
   }
 }
 
-TEST_CASE("Lost packets of records leave the others, and the area") {
+TEST_CASE("keeps the other records and the area after lost packets") {
   const Triangles triangles = sphere(200);
   EncodeOptions options;
   options.payload = Payload::records;

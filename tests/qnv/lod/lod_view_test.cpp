@@ -27,7 +27,7 @@ float finest_edge(const std::vector<Piece>& pieces) {
 
 }  // namespace
 
-TEST_CASE("All vectors together are what the decoder gives") {
+TEST_CASE("returns all vectors of the decoder") {
   const EncodedStream stream = stream_of(bumpy_sphere(60), 20'000);
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
@@ -42,7 +42,7 @@ TEST_CASE("All vectors together are what the decoder gives") {
   CHECK(lod->cached_bytes() == 0);
 }
 
-TEST_CASE("Pieces tell their level, their chunk and their age") {
+TEST_CASE("reports level, chunk and age of each piece of a cut") {
   const EncodedStream& stream = sphere_stream(60'000);
   const auto lod = opened_there(stream.bytes);
   LodView view = from({0, 0, 1.5f}, 300);
@@ -72,7 +72,7 @@ TEST_CASE("Pieces tell their level, their chunk and their age") {
   CHECK(chunks.size() <= apart.size());
 }
 
-TEST_CASE("As many discs as are allowed are decoded for each cut until the view is whole") {
+TEST_CASE("decodes at most the allowed vectors per cut until the view is complete") {
   const EncodedStream& stream = sphere_stream(60'000);
   const auto at_once = opened_there(stream.bytes), step_by_step = opened_there(stream.bytes);
   LodView view = from({0, 0, 1.5f}, 500);
@@ -108,7 +108,7 @@ TEST_CASE("As many discs as are allowed are decoded for each cut until the view 
   }
 }
 
-TEST_CASE("A budget under pressure stays filled, and the same view keeps its cut") {
+TEST_CASE("fills a tight budget, and keeps the cut of an unchanged view") {
   const EncodedStream& stream = sphere_stream(60'000);
   for (const std::size_t allowed : {0u, 1500u}) {
     const auto lod = opened_there(stream.bytes);
@@ -137,7 +137,7 @@ TEST_CASE("A budget under pressure stays filled, and the same view keeps its cut
   }
 }
 
-TEST_CASE("Detail that is there stays until it is clearly too fine", "[optimised]") {
+TEST_CASE("keeps existing detail until it is clearly too fine", "[optimised]") {
   const EncodedStream& stream = sphere_stream(400'000);
   const auto fresh = [&](const LodView& view) { return count(opened_there(stream.bytes)->cut(view)); };
   const auto lod = opened_there(stream.bytes);
@@ -211,7 +211,7 @@ TEST_CASE("keeps the budget for thin sheets with two splats per voxel") {
   }
 }
 
-TEST_CASE("Views with numbers that make no sense get a picture or none") {
+TEST_CASE("returns a picture or none for views with invalid numbers") {
   const auto lod = opened_there(sphere_stream(20'000).bytes);
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   for (const float bad : {nan, inf, -inf, -1.0f, 1e38f, 0.0f})

@@ -136,9 +136,9 @@ void check_holes(const Vectors& v, double limit) {
 
 }  // namespace
 
-TEST_CASE("every prefix of a sphere covers it evenly") { check_holes(sphere_vectors(40'000), 1.7); }
+TEST_CASE("covers a sphere evenly with every prefix") { check_holes(sphere_vectors(40'000), 1.7); }
 
-TEST_CASE("every prefix of the bunny covers it evenly", "[optimised]") {
+TEST_CASE("covers the bunny evenly with every prefix", "[optimised]") {
   const char* path = GHOSTSPACE_TESTS "/../../shared/data/meshes/scans/bun_zipper.ply";
   if (!std::ifstream(path)) {
     WARN("no bunny at " << path);
@@ -147,7 +147,7 @@ TEST_CASE("every prefix of the bunny covers it evenly", "[optimised]") {
   check_holes(triangles_of(path), 2);
 }
 
-TEST_CASE("holes stay small between the tested prefixes", "[optimised]") {
+TEST_CASE("keeps holes small between the tested prefixes", "[optimised]") {
   const Vectors v = sphere_vectors(8000);
   const std::vector<std::uint32_t> order = order_of(v);
   for (std::size_t count = 8; count < 3000; count += 1 + count / 4) {
@@ -156,7 +156,7 @@ TEST_CASE("holes stay small between the tested prefixes", "[optimised]") {
   }
 }
 
-TEST_CASE("an order depends on the seed and on nothing else", "[optimised]") {
+TEST_CASE("makes an order that depends on the seed only", "[optimised]") {
   const Vectors v = sphere_vectors(60'000);
   const std::vector<std::uint32_t> order = order_of(v, 7, 1);
   CHECK(order == order_of(v, 7, 1));
@@ -173,7 +173,7 @@ TEST_CASE("an order depends on the seed and on nothing else", "[optimised]") {
   CHECK(volume != order_of(v, 9, 3, Kind::volume));
 }
 
-TEST_CASE("a few vectors come in the order of farthest-point sampling") {
+TEST_CASE("orders a few vectors by farthest-point sampling") {
   // Of points on a line, from the one that the seed picks.
   Vectors v;
   for (const float x : {0.0f, 1.0f, 2.0f, 4.0f, 8.0f, 16.0f}) v.add({x, 0, 0}, {0, 0, 1}, 1);
@@ -193,7 +193,7 @@ TEST_CASE("a few vectors come in the order of farthest-point sampling") {
   }
 }
 
-TEST_CASE("an order is pinned, whatever the compiler") {
+TEST_CASE("makes the pinned order with any compiler") {
   // Exact numbers, so that no library's rounding is in it: 40,000 points of a bent sheet.
   Vectors v;
   for (int x = 0; x < 200; ++x)
@@ -211,7 +211,7 @@ TEST_CASE("an order is pinned, whatever the compiler") {
   }
 }
 
-TEST_CASE("odd clouds are ordered too") {
+TEST_CASE("orders empty, single, coincident and NaN vectors") {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   std::mt19937 random(3);
   for (const Kind kind : {Kind::surface, Kind::volume}) {
@@ -232,7 +232,7 @@ TEST_CASE("odd clouds are ordered too") {
   }
 }
 
-TEST_CASE("clusters of all scales are ordered in reasonable time") {
+TEST_CASE("orders clusters of all scales in reasonable time") {
   Vectors v;
   std::mt19937 random(4);
   float size = 1;
@@ -245,7 +245,7 @@ TEST_CASE("clusters of all scales are ordered in reasonable time") {
   CHECK(is_permutation(order_of(v, 1, 1, Kind::volume), v.positions.size()));
 }
 
-TEST_CASE("both sides of a thin sheet are covered") {
+TEST_CASE("covers both sides of a thin sheet") {
   Vectors v;
   for (int side = -1; side <= 1; side += 2)
     for (int x = 0; x < 100; ++x)
@@ -261,7 +261,7 @@ TEST_CASE("both sides of a thin sheet are covered") {
   }
 }
 
-TEST_CASE("more is taken where a surface bends") {
+TEST_CASE("takes more vectors at curved parts of a surface") {
   // A flat square, and beside it one with steep waves, as large when seen from above.
   Vectors v;
   for (int x = 0; x < 200; ++x)
@@ -280,7 +280,7 @@ TEST_CASE("more is taken where a surface bends") {
   }
 }
 
-TEST_CASE("of a volume, the density of what is taken goes with the magnitude") {
+TEST_CASE("takes vectors of a volume in proportion to their magnitude") {
   Vectors v;
   for (int x = 0; x < 40; ++x)
     for (int y = 0; y < 40; ++y)
@@ -296,14 +296,14 @@ TEST_CASE("of a volume, the density of what is taken goes with the magnitude") {
   }
 }
 
-TEST_CASE("a cancelled order is empty") {
+TEST_CASE("returns an empty order after cancellation") {
   Progress progress;
   progress.cancelled = true;
   const Vectors v = sphere_vectors(100'000);
   CHECK(progressive_order(v.positions, v.normals, v.weights, {1, Kind::surface, 1, &progress}).empty());
 }
 
-TEST_CASE("both paths of the distance loop give the same bits") {
+TEST_CASE("computes the distance loop to the same bits on both paths") {
   if (!order::has_relax_avx2()) return;
   std::mt19937 random(5);
   order::Points points;

@@ -58,14 +58,14 @@ void require_simple(const Rings& rings, double area) {
 
 }  // namespace
 
-TEST_CASE("A ring without holes stays as it is", "[outline]") {
+TEST_CASE("keeps a ring without holes unchanged", "[outline]") {
   Rings rings;
   rings.add({{0, 0}, {2, 0}, {2, 2}, {0, 2}});
   CHECK(bridged_ring(rings.view()) == std::vector<std::uint32_t>{0, 1, 2, 3});
   CHECK(bridged_ring({}).empty());
 }
 
-TEST_CASE("Holes are reached over bridges, whatever their order", "[outline]") {
+TEST_CASE("connects holes by bridges, whatever their order is", "[outline]") {
   Rings rings;
   rings.add({{0, 0}, {10, 0}, {10, 3}, {0, 3}});
   SECTION("left to right") {
@@ -77,7 +77,7 @@ TEST_CASE("Holes are reached over bridges, whatever their order", "[outline]") {
   require_simple(rings, 26);
 }
 
-TEST_CASE("Bridges avoid corners that hide each other", "[outline]") {
+TEST_CASE("avoids bridges across corners that hide each other", "[outline]") {
   Rings rings;  // a comb whose teeth stand between the left side and the hole
   rings.add({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 7}, {5, 4.2f}, {0, 6}, {0, 2}, {5, 3.8f}, {0, 1}});
   rings.add_hole(6, 3.5f, 1);
@@ -85,7 +85,7 @@ TEST_CASE("Bridges avoid corners that hide each other", "[outline]") {
   require_simple(rings, outer.z - 1);
 }
 
-TEST_CASE("Holes that touch the outer ring or each other at a vertex need no bridge", "[outline]") {
+TEST_CASE("adds no bridge to holes that touch the outer ring or each other at a vertex", "[outline]") {
   Rings rings;
   rings.add({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2}});
   rings.add({{0, 2}, {1, 3}, {2, 2}, {1, 1}});
@@ -93,7 +93,7 @@ TEST_CASE("Holes that touch the outer ring or each other at a vertex need no bri
   require_simple(rings, 16 - 2 - 1);
 }
 
-TEST_CASE("Many holes at random places", "[outline]") {
+TEST_CASE("connects many holes at random positions", "[outline]") {
   std::mt19937 random(5);
   for (int round = 0; round < 40; ++round) {
     Rings rings;
@@ -115,7 +115,7 @@ TEST_CASE("Many holes at random places", "[outline]") {
   }
 }
 
-TEST_CASE("Four hundred holes in rows", "[outline]") {
+TEST_CASE("connects four hundred holes in rows", "[outline]") {
   Rings rings;
   rings.add({{0, 0}, {41, 0}, {41, 41}, {0, 41}});
   for (int x = 0; x < 20; ++x)
@@ -129,7 +129,7 @@ TEST_CASE("Four hundred holes in rows", "[outline]") {
   CHECK(vector_area(ring).z == Approx(41 * 41 - 400));
 }
 
-TEST_CASE("A hole outside of its polygon is left out", "[outline]") {
+TEST_CASE("drops a hole outside its polygon", "[outline]") {
   Rings rings;
   rings.add({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   rings.add_hole(-5, 0, 1);

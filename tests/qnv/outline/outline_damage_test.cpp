@@ -60,7 +60,7 @@ std::vector<std::size_t> records_of(const ChunkAt& chunk, const OutlineHeader& h
   return begins;
 }
 
-TEST_CASE("Every prefix of an outline stream gives what of it is whole") {
+TEST_CASE("decodes every prefix of an outline stream to its complete records") {
   const EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
   const std::vector<ChunkAt> chunks = chunks_of(stream.bytes);
@@ -80,7 +80,7 @@ TEST_CASE("Every prefix of an outline stream gives what of it is whole") {
   CHECK(before == whole.size());
 }
 
-TEST_CASE("An outline stream may come in any two pieces, or byte by byte") {
+TEST_CASE("decodes an outline stream in any two pieces, and byte by byte") {
   const EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
   for (std::size_t size = 0; size <= stream.bytes.size(); size += watched_step(5)) {
@@ -99,7 +99,7 @@ TEST_CASE("An outline stream may come in any two pieces, or byte by byte") {
   CHECK((sorted(take(decoder)) == whole));
 }
 
-TEST_CASE("Chunks come in any order, any subset and more than once") {
+TEST_CASE("accepts outline chunks in any order, any subset and repeated") {
   const EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
   std::vector<ChunkAt> chunks = chunks_of(stream.bytes);
@@ -123,7 +123,7 @@ TEST_CASE("Chunks come in any order, any subset and more than once") {
   }
 }
 
-TEST_CASE("A flipped bit in a record costs one polygon and nothing else") {
+TEST_CASE("loses one polygon to a flipped bit in a record") {
   EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
   std::size_t records = 0;
@@ -151,7 +151,7 @@ TEST_CASE("A flipped bit in a record costs one polygon and nothing else") {
   CHECK(records == whole.size());
 }
 
-TEST_CASE("A flipped bit elsewhere costs one chunk at most, and makes nothing up") {
+TEST_CASE("loses at most one chunk to a flipped bit elsewhere, and invents nothing") {
   EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
   const std::vector<ChunkAt> chunks = chunks_of(stream.bytes);
@@ -176,7 +176,7 @@ TEST_CASE("A flipped bit elsewhere costs one chunk at most, and makes nothing up
   }
 }
 
-TEST_CASE("The last chunk of a stream without a directory may be damaged too") {
+TEST_CASE("survives damage in the last chunk of a stream without a directory") {
   EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
   const std::vector<ChunkAt> chunks = chunks_of(stream.bytes);
@@ -190,7 +190,7 @@ TEST_CASE("The last chunk of a stream without a directory may be damaged too") {
   CHECK(decoder.refused_records() == 1);
 }
 
-TEST_CASE("Of a chunk that lost bytes the records that are there are used, and the others when it comes again") {
+TEST_CASE("uses the intact records of a damaged chunk, and the others when it is received again") {
   const EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
   for (const ChunkAt& chunk : chunks_of(stream.bytes)) {
@@ -217,7 +217,7 @@ TEST_CASE("Of a chunk that lost bytes the records that are there are used, and t
   }
 }
 
-TEST_CASE("No more polygons are handed out than asked for") {
+TEST_CASE("returns at most the requested number of polygons") {
   const EncodedStream stream = example_stream();
   OutlineDecoder decoder(60);
   REQUIRE(decoder.push(stream.bytes));
@@ -233,7 +233,7 @@ TEST_CASE("No more polygons are handed out than asked for") {
   CHECK(corners <= 56);
 }
 
-TEST_CASE("Chunks of other payloads are refused, in both directions") {
+TEST_CASE("rejects chunks of other payloads, in both directions") {
   const EncodedStream stream = example_stream();
   OutlineDecoder decoder;
   REQUIRE(decoder.push(header_of(stream.bytes)));
@@ -254,7 +254,7 @@ TEST_CASE("Chunks of other payloads are refused, in both directions") {
   CHECK_FALSE(of_other.push({}));
 }
 
-TEST_CASE("Headers of outlines that are impossible are refused") {
+TEST_CASE("rejects impossible outline headers") {
   const StreamHeader good = example_stream().header;
   const auto refused = [&](auto change) {
     StreamHeader header = good;
@@ -301,7 +301,7 @@ void seal(Bytes& payload, const std::vector<std::size_t>& begins) {
   put(payload, 10, outline::crc16(std::span(payload).first(head)), 2);
 }
 
-TEST_CASE("Bytes made to do harm give polygons within the lattice, or none") {
+TEST_CASE("decodes hostile bytes to polygons inside the lattice, or to none") {
   const EncodedStream stream = example_stream();
   const OutlineHeader& header = stream.header.outlines;
   std::mt19937 random(11);
@@ -338,7 +338,7 @@ TEST_CASE("Bytes made to do harm give polygons within the lattice, or none") {
   CHECK(accepted > 1000);
 }
 
-TEST_CASE("Noise behind a header, and chunks of noise, are read to their end") {
+TEST_CASE("reads noise after a header, and chunks of noise, to the end") {
   const EncodedStream stream = example_stream();
   std::mt19937 random(12);
   for (int turn = 0; turn < 300; ++turn) {
@@ -360,7 +360,7 @@ TEST_CASE("Noise behind a header, and chunks of noise, are read to their end") {
   }
 }
 
-TEST_CASE("A stream that is all false chunks is given up in good time") {
+TEST_CASE("gives up a stream of false chunks in reasonable time") {
   const EncodedStream stream = example_stream();
   const auto head = header_of(stream.bytes);
   Bytes bytes(head.begin(), head.end());

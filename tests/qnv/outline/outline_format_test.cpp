@@ -72,7 +72,7 @@ const Bytes kInner = bytes_of({
     0xac, 0x7c, 0x40});
 // clang-format on
 
-TEST_CASE("A tiny outline stream has the bytes that FORMAT.md gives it") {
+TEST_CASE("writes the bytes of a tiny outline stream as in FORMAT.md") {
   const EncodedStream stream = outlines::encoded(tiny());
   Bytes expected = kSection;
   for (const Bytes* chunk : {&kOutlines, &kInner}) expected.insert(expected.end(), chunk->begin(), chunk->end());
@@ -82,7 +82,7 @@ TEST_CASE("A tiny outline stream has the bytes that FORMAT.md gives it") {
   CHECK((outlines::sorted(outlines::decode_all(stream.bytes)) == outlines::expected(tiny(), stream.header.outlines)));
 }
 
-TEST_CASE("Checksums are those of the usual catalogues") {
+TEST_CASE("computes checksums as the CRC catalogues list them") {
   constexpr std::string_view kCheck = "123456789";
   const auto bytes = std::as_bytes(std::span(kCheck));
   CHECK(crc16(bytes) == 0x29b1);  // CRC-16/IBM-3740
@@ -90,7 +90,7 @@ TEST_CASE("Checksums are those of the usual catalogues") {
   CHECK(crc8({}) == 0xff);
 }
 
-TEST_CASE("Numbers of any width come back, and what is cut is told") {
+TEST_CASE("restores numbers of any width, and reports truncated ones") {
   std::mt19937_64 random(1);
   struct Number {
     std::uint64_t value;

@@ -56,7 +56,7 @@ bool same_groups(const OutlineGroups& a, const OutlineGroups& b) {
 
 }  // namespace
 
-TEST_CASE("A cube of twelve triangles is six squares", "[outline]") {
+TEST_CASE("groups a cube of twelve triangles into six squares", "[outline]") {
   PolygonModel model;
   add_cube(model);
   for (const double tolerance : {0.0, 0.01}) {
@@ -86,7 +86,7 @@ TEST_CASE("A cube of twelve triangles is six squares", "[outline]") {
   }
 }
 
-TEST_CASE("Polygons of different appearance share no group", "[outline]") {
+TEST_CASE("separates polygons of different appearance", "[outline]") {
   PolygonModel model;
   add_square(model, 0, 0, 7);
   add_square(model, 1, 0, 9);
@@ -99,7 +99,7 @@ TEST_CASE("Polygons of different appearance share no group", "[outline]") {
   CHECK(made.group_of == std::vector<std::uint32_t>{1, 0, 0});
 }
 
-TEST_CASE("An open sheet that is bent once is two groups", "[outline]") {
+TEST_CASE("splits an open sheet with one bend into two groups", "[outline]") {
   PolygonModel model;
   for (int i = 0; i < 4; ++i) add_square(model, static_cast<float>(i), 0);
   for (int i = 0; i < 4; ++i) {
@@ -114,7 +114,7 @@ TEST_CASE("An open sheet that is bent once is two groups", "[outline]") {
   CHECK(made.counts.border_edges == 12);  // of each half a long side and two short ones
 }
 
-TEST_CASE("The surfaces of a fan go on where they are flat", "[outline]") {
+TEST_CASE("groups coplanar polygons across an edge that a third polygon shares", "[outline]") {
   PolygonModel model;
   add_square(model, 0, 0);
   add_square(model, -1, 0);
@@ -126,7 +126,7 @@ TEST_CASE("The surfaces of a fan go on where they are flat", "[outline]") {
   CHECK(made.counts.unusual_edges == 1);
 }
 
-TEST_CASE("A Moebius strip is cut where its sides turn over", "[outline]") {
+TEST_CASE("cuts a Moebius strip where its sides turn over", "[outline]") {
   PolygonModel model;
   constexpr int kCount = 60;
   const auto at = [](int i, double side) {
@@ -150,7 +150,7 @@ TEST_CASE("A Moebius strip is cut where its sides turn over", "[outline]") {
   CHECK(polygons == kCount);
 }
 
-TEST_CASE("Polygons that are there twice are one for each facing", "[outline]") {
+TEST_CASE("keeps duplicate polygons once per facing", "[outline]") {
   PolygonModel model;
   add_cube(model);
   add_cube(model);
@@ -165,7 +165,7 @@ TEST_CASE("Polygons that are there twice are one for each facing", "[outline]") 
   for (const OutlineGroup& group : made.groups) CHECK(group.area == 1.0);
 }
 
-TEST_CASE("Groups of a sphere keep within the tolerances", "[outline]") {
+TEST_CASE("keeps groups of a sphere within the tolerances", "[outline]") {
   const PolygonModel model = sphere_model(24);
   OutlineOptions options;
   options.tolerance = 0.02;
@@ -209,7 +209,7 @@ TEST_CASE("Groups of a sphere keep within the tolerances", "[outline]") {
   require_closed(made);
 }
 
-TEST_CASE("Simplified outlines have fewer corners and still meet", "[outline]") {
+TEST_CASE("simplifies outlines to fewer corners that still meet", "[outline]") {
   const PolygonModel model = sphere_model(24);
   OutlineOptions options;
   options.tolerance = 0.02;
@@ -225,7 +225,7 @@ TEST_CASE("Simplified outlines have fewer corners and still meet", "[outline]") 
   }
 }
 
-TEST_CASE("The result is the same for any number of threads", "[outline]") {
+TEST_CASE("groups polygons equally on any number of threads", "[outline]") {
   const PolygonModel model = sphere_model(40);
   OutlineOptions options;
   options.tolerance = 0.01;
@@ -238,7 +238,7 @@ TEST_CASE("The result is the same for any number of threads", "[outline]") {
   }
 }
 
-TEST_CASE("A number of groups can be asked for", "[outline]") {
+TEST_CASE("makes the requested number of groups", "[outline]") {
   const PolygonModel model = sphere_model(32);
   OutlineOptions options;
   options.tolerance = INFINITY;
@@ -249,7 +249,7 @@ TEST_CASE("A number of groups can be asked for", "[outline]") {
   }
 }
 
-TEST_CASE("Grouping can be cancelled", "[outline]") {
+TEST_CASE("stops grouping on cancellation", "[outline]") {
   Progress progress;
   progress.cancelled = true;
   const auto made = group_outlines(sphere_model(4), {}, &progress);

@@ -50,7 +50,7 @@ std::string error_of(const PolygonModel& model) {
 
 }  // namespace
 
-TEST_CASE("Nothing makes no groups", "[outline]") {
+TEST_CASE("makes no groups of no polygons", "[outline]") {
   CHECK(groups_of({}).groups.empty());
   PolygonModel model;
   model.positions.resize(3);
@@ -61,7 +61,7 @@ TEST_CASE("Nothing makes no groups", "[outline]") {
   CHECK(model_diagonal(model) == 0.0);
 }
 
-TEST_CASE("Polygons with corners that are none are left out", "[outline]") {
+TEST_CASE("drops polygons with invalid corners", "[outline]") {
   PolygonModel model;
   add_square(model, 0, 0);
   add_polygon(model, {{0, 0, 0}, {1, 0, kNan}, {1, 1, 0}});
@@ -79,7 +79,7 @@ TEST_CASE("Polygons with corners that are none are left out", "[outline]") {
   require_sound(model, made);
 }
 
-TEST_CASE("Corners at -0 and repeated corners are those at 0 and one", "[outline]") {
+TEST_CASE("treats -0 as 0 and repeated corners as one", "[outline]") {
   PolygonModel model;
   add_polygon(model, {{-0.0f, 0, 0}, {1, -0.0f, 0}, {1, 0, 0}, {1, 1, -0.0f}, {0, 0, 0}});
   add_polygon(model, {{0, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -88,7 +88,7 @@ TEST_CASE("Corners at -0 and repeated corners are those at 0 and one", "[outline
   CHECK(made.groups[0].outline.positions.size() == 4);
 }
 
-TEST_CASE("Arrays that do not fit each other are errors", "[outline]") {
+TEST_CASE("reports arrays of inconsistent lengths as errors", "[outline]") {
   PolygonModel model;
   add_square(model, 0, 0);
   add_square(model, 1, 0);
@@ -105,7 +105,7 @@ TEST_CASE("Arrays that do not fit each other are errors", "[outline]") {
   CHECK(error_of(bad) == "texture coordinates: 7, expected 8");
 }
 
-TEST_CASE("Huge and tiny models are grouped", "[outline]") {
+TEST_CASE("groups huge and tiny models", "[outline]") {
   for (const float scale : {1e38f, 1e-30f, 1e-37f}) {
     PolygonModel model = sphere_model(6);
     for (glm::vec3& p : model.positions) p *= scale;
@@ -120,7 +120,7 @@ TEST_CASE("Huge and tiny models are grouped", "[outline]") {
   }
 }
 
-TEST_CASE("Options that are no numbers count as 0", "[outline]") {
+TEST_CASE("treats NaN options as 0", "[outline]") {
   PolygonModel model;
   add_cube(model);
   OutlineOptions options;
@@ -134,7 +134,7 @@ TEST_CASE("Options that are no numbers count as 0", "[outline]") {
   require_sound(model, groups_of(model, options));
 }
 
-TEST_CASE("Any polygons between any points are grouped", "[outline]") {
+TEST_CASE("groups any polygons between any points", "[outline]") {
   std::mt19937 random(1);
   for (int round = 0; round < 300; ++round) {
     PolygonModel model;
@@ -170,7 +170,7 @@ TEST_CASE("Any polygons between any points are grouped", "[outline]") {
   }
 }
 
-TEST_CASE("Hubs, stars and long chains end", "[outline]") {
+TEST_CASE("ends on hubs, stars and long chains", "[outline]") {
   constexpr int kCount = 20000;
   const auto at = [](int i, double radius, double height) {
     const double angle = 2 * std::numbers::pi * i / kCount;

@@ -23,7 +23,7 @@ bool has(std::span<const glm::vec3> ring, const glm::vec3& p) {
 
 }  // namespace
 
-TEST_CASE("A plate with two holes is one polygon of three rings", "[outline]") {
+TEST_CASE("merges a plate with two holes into one polygon of three rings", "[outline]") {
   PolygonModel model;
   for (int x = 0; x < 5; ++x)
     for (int y = 0; y < 5; ++y)
@@ -63,7 +63,7 @@ TEST_CASE("merges polygons with bent shading only if allowed", "[outline]") {
   CHECK(std::holds_alternative<OutlineError>(group_outlines(model, {})));
 }
 
-TEST_CASE("An L of three squares keeps its six corners", "[outline]") {
+TEST_CASE("keeps the six corners of an L of three squares", "[outline]") {
   PolygonModel model;
   add_square(model, 0, 0);
   add_square(model, 1, 0);
@@ -78,7 +78,7 @@ TEST_CASE("An L of three squares keeps its six corners", "[outline]") {
     CHECK(has(ring, p));
 }
 
-TEST_CASE("An island in a hole is a polygon of its own", "[outline]") {
+TEST_CASE("keeps an island in a hole as its own polygon", "[outline]") {
   PolygonModel model;
   for (int x = 0; x < 5; ++x)
     for (int y = 0; y < 5; ++y)
@@ -92,7 +92,7 @@ TEST_CASE("An island in a hole is a polygon of its own", "[outline]") {
   CHECK(made.groups[1].area == 1.0);
 }
 
-TEST_CASE("A ring that touches itself becomes rings that touch", "[outline]") {
+TEST_CASE("splits a ring that touches itself into rings that touch", "[outline]") {
   PolygonModel model;  // three by three without the middle and a corner, which touch
   for (int x = 0; x < 3; ++x)
     for (int y = 0; y < 3; ++y)
@@ -125,7 +125,7 @@ TEST_CASE("does not merge polygons that overlap", "[outline]") {
   CHECK(made.counts.merged == 0);
 }
 
-TEST_CASE("A straight vertex goes only if it goes from all rings", "[outline]") {
+TEST_CASE("removes a straight vertex only if all rings can lose it", "[outline]") {
   const glm::vec3 middle(1, 1, 0);
   PolygonModel model;  // below two squares of one appearance, above a bar of another one with the same vertex
   add_square(model, 0, 0, 1);
@@ -150,7 +150,7 @@ TEST_CASE("A straight vertex goes only if it goes from all rings", "[outline]") 
   CHECK(passes(made, 3));
 }
 
-TEST_CASE("No T-junction is made and none is mended by guessing", "[outline]") {
+TEST_CASE("makes no T-junction, and mends none by guessing", "[outline]") {
   PolygonModel model;  // the long edge of the bar has no vertex where the two squares below meet
   add_square(model, 0, 0, 1);
   add_square(model, 1, 0, 2);
@@ -163,7 +163,7 @@ TEST_CASE("No T-junction is made and none is mended by guessing", "[outline]") {
   }
 }
 
-TEST_CASE("A sliver without area joins what it lies between", "[outline]") {
+TEST_CASE("joins a sliver without area to its neighbour", "[outline]") {
   PolygonModel model;
   add_polygon(model, {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}});
   add_polygon(model, {{0, 1, 0}, {2, 1, 0}, {1, 1, 0}});
@@ -175,7 +175,7 @@ TEST_CASE("A sliver without area joins what it lies between", "[outline]") {
   CHECK(made.groups[0].outline.positions.size() == 4);
 }
 
-TEST_CASE("Planes that are slightly apart merge within a tolerance only", "[outline]") {
+TEST_CASE("merges slightly different planes only within a tolerance", "[outline]") {
   PolygonModel model;
   for (int i = 0; i < 8; ++i) {
     const auto x = static_cast<float>(i);
@@ -195,7 +195,7 @@ TEST_CASE("Planes that are slightly apart merge within a tolerance only", "[outl
   CHECK(made.groups[0].outline.positions.size() == 4);
 }
 
-TEST_CASE("A fine mesh of a tilted plane merges although its positions are rounded", "[outline]") {
+TEST_CASE("merges a fine mesh of a tilted plane although its positions are rounded", "[outline]") {
   PolygonModel model;
   const glm::dvec3 u = glm::normalize(glm::dvec3(3, 1, 2)), v = glm::normalize(glm::cross(u, glm::dvec3(0, 0, 1)));
   const auto at = [&](int x, int y) { return glm::vec3(u * (x / 8.0) + v * (y / 8.0)); };
@@ -207,7 +207,7 @@ TEST_CASE("A fine mesh of a tilted plane merges although its positions are round
   CHECK(made.groups[0].area == Approx(1.0));
 }
 
-TEST_CASE("Texture coordinates are kept, and merge where they are one map", "[outline]") {
+TEST_CASE("keeps texture coordinates, and merges polygons with one common mapping", "[outline]") {
   PolygonModel model;
   add_polygon(model, {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}});
   add_polygon(model, {{0, 0, 0}, {2, 1, 0}, {0, 1, 0}});
@@ -231,7 +231,7 @@ TEST_CASE("Texture coordinates are kept, and merge where they are one map", "[ou
   CHECK(made.groups[0].outline.texture_coordinates.empty());
 }
 
-TEST_CASE("A polygon with a bridge to its hole gets a ring for the hole", "[outline]") {
+TEST_CASE("makes a ring for the hole of a polygon with a bridge", "[outline]") {
   PolygonModel model;
   add_polygon(
       model,

@@ -84,7 +84,7 @@ TEST_CASE("restores positions on a lattice exactly") {
   CHECK(textured->texture_coordinates[2] == std::array<float, 2>{0.5f, 0.5f});
 }
 
-TEST_CASE("A stream tells its appearances and what it has") {
+TEST_CASE("reports its appearances and its contents in the header of a stream") {
   const EncodedStream stream = encoded(mixed(), looks(3), {.metadata = {{"title", "squares"}}});
   OutlineDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
@@ -113,7 +113,7 @@ TEST_CASE("A stream tells its appearances and what it has") {
   CHECK(polygons == 8);
 }
 
-TEST_CASE("Outlines say whether they stay, and areas come with them") {
+TEST_CASE("encodes whether outlines remain, and the areas of their polygons") {
   const EncodedStream stream = encoded(mixed(), looks(3));
   OutlineDecoder decoder;
   (void)decoder.push(stream.bytes);
@@ -129,7 +129,7 @@ TEST_CASE("Outlines say whether they stay, and areas come with them") {
   CHECK(decoder.take().empty());
 }
 
-TEST_CASE("Every position is the nearest one of the lattice, whatever the bits") {
+TEST_CASE("rounds every position to the nearest lattice point, for any number of bits") {
   const OutlineGroups sphere = shapes::sphere(21, 20, 5, 3);
   for (const int bits : {8, 12, 16, 24, 30}) {
     const EncodedStream stream = encoded(sphere, looks(3), {.position_bits = bits});
@@ -145,7 +145,7 @@ TEST_CASE("Every position is the nearest one of the lattice, whatever the bits")
   }
 }
 
-TEST_CASE("Models far away, tiny, huge and in any direction come back") {
+TEST_CASE("restores distant, tiny and huge models in any direction") {
   std::mt19937 random(6);
   for (const float scale : {1e-40f, 1e-30f, 1.0f, 1e6f, 1e33f})
     for (const float away : {0.0f, 1.0f, 1000.0f}) {
@@ -157,7 +157,7 @@ TEST_CASE("Models far away, tiny, huge and in any direction come back") {
     }
 }
 
-TEST_CASE("Rings of any length, with any holes and texture coordinates, come back") {
+TEST_CASE("restores rings of any length, with holes and texture coordinates") {
   std::mt19937 random(8);
   const auto number = [&](int most) { return static_cast<float>(random() % static_cast<unsigned>(most)) / 16; };
   OutlineGroups groups;
@@ -180,7 +180,7 @@ TEST_CASE("Rings of any length, with any holes and texture coordinates, come bac
   CHECK((sorted(decode_all(stream.bytes)) == expected(groups, stream.header.outlines)));
 }
 
-TEST_CASE("Outlines come first by the area of their groups, then inner polygons group after group") {
+TEST_CASE("sorts outlines by the area of their groups, before the inner polygons of each group") {
   OutlineGroups sphere = shapes::sphere(41, 40, 10);
   std::stable_sort(sphere.groups.begin(), sphere.groups.end(),
                    [](const auto& a, const auto& b) { return a.area > b.area; });
@@ -201,7 +201,7 @@ TEST_CASE("Outlines come first by the area of their groups, then inner polygons 
   }
 }
 
-TEST_CASE("Chunks of several appearances come by their largest polygon, and none is long") {
+TEST_CASE("sorts chunks of several appearances by their largest polygon, and keeps them short") {
   OutlineGroups sphere = shapes::sphere(61, 60, 4, 5);
   const EncodedStream stream = encoded(sphere, looks(5));
   double before = std::numeric_limits<double>::infinity();
@@ -221,7 +221,7 @@ TEST_CASE("Chunks of several appearances come by their largest polygon, and none
   }
 }
 
-TEST_CASE("The same bytes for any number of threads, and fewer where fewer are wanted") {
+TEST_CASE("encodes the same bytes on any number of threads, and fewer on request") {
   const OutlineGroups sphere = shapes::sphere(101, 100, 25, 2);
   const EncodedStream one = encoded(sphere, looks(2), {.threads = 1});
   CHECK((one.bytes == encoded(sphere, looks(2), {.threads = 3}).bytes));
@@ -254,7 +254,7 @@ TEST_CASE("leaves out polygons without area on the lattice and counts them") {
   CHECK(all[3].inner);
 }
 
-TEST_CASE("Rings lose corners and holes that fall on others") {
+TEST_CASE("drops corners and holes of rings that coincide with others") {
   OutlineGroups groups;
   groups.groups.push_back(
       flat_group({{{0, 0, 0}, {100, 0, 0}, {100.0001f, 0.0001f, 0}, {100, 100, 0}, {0, 100, 0}, {0.0001f, 0, 0}},
@@ -267,7 +267,7 @@ TEST_CASE("Rings lose corners and holes that fall on others") {
   CHECK(all[0].rings[1][0] == Point{10, 10, 0});
 }
 
-TEST_CASE("A polygon that no record can hold is cut, and none of it is lost") {
+TEST_CASE("cuts a polygon that no record can hold, without loss") {
   // A comb with a hole in every other tooth.
   shapes::Ring comb;
   std::vector<shapes::Ring> rings(1);
@@ -305,7 +305,7 @@ TEST_CASE("A polygon that no record can hold is cut, and none of it is lost") {
   CHECK(holes >= kTeeth / 2 - 20);
 }
 
-TEST_CASE("The longest polygons that are not cut fit into a chunk, whatever their corners") {
+TEST_CASE("fits the longest uncut polygons into a chunk, whatever their corners are") {
   std::mt19937 random(9);
   for (const int bits : {16, 30}) {
     OutlineGroups groups;
@@ -363,7 +363,7 @@ TEST_CASE("reports why outlines cannot be encoded") {
   CHECK(std::get<EncodeError>(cancelled).message == "cancelled");
 }
 
-TEST_CASE("Texture coordinates that make no sense cost themselves only") {
+TEST_CASE("drops only invalid texture coordinates") {
   OutlineGroups groups = mixed();
   groups.groups[2].outline.texture_coordinates[1] = {std::numeric_limits<float>::quiet_NaN(), 1e30f};
   const EncodedStream stream = encoded(groups, looks(3));

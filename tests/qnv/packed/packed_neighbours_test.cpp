@@ -35,7 +35,7 @@ PackedVoxels voxels_at(std::vector<std::uint64_t> keys) {
   return voxels;
 }
 
-TEST_CASE("Neighbours are those of the block, each across its face") {
+TEST_CASE("finds the neighbours in a block across each face") {
   std::mt19937 random(5);
   std::vector<std::uint64_t> keys;
   for (int i = 0; i < 3000; ++i) keys.push_back(morton_encode(random() % 70, random() % 9, random() % 9));
@@ -75,7 +75,7 @@ TEST_CASE("Neighbours are those of the block, each across its face") {
   CHECK(found > count);
 }
 
-TEST_CASE("A plane that goes on into its neighbours is predicted as it is") {
+TEST_CASE("predicts a plane exactly that continues into its neighbours") {
   // Through the voxel's centre, and so through those of the voxels beside it where its normal is +z.
   const std::array<std::uint32_t, 7> flat{bits_of(0, 0, 4), bits_of(0, 0, 4), bits_of(0, 0, 4), bits_of(0, 0, 4), 0, 0,
                                           bits_of(0, 0, 4)};
@@ -89,7 +89,7 @@ TEST_CASE("A plane that goes on into its neighbours is predicted as it is") {
   }
 }
 
-TEST_CASE("Normals that turn from voxel to voxel go on turning, by hand") {
+TEST_CASE("predicts turning normals as by hand") {
   // u rises by 160 along x: a child is a quarter of a voxel away, 40; here 3/16 of what is on its side and 1/16 of what
   // is on the other, each 160: 40.
   const std::array<std::uint32_t, 7> bent{bits_of(-60, 0, 0), bits_of(260, 0, 0), 0, 0, 0, 0, bits_of(100, 0, 0)};

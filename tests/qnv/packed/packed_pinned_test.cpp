@@ -21,7 +21,7 @@ std::string text_of(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-TEST_CASE("FORMAT.md's packed stream with neighbours decodes to the numbers that were worked out from it") {
+TEST_CASE("decodes FORMAT.md's octree stream with neighbours to the numbers in the document") {
   const std::vector<std::byte> stream = read_bytes("packed_around.qnv");
   const std::string expected = text_of(read_bytes("packed_around.txt"));
   REQUIRE(expected.size() > 10'000);
@@ -56,7 +56,7 @@ TEST_CASE("FORMAT.md's packed stream with neighbours decodes to the numbers that
   CHECK(shown.str() == expected);
 }
 
-TEST_CASE("The packed decoder that was written from FORMAT.md alone gives the same numbers") {
+TEST_CASE("matches an octree decoder that was written from FORMAT.md alone") {
   if (std::system("python3 -c pass >/dev/null 2>&1") != 0) {
     WARN("python3 is not here");
     return;

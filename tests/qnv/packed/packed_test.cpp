@@ -100,7 +100,7 @@ void check_promises(const Packed& packed) {
     CHECK(seen[l] == packed.truth[l].size());
 }
 
-TEST_CASE("A packed sphere decodes to what the encoder promises, at every level") {
+TEST_CASE("decodes an octree sphere within the promised errors on every level") {
   const Triangles ball = sphere(100, 3, {10, -4, 2});
   for (const bool compact : {false, true}) {
     PackedOptions options;
@@ -131,7 +131,7 @@ TEST_CASE("A packed sphere decodes to what the encoder promises, at every level"
   }
 }
 
-TEST_CASE("A packed cube keeps its faces, and both faces of its creases") {
+TEST_CASE("keeps the faces of an octree cube, and both faces at its edges") {
   const Triangles cube = box_shape({-1, -1, -1}, {1, 1, 1}, 3);
   const Packed packed(cube, 7);
   check_promises(packed);
@@ -142,7 +142,7 @@ TEST_CASE("A packed cube keeps its faces, and both faces of its creases") {
   CHECK(flat > cloud.size() * 9 / 10);
 }
 
-TEST_CASE("Both sides of a thin sheet come out") {
+TEST_CASE("keeps both sides of a thin sheet") {
   const Triangles sheet = two_sided_sheet();
   const Packed packed(sheet, 6);
   check_promises(packed);
@@ -158,7 +158,7 @@ TEST_CASE("Both sides of a thin sheet come out") {
   CHECK(glm::length(sum) < 1e-3);
 }
 
-TEST_CASE("A thin plate is a sheet from afar and two faces from near") {
+TEST_CASE("shows a thin plate as a sheet on coarse levels and as two faces on fine levels") {
   // At level 4 most voxels hold both faces, at level 8 each has its own.
   Triangles plate = two_sided_sheet();
   for (Triangle& t : plate) {
@@ -188,7 +188,7 @@ TEST_CASE("A thin plate is a sheet from afar and two faces from near") {
   }
 }
 
-TEST_CASE("Colours come out within half a step") {
+TEST_CASE("restores colours within half a step") {
   PackedOptions options;
   options.colored = true;
   const Packed packed(sphere(60, 1, {}, true), 6, options);
@@ -215,7 +215,7 @@ TEST_CASE("Colours come out within half a step") {
       }
 }
 
-TEST_CASE("Wires, dust and surfaces without area") {
+TEST_CASE("encodes wires, dust and surfaces without area") {
   // Nothing fills a voxel by even a thirtieth.
   Triangles dust;
   std::mt19937 random(3);
@@ -232,7 +232,7 @@ TEST_CASE("Wires, dust and surfaces without area") {
   CHECK(encode_packed({Voxel{}}, 5, Cube{}, {}).empty());
 }
 
-TEST_CASE("Clusters fit into a datagram, and name parents that came before") {
+TEST_CASE("fits clusters into a datagram, and names only earlier parents") {
   const Packed packed(sphere(80), 8);
   REQUIRE(packed.encoded.size() > 15);
   std::vector<std::vector<bool>> divided;
@@ -260,7 +260,7 @@ TEST_CASE("Clusters fit into a datagram, and name parents that came before") {
   }
 }
 
-TEST_CASE("A plane along the grid, the cheapest there is, stays within the voxels a byte may give") {
+TEST_CASE("keeps a plane along the grid within the maximum voxels per byte") {
   const glm::vec3 a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0);
   Triangles plane{triangle_of(a, b, c), triangle_of(a, c, d)};
   const Packed packed(plane, 9);
@@ -279,7 +279,7 @@ bool same(const PackedVoxels& a, const PackedVoxels& b) {
          a.state == b.state && a.luma == b.luma && a.co == b.co && a.cg == b.cg;
 }
 
-TEST_CASE("The inner loops for AVX2 give the bits of the plain ones") {
+TEST_CASE("computes the inner loops with AVX2 to the bits of the scalar ones") {
   const PackedKernels* vector = packed_kernels_avx2();
   if (vector == nullptr) {
     WARN("this machine has no AVX2");
@@ -312,7 +312,7 @@ TEST_CASE("The inner loops for AVX2 give the bits of the plain ones") {
   }
 }
 
-TEST_CASE("Every prefix of a cluster is refused, and every longer one") {
+TEST_CASE("rejects every prefix and every extension of a cluster") {
   PackedOptions options;
   options.colored = true;
   const Packed packed(sphere(30, 1, {}, true), 6, options);
@@ -332,7 +332,7 @@ TEST_CASE("Every prefix of a cluster is refused, and every longer one") {
   }
 }
 
-TEST_CASE("Every flipped bit of a cluster does no harm, and nearly all are noticed") {
+TEST_CASE("survives every flipped bit of a cluster, and detects nearly all") {
   const Packed packed(sphere(30), 5);
   std::size_t unnoticed = 0, all = 0;
   for (const std::size_t which : {std::size_t{0}, packed.encoded.size() - 1}) {
@@ -371,7 +371,7 @@ std::string refusal(std::span<const std::byte> payload, const Cluster* parent) {
   return error ? error->message : "";
 }
 
-TEST_CASE("Headers that cannot be are refused") {
+TEST_CASE("rejects impossible headers") {
   Cluster parent;
   parent.header.levels = 3;
   parent.voxels.resize(kMostVoxels, false);
@@ -406,7 +406,7 @@ TEST_CASE("Headers that cannot be are refused") {
   }
 }
 
-TEST_CASE("Bytes at random, of any size, are refused or give voxels within the limits") {
+TEST_CASE("rejects random bytes, or decodes them to voxels within the limits") {
   std::mt19937 random(99);
   Cluster parent;
   parent.header.levels = 3;
@@ -435,7 +435,7 @@ TEST_CASE("Bytes at random, of any size, are refused or give voxels within the l
   }
 }
 
-TEST_CASE("The tables are those of FORMAT.md") {
+TEST_CASE("uses the tables of FORMAT.md") {
   for (const ResidualModel& model : residual_models()) {
     std::uint32_t next = 0;
     for (const auto& interval : model.interval) {
@@ -459,7 +459,7 @@ TEST_CASE("The tables are those of FORMAT.md") {
   for (int i = -2000; i <= 2000; ++i) REQUIRE(unzigzag(zigzag(i)) == i);
 }
 
-TEST_CASE("Octahedral normals: opposite ones, wraps, and the area of planes in a cube") {
+TEST_CASE("encodes octahedral normals with their opposites, wraps and plane areas") {
   for (int u = -1024; u <= 1024; u += 32)
     for (int v = -1024; v <= 1024; v += 32) {
       const auto n = octahedral_normal(u, v);

@@ -47,7 +47,7 @@ ProgressiveMesh read(const ProgressiveBytes& bytes, std::size_t segments) {
 }  // namespace
 
 // FORMAT.md, "Splits".
-TEST_CASE("a mesh that grows vertex by vertex becomes itself: all triangles, the way they turn, as often") {
+TEST_CASE("restores a progressive mesh with all triangles, their facing and duplicates") {
   std::size_t made = 0;
   for (const exact::Source& s : sources()) {
     if (s.colored) continue;
@@ -67,7 +67,7 @@ TEST_CASE("a mesh that grows vertex by vertex becomes itself: all triangles, the
   CHECK(made > 8);
 }
 
-TEST_CASE("every prefix of its segments is a mesh that comes nearer, in whatever order they come") {
+TEST_CASE("approaches the mesh with every prefix of its segments, in any order") {
   const Triangles source = displaced::torus(60, 30);
   const ExactMesh mesh = exact::mesh_of(source, 12, false);
   const auto bytes = encode_progressive(mesh, kFront);
@@ -92,7 +92,7 @@ TEST_CASE("every prefix of its segments is a mesh that comes nearer, in whatever
   CHECK(backwards.mesh().triangles == read(*bytes, bytes->segments.size()).mesh().triangles);
 }
 
-TEST_CASE("a front that promises too much, or changed segments, do no harm") {
+TEST_CASE("survives a front that promises too much, and changed segments") {
   const ExactMesh mesh = exact::mesh_of(displaced::torus(30, 20), 10, false);
   const auto bytes = encode_progressive(mesh, kFront);
   REQUIRE(bytes);

@@ -52,7 +52,7 @@ RecordFrame some_frame() { return frame_for({{-1.5f, 0.1f, 1000.25f}, {0.5f, 3.4
 
 }  // namespace
 
-TEST_CASE("the bits of a record are where the format says") {
+TEST_CASE("packs the bits of a record as the format defines") {
   CHECK(join_fields({1, 0, 0, 0, 0, 0, 0}) == std::uint64_t{1});
   CHECK(join_fields({0, 1, 0, 0, 0, 0, 0}) == std::uint64_t{1} << 10);
   CHECK(join_fields({0, 0, 1, 0, 0, 0, 0}) == std::uint64_t{1} << 20);
@@ -68,7 +68,7 @@ TEST_CASE("the bits of a record are where the format says") {
   }
 }
 
-TEST_CASE("a record is little-endian") {
+TEST_CASE("stores a record in little-endian order") {
   const RecordFrame frame = frame_for({{0, 0, 0}, {1024, 1024, 1024}}, 32767);
   const std::array positions{glm::vec3(1.5f, 2.5f, 3.5f)};
   const std::array normals{glm::vec3(0, 0, 1)};
@@ -81,7 +81,7 @@ TEST_CASE("a record is little-endian") {
   for (std::size_t i = 0; i < 8; ++i) CHECK(std::to_integer<int>(bytes[i]) == expected[i]);
 }
 
-TEST_CASE("pinned records decode to the pinned numbers") {
+TEST_CASE("decodes pinned records to their pinned numbers") {
   const std::vector<std::byte> records = read_bytes("records.bin");
   REQUIRE(records.size() == 12 * kRecordBytes);
   std::ifstream text(GHOSTSPACE_TESTS "/qnv/vectors/v1/records.txt");
@@ -108,7 +108,7 @@ TEST_CASE("pinned records decode to the pinned numbers") {
   }
 }
 
-TEST_CASE("normals of codes are what the formula gives, and unit") {
+TEST_CASE("decodes normal codes to the unit vectors of the formula") {
   for (unsigned code = 0; code < kNormalCodes; ++code) {
     const double t = (code % 32 + 0.5) / 32 * std::numbers::pi, f = (code / 32 + 0.5) / 64 * 2 * std::numbers::pi;
     const glm::vec3 n = normal_of(code);
@@ -121,7 +121,7 @@ TEST_CASE("normals of codes are what the formula gives, and unit") {
   }
 }
 
-TEST_CASE("a direction gets the nearest code, within the proved bound") {
+TEST_CASE("encodes a direction to the nearest code, within the proved bound") {
   std::mt19937 random(2);
   double worst = 0;
   for (int i = 0; i < 300; ++i) {
@@ -140,7 +140,7 @@ TEST_CASE("a direction gets the nearest code, within the proved bound") {
   CHECK(kLargestNormalError >= 2 * std::asin(std::sqrt(2) * std::sin(std::numbers::pi / 128)));
 }
 
-TEST_CASE("directions at the borders and impossible ones have codes") {
+TEST_CASE("encodes directions at the borders and impossible ones") {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   CHECK(normal_code({0, 0, 1}) == 0);
   CHECK(normal_code({0, 0, -1}) == 31);
@@ -157,7 +157,7 @@ TEST_CASE("directions at the borders and impossible ones have codes") {
       }
 }
 
-TEST_CASE("positions and weights come back within half a step") {
+TEST_CASE("restores positions and weights within half a step") {
   std::mt19937 random(3);
   for (int round = 0; round < 200; ++round) {
     const float scale = std::ldexp(1.0f, static_cast<int>(random() % 60) - 30);
@@ -210,7 +210,7 @@ TEST_CASE("clamps values that do not fit into a record") {
   CHECK(unpack_record(pack_record({{4, 5, 6}, {1, 0, 0}, 1, 0}, flat), flat).position == glm::vec3(4, 5, 6));
 }
 
-TEST_CASE("frames that decode to nonsense are not valid") {
+TEST_CASE("rejects frames that decode to invalid numbers") {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   CHECK(valid(some_frame()));
   for (const float bad : {nan, infinity, -infinity, -1.0f, -0.0f, 1e36f, std::nextafter(1.0f, 2.0f)}) {
@@ -255,7 +255,7 @@ struct Guarded {
 
 }  // namespace
 
-TEST_CASE("all code paths give the same bits and touch nothing else") {
+TEST_CASE("computes the same bits on all code paths, without writes elsewhere") {
   std::mt19937_64 random(4);
   std::vector<std::byte> records(kRecordBytes * 1500 + 3);
   for (std::byte& b : records) b = static_cast<std::byte>(random());
@@ -297,7 +297,7 @@ TEST_CASE("all code paths give the same bits and touch nothing else") {
   }
 }
 
-TEST_CASE("a large array is unpacked as a small one is") {
+TEST_CASE("unpacks a large array like a small one") {
   const std::size_t count = (1 << 19) + 77;  // beyond the caches, so that it is streamed
   std::vector<std::byte> records(kRecordBytes * count);
   std::mt19937_64 random(6);

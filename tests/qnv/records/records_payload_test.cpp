@@ -94,7 +94,7 @@ std::array<double, 8> by_octant(const Box& box, std::span<const glm::vec3> posit
 
 }  // namespace
 
-TEST_CASE("a pinned chunk decodes to what it holds") {
+TEST_CASE("decodes a pinned chunk to its vectors") {
   const std::vector<std::byte> bytes = read_bytes("records_chunk.bin");
   REQUIRE(bytes.size() == 48 + 12 * 8);
   auto result = decode_records(bytes);
@@ -147,7 +147,7 @@ TEST_CASE("pins the encoding of one vector") {
   CHECK(number(52) == (32767u << 9 | 9u << 24));
 }
 
-TEST_CASE("every vector is in one chunk, within half a step of where it was") {
+TEST_CASE("encodes each vector in one chunk, within half a step of its position") {
   const Cloud cloud = ball(30'000);
   const std::vector<Rgb8> palette = make_palette(cloud.colors);
   const std::vector<std::uint8_t> indices = palette_indices(cloud.colors, palette);
@@ -214,7 +214,7 @@ TEST_CASE("every vector is in one chunk, within half a step of where it was") {
   CHECK(layer == 3);
 }
 
-TEST_CASE("chunks are of a useful size and resolve more than the whole box does") {
+TEST_CASE("makes chunks of useful size that resolve more than the whole box does") {
   const Cloud cloud = ball(60'000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   REQUIRE(chunks.size() > 30);
@@ -231,7 +231,7 @@ TEST_CASE("chunks are of a useful size and resolve more than the whole box does"
   CHECK(small < chunks.size() / 6);
 }
 
-TEST_CASE("chunks do not depend on threads, seeds and limits are obeyed") {
+TEST_CASE("makes chunks that do not depend on threads, within seeds and limits") {
   const Cloud cloud = ball(40'000);
   const auto bytes = [&](const RecordsOptions& options) {
     std::vector<std::byte> all;
@@ -256,7 +256,7 @@ TEST_CASE("chunks do not depend on threads, seeds and limits are obeyed") {
   CHECK(weight == Approx(cloud.description.total).epsilon(1e-6));  // of all, sent or not
 }
 
-TEST_CASE("odd clouds are encoded") {
+TEST_CASE("encodes point sets with invalid or coincident vectors") {
   CHECK(encode_records({}, {}).empty());
   Cloud cloud = ball(500, Kind::volume);
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -292,7 +292,7 @@ TEST_CASE("odd clouds are encoded") {
   CHECK(encode_records(ball(30'000), options).empty());
 }
 
-TEST_CASE("every prefix of a chunk is the records that are there") {
+TEST_CASE("decodes every prefix of a chunk to its complete records") {
   const Cloud cloud = ball(200);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   REQUIRE(chunks.size() == 1);
@@ -315,7 +315,7 @@ TEST_CASE("every prefix of a chunk is the records that are there") {
   CHECK(std::holds_alternative<RecordsError>(decode_records(longer)));
 }
 
-TEST_CASE("records in lost ranges are left out") {
+TEST_CASE("drops records in lost ranges") {
   const RecordsChunk chunk = encode_records(ball(100), {}).at(0);
   const RecordsPatch whole = decoded(chunk);
   const std::vector<ByteRange> missing{{48 + 8 * 20 + 7, 48 + 8 * 22 + 1}, {10, 10}, {48 + 8 * 98, 100'000}, {48, 49}};
@@ -332,7 +332,7 @@ TEST_CASE("records in lost ranges are left out") {
   CHECK(std::holds_alternative<RecordsError>(decode_records(chunk.payload, in_header)));
 }
 
-TEST_CASE("damaged chunks are refused or decode to finite vectors") {
+TEST_CASE("rejects damaged chunks or decodes them to finite vectors") {
   const Cloud cloud = ball(60);
   const std::vector<std::byte> good = encode_records(cloud, {}).at(0).payload;
   std::mt19937 random(1);
@@ -365,7 +365,7 @@ TEST_CASE("damaged chunks are refused or decode to finite vectors") {
   for (const float weight : assembly.conserved_weights()) REQUIRE_EACH((weight >= 0 && std::isfinite(weight)));
 }
 
-TEST_CASE("whatever prefix of the chunks arrives, the whole and its octants keep their weight") {
+TEST_CASE("keeps the weight of the whole and of its octants in every prefix of the chunks") {
   for (const Kind kind : {Kind::surface, Kind::volume}) {
     const Cloud cloud = ball(25'000, kind);
     const Box& box = cloud.description.box;
@@ -389,7 +389,7 @@ TEST_CASE("whatever prefix of the chunks arrives, the whole and its octants keep
   }
 }
 
-TEST_CASE("whatever records are lost, every cell keeps its weight") {
+TEST_CASE("keeps the weight of every cell, whichever records are lost") {
   const Cloud cloud = ball(30'000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   std::mt19937 random(2);
@@ -425,7 +425,7 @@ TEST_CASE("whatever records are lost, every cell keeps its weight") {
   }
 }
 
-TEST_CASE("no vector grows beyond twice its cell") {
+TEST_CASE("limits the size of a vector to twice its cell") {
   const Cloud cloud = ball(30'000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   // Of everything, five tiny records of one deep chunk.

@@ -104,7 +104,7 @@ Example example(std::size_t chunks = 12) {
   return e;
 }
 
-TEST_CASE("The header lies as FORMAT.md says") {
+TEST_CASE("writes the header as FORMAT.md defines") {
   const Bytes bytes = encode_header(example_header());
   const auto u8 = [&](std::size_t at) { return std::to_integer<unsigned>(bytes[at]); };
   const auto f32 = [&](std::size_t at) {
@@ -138,7 +138,7 @@ TEST_CASE("The header lies as FORMAT.md says") {
 }
 
 // Readers from before know version 1 alone: they refuse what they would put elsewhere.
-TEST_CASE("A header with an origin is of version 2, one without of version 1") {
+TEST_CASE("writes version 2 for a header with an origin, else version 1") {
   StreamHeader header = example_header();
   const Bytes before = encode_header(header);
   header.description.origin = {4'500'000.5, 0, -1e-3};
@@ -174,7 +174,7 @@ TEST_CASE("A header with an origin is of version 2, one without of version 1") {
   }
 }
 
-TEST_CASE("A header is read back") {
+TEST_CASE("restores a header from its bytes") {
   for (const StreamHeader& header : {example_header(), plain_header()}) {
     const Bytes bytes = encode_header(header);
     CHECK(is_stream(bytes));
@@ -185,7 +185,7 @@ TEST_CASE("A header is read back") {
   CHECK_FALSE(is_stream({}));
 }
 
-TEST_CASE("Every prefix of a header asks for more, every flipped bit is refused") {
+TEST_CASE("asks for more bytes for every prefix of a header, and rejects every flipped bit") {
   Bytes bytes = encode_header(example_header());
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     std::size_t header_bytes = 0;
@@ -201,7 +201,7 @@ TEST_CASE("Every prefix of a header asks for more, every flipped bit is refused"
   }
 }
 
-TEST_CASE("Headers with impossible numbers are refused") {
+TEST_CASE("rejects headers with impossible numbers") {
   const float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   const auto refused = [](auto change) {
     StreamHeader header = plain_header();
@@ -226,7 +226,7 @@ TEST_CASE("Headers with impossible numbers are refused") {
   CHECK_FALSE(refused([](StreamHeader&) {}));
 }
 
-TEST_CASE("A transfer function comes out sorted and within 0..1") {
+TEST_CASE("sorts a transfer function and clamps it to 0..1") {
   StreamHeader header = plain_header();
   header.description.transfer = {{5, {1, 1, 1}, -1},
                                  {0.5f, {2, 2, 2}, 7},
@@ -238,7 +238,7 @@ TEST_CASE("A transfer function comes out sorted and within 0..1") {
   CHECK(std::get<StreamHeader>(result).description.transfer == expected);
 }
 
-TEST_CASE("Chunks of any size come out whole, however the stream is cut") {
+TEST_CASE("returns whole chunks of any size, however the stream is cut") {
   const Example e = example();
   for (std::size_t piece = 1; piece <= e.bytes.size(); piece = piece < 40 ? piece + 1 : piece * 2) {
     const Read read = read_all(e.bytes, piece);
@@ -256,7 +256,7 @@ TEST_CASE("Chunks of any size come out whole, however the stream is cut") {
   CHECK(read_all(bytes, 1000).chunks.at(0).second == payload_of(kMostChunkBytes, 5));
 }
 
-TEST_CASE("Every prefix of a stream gives the chunks that are whole, and says that it was cut") {
+TEST_CASE("returns the whole chunks of a prefix, and reports that it was cut") {
   const Example e = example();
   for (std::size_t size = 0; size < e.bytes.size(); ++size) {
     const Read read = read_all(std::span(e.bytes).first(size), 64);
@@ -272,7 +272,7 @@ TEST_CASE("Every prefix of a stream gives the chunks that are whole, and says th
   }
 }
 
-TEST_CASE("Every flipped bit costs one chunk at most, and is reported") {
+TEST_CASE("loses at most one chunk to a flipped bit, and reports it") {
   Example e = example(7);
   for (std::size_t bit = 8 * e.starts[0]; bit < 8 * e.bytes.size(); ++bit) {
     e.bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
@@ -285,7 +285,7 @@ TEST_CASE("Every flipped bit costs one chunk at most, and is reported") {
   }
 }
 
-TEST_CASE("Reading goes on behind lost and inserted bytes") {
+TEST_CASE("continues after lost and inserted bytes") {
   const Example e = example();
   for (std::size_t at = e.starts[0]; at < e.bytes.size(); at += 7)
     for (const std::size_t size : {std::size_t{1}, std::size_t{50}}) {
@@ -300,7 +300,7 @@ TEST_CASE("Reading goes on behind lost and inserted bytes") {
     }
 }
 
-TEST_CASE("Chunks and sections of later versions are passed over") {
+TEST_CASE("skips chunks and sections of later versions") {
   Bytes bytes = encode_header(plain_header());
   append(bytes, encode_chunk(static_cast<ChunkType>(17), payload_of(30, 1)));
   append(bytes, encode_chunk(ChunkType::packed, payload_of(30, 2)));
@@ -329,7 +329,7 @@ TEST_CASE("refuses data that are not a stream and reports why") {
   CHECK(read_all({}, 1).problems.at(0).message == "ends inside its header");
 }
 
-TEST_CASE("Bytes that look like chunks everywhere are given up in good time") {
+TEST_CASE("gives up bytes that look like chunks everywhere in reasonable time") {
   Bytes bytes = encode_header(plain_header());
   const Bytes false_start{std::byte{0x51}, std::byte{0x43}, std::byte{0xff},
                           std::byte{0xff}, std::byte{1},    std::byte{0}};
@@ -340,7 +340,7 @@ TEST_CASE("Bytes that look like chunks everywhere are given up in good time") {
   CHECK(read.problems.size() <= 100);
 }
 
-TEST_CASE("A directory is read back, its boxes never smaller") {
+TEST_CASE("restores a directory with boxes that are never smaller") {
   const Box box{{-5, 0, 2}, {7, 1, 2}};
   std::mt19937 random(4);
   std::vector<DirectoryEntry> entries;

@@ -45,7 +45,7 @@ std::vector<Bytes> came(const std::vector<Bytes>& pieces) {
 
 }  // namespace
 
-TEST_CASE("any pieces bring a group back, if there are as many as it has of its own") {
+TEST_CASE("restores a group from any pieces, if they are as many as its own") {
   for (const std::size_t payloads : {1u, 3u, 9u}) {
     const std::vector<Bytes> wanted = some_payloads(payloads, 1500, 7);
     const CutGroup cut = cut_group(3, wanted, 0.75, 3);
@@ -72,7 +72,7 @@ TEST_CASE("any pieces bring a group back, if there are as many as it has of its 
   }
 }
 
-TEST_CASE("payloads at the front of a group are there before the others") {
+TEST_CASE("returns payloads at the front of a group before the others") {
   const std::vector<Bytes> wanted = some_payloads(12, 900, 2);
   const CutGroup cut = cut_group(0, wanted, 0, 0);
   CHECK(cut.parity.empty());
@@ -91,7 +91,7 @@ TEST_CASE("payloads at the front of a group are there before the others") {
   CHECK(taken == wanted.size());
 }
 
-TEST_CASE("a large group stays within its 256 pieces") {
+TEST_CASE("limits a large group to 256 pieces") {
   const std::vector<Bytes> wanted = some_payloads(40, 20'000, 5);
   const CutGroup cut = cut_group(15, wanted, 0.75, 3);
   CHECK(cut.data.size() == 128);

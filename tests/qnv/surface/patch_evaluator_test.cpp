@@ -63,7 +63,7 @@ std::size_t differences(const PatchSurface& a, const PatchSurface& b) {
 
 }  // namespace
 
-TEST_CASE("a surface that is worked out as its numbers come is that which is worked out at once") {
+TEST_CASE("evaluates a surface gradually to the result of evaluating it at once") {
   for (int which = 0; which < 3; ++which)
     for (const std::size_t creases : {0, 3}) {
       INFO(which << " " << creases);

@@ -49,7 +49,7 @@ std::vector<glm::vec3> any_vectors(std::size_t count, std::uint32_t seed, bool u
 
 }  // namespace
 
-TEST_CASE("the loops of every instruction set work out a patch as one vertex after the other would") {
+TEST_CASE("evaluates a patch in the loops of every instruction set as vertex by vertex") {
   for (const PatchLoops& loops : patch_loops()) {
     CAPTURE(loops.name);
     for (int level = 0; level <= 5; ++level) {
@@ -94,7 +94,7 @@ TEST_CASE("the loops of every instruction set work out a patch as one vertex aft
   }
 }
 
-TEST_CASE("vertices between others lie where they are predicted, in the loops of every instruction set") {
+TEST_CASE("predicts vertices between others in the loops of every instruction set") {
   const std::size_t count = 21;
   const std::vector<glm::vec3> places = any_vectors(2 * count, 5), shifts = any_vectors(2 * count, 6),
                                normals = any_vectors(2 * count, 7, true);
@@ -123,7 +123,7 @@ TEST_CASE("vertices between others lie where they are predicted, in the loops of
   }
 }
 
-TEST_CASE("packed directions are those of pack_direction, and places that are none become the corner") {
+TEST_CASE("packs directions like pack_direction, and replaces invalid positions by the corner") {
   std::vector<glm::vec3> normals = any_vectors(300, 8, true), places = any_vectors(300, 9);
   const float nan = std::numeric_limits<float>::quiet_NaN(), huge = std::numeric_limits<float>::max();
   normals[3] = {nan, 0.5f, -nan};
@@ -152,7 +152,7 @@ TEST_CASE("packed directions are those of pack_direction, and places that are no
   }
 }
 
-TEST_CASE("triangles of a table stand where the loops put their products") {
+TEST_CASE("places the triangles of a table in the order of the loops") {
   for (int level = 0; level <= 4; ++level) {
     const PatchTable& table = patch_table(level);
     const std::size_t n = std::size_t{1} << level;

@@ -79,7 +79,7 @@ LodView view_from(const glm::vec3& eye, float error_pixels) {
 
 }  // namespace
 
-TEST_CASE("patches of mixed levels have no cracks: each side of a triangle has one other, or lies on a rim") {
+TEST_CASE("leaves no cracks between patches of mixed levels") {
   const std::array shapes{mesh_of(ball(2)), mesh_of(torus(6, 4)), mesh_of(sheet(8))};
   std::size_t mixed = 0;
   for (std::size_t which = 0; which < shapes.size(); ++which)
@@ -114,7 +114,7 @@ TEST_CASE("patches of mixed levels have no cracks: each side of a triangle has o
   CHECK(mixed >= 12);
 }
 
-TEST_CASE("a cut that is fine everywhere is the surface itself") {
+TEST_CASE("returns the surface itself for a cut that is fine everywhere") {
   const displaced::Surface surface = rough_surface(mesh_of(torus(6, 4)), 3);
   const SurfacePatches patches = patches_of(surface, 3);
   const SurfaceCut cut = cut_surface(patches, view_from({2, 0, 0}, 0.001f));
@@ -129,7 +129,7 @@ TEST_CASE("a cut that is fine everywhere is the surface itself") {
   CHECK(found == surface.positions(3).size());
 }
 
-TEST_CASE("a surface changes without jumps as patches come nearer, through every level", "[optimised]") {
+TEST_CASE("changes a surface without jumps through every level as patches come nearer", "[optimised]") {
   const SurfacePatches surface = patches_of(rough_surface(mesh_of(ball(2)), 4), 4);
   const auto drawn_at = [&](double error) {
     return Drawn(surface, cut_surface(surface, view_from({1.3f, 0.2f, 0.4f}, static_cast<float>(error))));
@@ -152,7 +152,7 @@ TEST_CASE("a surface changes without jumps as patches come nearer, through every
   CHECK(greatest < whole / 50);
 }
 
-TEST_CASE("a cut keeps to its budget, and leaves out what lies outside of the view or faces away") {
+TEST_CASE("keeps the budget of a cut, and omits patches outside the view or facing away") {
   const SurfacePatches surface = patches_of(rough_surface(mesh_of(ball(4)), 4), 4);
   LodView view = view_from({3, 0, 0}, 0.5f);
   const SurfaceCut all = cut_surface(surface, view);
@@ -195,7 +195,7 @@ TEST_CASE("a cut keeps to its budget, and leaves out what lies outside of the vi
   CHECK(cut_surface(surface, view).patches.size() < all.patches.size());
 }
 
-TEST_CASE("every prefix of a stream is drawn as it is decoded") {
+TEST_CASE("draws every prefix of a stream as it is decoded") {
   const Triangles shape = displaced::sheet(48);
   const auto made = encode_displaced([&](const TriangleSink& sink) { return sink(shape); }, {});
   REQUIRE(std::holds_alternative<EncodedStream>(made));
@@ -232,7 +232,7 @@ TEST_CASE("every prefix of a stream is drawn as it is decoded") {
   CHECK(shares);
 }
 
-TEST_CASE("directions are packed to a tenth of a degree") {
+TEST_CASE("packs directions within a tenth of a degree") {
   for (const glm::vec3& v : {glm::vec3(1, 0, 0), glm::vec3(0, 0, -1), glm::normalize(glm::vec3(0.3f, -0.8f, 0.4f)),
                              glm::normalize(glm::vec3(-1, -1, -1))}) {
     const glm::vec3 back = unpack_direction(pack_direction(v));

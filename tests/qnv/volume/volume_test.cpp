@@ -54,7 +54,7 @@ void check_type(VoxelType type, std::initializer_list<T> values) {
 
 }  // namespace
 
-TEST_CASE("Voxels of every type and byte order become floats") {
+TEST_CASE("converts voxels of every type and byte order to floats") {
   check_type<std::uint8_t>(VoxelType::u8, {0, 1, 127, 128, 255});
   check_type<std::int8_t>(VoxelType::i8, {0, 1, 127, -128, -1});
   check_type<std::uint16_t>(VoxelType::u16, {0, 1, 256, 0x1234, 65535});
@@ -92,7 +92,7 @@ TEST_CASE("treats values that are not finite floats as missing") {
   }
 }
 
-TEST_CASE("Layouts that cannot be worked with are refused") {
+TEST_CASE("rejects layouts that cannot be used") {
   VolumeLayout layout;
   layout.dimensions = {4, 5, 6};
   CHECK_FALSE(check(layout));
@@ -123,7 +123,7 @@ TEST_CASE("Layouts that cannot be worked with are refused") {
   CHECK_FALSE(broken([](VolumeLayout& l) { l.axes = gs::test::oblique(1, 1, 1).axes; }));
 }
 
-TEST_CASE("A slice is read, or is told to be missing") {
+TEST_CASE("reads a slice, or reports it as missing") {
   VolumeLayout layout;
   layout.dimensions = {2, 2, 2};
   const VolumeSource source = volume_of<std::uint8_t>(layout, {1, 2, 3, 4, 5, 6, 7, 8});

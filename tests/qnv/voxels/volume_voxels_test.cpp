@@ -64,7 +64,7 @@ std::map<std::uint64_t, std::size_t> places_of(const SoftBall& ball) {
   return places;
 }
 
-TEST_CASE("A volume's vectors come back at their voxels, and nearly as they were") {
+TEST_CASE("restores a volume's vectors at their voxels, with small errors") {
   const SoftBall ball(24);
   const Decoded all(ball.stream());
   const std::map<std::uint64_t, std::size_t> truth = places_of(ball);
@@ -96,8 +96,7 @@ TEST_CASE("A volume's vectors come back at their voxels, and nearly as they were
   CHECK(turned / static_cast<double>(seen.size()) < 0.2);  // radians, where most of it is curved
 }
 
-TEST_CASE(
-    "A coarse voxel stands for those in it: its value lies between theirs, and is their mean where they are fine") {
+TEST_CASE("gives a coarse voxel a value between its children's, and their mean if they are fine") {
   const SoftBall ball(24);
   const Decoded all(ball.stream());
   const std::map<std::uint64_t, std::size_t> truth = places_of(ball);
@@ -127,7 +126,7 @@ TEST_CASE(
   CHECK(means > 100);
 }
 
-TEST_CASE("Voxels of a cluster know those that share a face with them") {
+TEST_CASE("finds the voxels of a cluster that share a face") {
   const Decoded all(SoftBall(24).stream());
   std::size_t linked = 0;
   for (const VolumeCluster& cluster : all.clusters) {
@@ -155,7 +154,7 @@ TEST_CASE("Voxels of a cluster know those that share a face with them") {
   CHECK(linked > 100);
 }
 
-TEST_CASE("Clusters of voxels fit into a datagram, and are the same whatever the threads") {
+TEST_CASE("fits volume clusters into a datagram, equally on any number of threads") {
   const SoftBall ball(40, 0.3);
   EncodeOptions one, four;
   one.threads = 1;
@@ -179,7 +178,7 @@ void check_sound(const VolumeCluster& cluster, std::size_t bytes, const VoxelLat
   }
 }
 
-TEST_CASE("Every flipped bit of a cluster of voxels does no harm, and nearly all are noticed") {
+TEST_CASE("survives every flipped bit of a volume cluster, and detects nearly all") {
   const Decoded all(SoftBall(24).stream());
   std::size_t unnoticed = 0, bits = 0;
   for (const std::size_t which : {std::size_t{0}, all.payloads.size() - 1}) {
@@ -206,7 +205,7 @@ Bytes header_bytes(const ClusterHeader& header, std::size_t size) {
   return out;
 }
 
-TEST_CASE("Headers of clusters of voxels that cannot be are refused") {
+TEST_CASE("rejects impossible headers of volume clusters") {
   VoxelLattice lattice;
   lattice.depth = 6;
   lattice.dimensions = {64, 64, 64};
@@ -243,7 +242,7 @@ TEST_CASE("Headers of clusters of voxels that cannot be are refused") {
   }
 }
 
-TEST_CASE("Bytes at random are refused as clusters of voxels, or give voxels within the limits") {
+TEST_CASE("rejects random bytes as volume clusters, or decodes them to voxels within the limits") {
   std::mt19937 random(99);
   VoxelLattice lattice;
   lattice.depth = 16;
@@ -276,7 +275,7 @@ TEST_CASE("Bytes at random are refused as clusters of voxels, or give voxels wit
   }
 }
 
-TEST_CASE("The tables of voxels are those of FORMAT.md") {
+TEST_CASE("uses the voxel tables of FORMAT.md") {
   const auto& logistic = logistic_table();
   for (std::size_t i = 0; i < logistic.size(); ++i) {
     const double exact = 4096 / (1 + std::exp(-static_cast<double>(i) / 8));
@@ -290,7 +289,7 @@ TEST_CASE("The tables of voxels are those of FORMAT.md") {
   CHECK(occupancy_odds()[0][1][0][1] == -42);
 }
 
-TEST_CASE("Lattices that cannot be are refused") {
+TEST_CASE("rejects impossible lattices") {
   VoxelLattice good;
   good.depth = 5;
   good.dimensions = {32, 20, 1};

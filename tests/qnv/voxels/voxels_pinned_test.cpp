@@ -20,7 +20,7 @@ std::string text_of(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-TEST_CASE("FORMAT.md's stream of voxels decodes to the numbers that were worked out from it") {
+TEST_CASE("decodes FORMAT.md's volume stream to the numbers in the document") {
   const std::vector<std::byte> stream = read_bytes("voxels_ball.qnv");
   const std::string expected = text_of(read_bytes("voxels_ball.txt"));
   REQUIRE(expected.size() > 10'000);
@@ -46,7 +46,7 @@ TEST_CASE("FORMAT.md's stream of voxels decodes to the numbers that were worked 
   CHECK(shown.str() == expected);
 }
 
-TEST_CASE("The decoder of voxels that was written from FORMAT.md alone gives the same numbers") {
+TEST_CASE("matches a volume decoder that was written from FORMAT.md alone") {
   if (std::system("python3 -c pass >/dev/null 2>&1") != 0) {
     WARN("python3 is not here");
     return;

@@ -25,7 +25,7 @@ void check_manifold(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("a closed surface is simplified to what was asked for, and stays closed and near") {
+TEST_CASE("simplifies a closed surface to the requested count, and keeps it closed and near") {
   const SurfaceMesh mesh = mesh_of(ball(30));
   for (const std::size_t wanted : {4000, 1000, 300, 60}) {
     const SurfaceMesh small = simplify(mesh, wanted);
@@ -40,14 +40,14 @@ TEST_CASE("a closed surface is simplified to what was asked for, and stays close
   }
 }
 
-TEST_CASE("a torus keeps its hole") {
+TEST_CASE("keeps the hole of a torus") {
   const SurfaceMesh small = simplify(mesh_of(torus(60, 30)), 150);
   check_manifold(small);
   CHECK(small.triangles.size() <= 150);
   CHECK(euler_characteristic(small.triangles) == 0);
 }
 
-TEST_CASE("rims stay rims: a sheet with a hole keeps both") {
+TEST_CASE("keeps both boundaries of a sheet with a hole") {
   const SurfaceMesh mesh = mesh_of(sheet(60)), small = simplify(mesh, 200);
   check_manifold(small);
   CHECK(small.triangles.size() <= 200);
@@ -56,7 +56,7 @@ TEST_CASE("rims stay rims: a sheet with a hole keeps both") {
   CHECK(rims_of(small.triangles) > 8);
 }
 
-TEST_CASE("every component stays, however few triangles are asked for") {
+TEST_CASE("keeps every component, however few triangles are requested") {
   Triangles many;
   for (int i = 0; i < 12; ++i)
     for (Triangle t : ball(3 + i % 3)) {
@@ -89,7 +89,7 @@ TEST_CASE("simplifies a mesh in parts without cracks on any number of threads") 
     }
 }
 
-TEST_CASE("costs come out in their order, those alike in that in which they came") {
+TEST_CASE("sorts edge costs in order, equal ones by insertion") {
   CostQueue queue;
   std::mt19937 random(5);
   std::vector<double> costs;
@@ -121,7 +121,7 @@ TEST_CASE("costs come out in their order, those alike in that in which they came
   }
 }
 
-TEST_CASE("nothing is simplified to nothing") {
+TEST_CASE("simplifies an empty mesh to an empty mesh") {
   CHECK(simplify({}, 10).triangles.empty());
   const SurfaceMesh one = mesh_of({triangle_of({0, 0, 0}, {1, 0, 0}, {0, 1, 0})});
   CHECK(simplify(one, 0).triangles.size() == 1);

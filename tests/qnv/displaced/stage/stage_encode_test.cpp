@@ -36,7 +36,7 @@ int finest_of(const EncodedStage& stage) {
 
 }  // namespace
 
-TEST_CASE("a stage that another surely follows is made without its finest levels, and no other") {
+TEST_CASE("omits the finest levels only of a stage that another one certainly follows") {
   const SurfaceMesh large = ball_at(0.3f, {0.4f, 0.5f, 0.5f}, 40), small = ball_at(0.08f, {0.85f, 0.5f, 0.5f}, 12);
   const SurfaceMesh both = together(large, small);
   const SurfaceMesh coarse = simplify(large, 400);
@@ -73,7 +73,7 @@ TEST_CASE("a stage that another surely follows is made without its finest levels
   CHECK(finest_of(encode_stage_of(target, coarsest, options, nullptr)) == whole.header.depth);
 }
 
-TEST_CASE("cells at which errors are looked at are found from as far as a side") {
+TEST_CASE("finds error cells from up to one side length away") {
   const ErrorCells cells(0.1f, 7);
   std::size_t missed = 0, found = 0;
   for (int x = 0; x < 40; ++x)
