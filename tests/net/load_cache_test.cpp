@@ -84,7 +84,7 @@ TEST_CASE("confirms stale resources by ETag") {
   CHECK(cache.load().text() == other);
 }
 
-TEST_CASE("a weak ETag confirms a whole, but no part is kept for it") {
+TEST_CASE("confirms a whole resource by a weak ETag, but stores no parts for it") {
   CacheBench cache;
   const std::string text = pattern(100'000);
   cache.put(text, "W/\"1\"", std::nullopt);
@@ -94,7 +94,7 @@ TEST_CASE("a weak ETag confirms a whole, but no part is kept for it") {
   CHECK(cache.load().head.from_cache);
 }
 
-TEST_CASE("no-store is not stored") {
+TEST_CASE("stores nothing with no-store") {
   CacheBench cache;
   cache.put("abc", "\"1\"", 60, true);
   cache.load();
@@ -103,7 +103,7 @@ TEST_CASE("no-store is not stored") {
     CHECK(entry.path().filename() == "lock");
 }
 
-TEST_CASE("only missing bytes are asked for") {
+TEST_CASE("requests only missing bytes") {
   CacheBench cache;
   const std::string text = pattern(300'000);
   cache.put(text, "\"1\"", 60);
@@ -168,7 +168,7 @@ TEST_CASE("withdraws fresh parts if the rest belongs to another version") {
   CHECK(got.pieces.at(50'000) == other.substr(50'000, 100'000));
 }
 
-TEST_CASE("a damaged cache costs a transfer, no more") {
+TEST_CASE("requests again what is damaged in the cache") {
   CacheBench cache;
   const std::string text = pattern(300'000);
   cache.put(text, "\"1\"", 60);
@@ -187,7 +187,7 @@ TEST_CASE("a damaged cache costs a transfer, no more") {
   CHECK(cache.asked() == 2);
 }
 
-TEST_CASE("reload asks, and never_store leaves no trace") {
+TEST_CASE("asks the server on reload, and writes nothing with never_store") {
   CacheBench cache;
   cache.put("abc", "\"1\"", 60);
   Request request;
@@ -203,7 +203,7 @@ TEST_CASE("reload asks, and never_store leaves no trace") {
   CHECK_FALSE(cache.bench->load(request).head.from_cache);  // another question
 }
 
-TEST_CASE("slow owners get cached bytes within the bounds as well") {
+TEST_CASE("limits cached bytes that wait for a slow owner") {
   CacheBench cache;
   const std::string text = pattern(6'000'000);
   cache.put(text, "\"1\"", 60);

@@ -84,9 +84,7 @@ class DocumentedNginx {
 
 }  // namespace
 
-TEST_CASE(
-    "docs/serving.md: nginx with the documented block does what the "
-    "loader needs") {
+TEST_CASE("docs/serving.md: configures nginx so that the loader works with it") {
   ServedSite files;
   const std::string bytes = binary_pattern(10'000);
   files.write("a.qnv", bytes);

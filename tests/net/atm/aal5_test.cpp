@@ -38,7 +38,7 @@ std::vector<Pdu> push_all(Reassembler& reassembler, std::span<const Cell> cells)
   return out;
 }
 
-TEST_CASE("The CRC of AAL5", "[aal5]") {
+TEST_CASE("computes the CRC of AAL5", "[aal5]") {
   const std::string_view check = "123456789";
   // The check value of this CRC in Ross Williams' catalogue, where it is called
   // CRC-32/BZIP2, also "AAL5".
@@ -49,7 +49,7 @@ TEST_CASE("The CRC of AAL5", "[aal5]") {
   }
 }
 
-TEST_CASE("47 records fill eight cells as in figure 6", "[aal5]") {
+TEST_CASE("packs 47 records into eight cells as in figure 6", "[aal5]") {
   const auto records = pdu_bytes(kRecordPdu);
   const auto cells = cells_of(records);
   REQUIRE(cells.size() == kRecordPduCells);
@@ -66,7 +66,7 @@ TEST_CASE("47 records fill eight cells as in figure 6", "[aal5]") {
   REQUIRE((std::to_integer<int>(last[42]) << 8 | std::to_integer<int>(last[43])) == 376);
 }
 
-TEST_CASE("PDUs of every length come back", "[aal5]") {
+TEST_CASE("restores PDUs of every length", "[aal5]") {
   Reassembler reassembler;
   std::size_t length = 1;
   for (; length <= kMostPdu; length = length < 100 ? length + 1 : length * 2 - 37) {
@@ -88,7 +88,7 @@ TEST_CASE("PDUs of every length come back", "[aal5]") {
   REQUIRE(none.empty());
 }
 
-TEST_CASE("A whole PDU with any single wrong bit gives nothing", "[aal5]") {
+TEST_CASE("rejects a PDU with any single wrong bit", "[aal5]") {
   const auto cells = cells_of(pdu_bytes(100));
   for (std::size_t bit = 0; bit < cells.size() * 48 * 8; bit += 1) {
     auto damaged = cells;
@@ -101,7 +101,7 @@ TEST_CASE("A whole PDU with any single wrong bit gives nothing", "[aal5]") {
   }
 }
 
-TEST_CASE("Cells of channels may take turns", "[aal5]") {
+TEST_CASE("reassembles PDUs whose channels alternate their cells", "[aal5]") {
   const auto a = cells_of(pdu_bytes(400, 1), {1, 64}), b = cells_of(pdu_bytes(400, 2), {1, 65});
   Reassembler reassembler;
   std::vector<Pdu> out;
@@ -117,7 +117,7 @@ TEST_CASE("Cells of channels may take turns", "[aal5]") {
   REQUIRE(out[1].bytes == pdu_bytes(400, 2));
 }
 
-TEST_CASE("After a known number of lost cells the others keep their places", "[aal5]") {
+TEST_CASE("keeps the positions of the other cells after a known number of lost cells", "[aal5]") {
   const auto cells = cells_of(pdu_bytes(kRecordPdu));
   for (std::size_t first = 0; first < 7; ++first)
     for (std::size_t count = 1; first + count < 8; ++count) {
@@ -136,7 +136,7 @@ TEST_CASE("After a known number of lost cells the others keep their places", "[a
     }
 }
 
-TEST_CASE("A gap over the end of a PDU does not mix two", "[aal5]") {
+TEST_CASE("separates two PDUs when cells around the end of the first are lost", "[aal5]") {
   const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
   for (const bool counted : {true, false}) {
     Reassembler reassembler;
@@ -153,7 +153,7 @@ TEST_CASE("A gap over the end of a PDU does not mix two", "[aal5]") {
   }
 }
 
-TEST_CASE("After a lost end the next PDU is whole", "[aal5]") {
+TEST_CASE("restores the next PDU after a lost end", "[aal5]") {
   const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
   Reassembler reassembler;
   std::vector<Pdu> out;
@@ -195,7 +195,7 @@ TEST_CASE("reassembles cells at the indexes that the caller gives", "[aal5]") {
   REQUIRE(out[1].bytes == pdu_bytes(kRecordPdu, 2));
 }
 
-TEST_CASE("The reassembler's memory is bounded", "[aal5]") {
+TEST_CASE("limits the memory of the reassembler", "[aal5]") {
   Reassembler reassembler(4, 1000);
   std::vector<Pdu> out;
   Cell cell;

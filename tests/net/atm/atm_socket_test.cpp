@@ -6,7 +6,7 @@ namespace {
 
 using namespace gs::net;
 
-TEST_CASE("A native ATM socket, or a clear word why not", "[atm_socket]") {
+TEST_CASE("opens a native ATM socket, or reports why it cannot", "[atm_socket]") {
   auto opened = AtmSocket::open(0, {0, 64}, 0);
   if (const auto* error = std::get_if<AtmError>(&opened)) {
     REQUIRE(error->message.find("ATM") != std::string::npos);

@@ -17,14 +17,14 @@ Cell sample() {
   return cell;
 }
 
-TEST_CASE("The header check of idle cells", "[cells]") {
+TEST_CASE("computes the header check of idle cells", "[cells]") {
   // I.432.1: the header of idle cells is 00 00 00 01 and its check 52, that of
   // unassigned cells 00 00 00 00 and 55.
   REQUIRE(header_check(std::array<std::byte, 4>{std::byte{0}, std::byte{0}, std::byte{0}, std::byte{1}}) == 0x52);
   REQUIRE(header_check(std::array<std::byte, 4>{}) == 0x55);
 }
 
-TEST_CASE("A cell on a line", "[cells]") {
+TEST_CASE("writes a cell as on the line", "[cells]") {
   const auto bytes = encode_line_cell(sample());
   REQUIRE(bytes[0] == std::byte{0x12});
   REQUIRE(bytes[1] == std::byte{0x3a});
@@ -34,7 +34,7 @@ TEST_CASE("A cell on a line", "[cells]") {
   REQUIRE(receiver.receive(bytes) == sample());
 }
 
-TEST_CASE("Every single wrong bit of a header is mended, the next one refused", "[cells]") {
+TEST_CASE("corrects every single wrong bit of a header, and rejects the next one", "[cells]") {
   const auto good = encode_line_cell(sample());
   for (std::size_t bit = 0; bit < 40; ++bit) {
     auto bad = good;
@@ -50,7 +50,7 @@ TEST_CASE("Every single wrong bit of a header is mended, the next one refused", 
   }
 }
 
-TEST_CASE("Two wrong bits of a header are never taken for none", "[cells]") {
+TEST_CASE("never accepts a header with two wrong bits as correct", "[cells]") {
   const auto good = encode_line_cell(sample());
   int refused = 0;
   for (std::size_t first = 0; first < 40; ++first)
@@ -66,7 +66,7 @@ TEST_CASE("Two wrong bits of a header are never taken for none", "[cells]") {
   REQUIRE(refused == 780);
 }
 
-TEST_CASE("A datagram of cells, byte by byte", "[cells]") {
+TEST_CASE("writes a datagram of cells, byte by byte", "[cells]") {
   const std::vector<Cell> cells{sample()};
   const auto bytes = encode_datagram(1000, 0x1234, cells);
   REQUIRE(bytes.size() == 60);
@@ -85,7 +85,7 @@ TEST_CASE("A datagram of cells, byte by byte", "[cells]") {
   REQUIRE(std::get<CellDatagram>(decode_datagram(full)).cells.size() == kMostCells);
 }
 
-TEST_CASE("Datagrams that are cut or strange are refused", "[cells]") {
+TEST_CASE("rejects truncated and invalid datagrams", "[cells]") {
   const auto good = encode_datagram(1000, 7, std::vector<Cell>(2, sample()));
   for (std::size_t size = 0; size < good.size(); ++size) {
     const bool whole = size == 60;
@@ -99,7 +99,7 @@ TEST_CASE("Datagrams that are cut or strange are refused", "[cells]") {
   REQUIRE(std::holds_alternative<CellError>(decode_datagram(channel)));
 }
 
-TEST_CASE("Running numbers in 16 bits that leave out 0", "[cells]") {
+TEST_CASE("widens 16-bit sequence numbers that skip 0", "[cells]") {
   REQUIRE(narrow_sequence(0) == 1);
   REQUIRE(narrow_sequence(65534) == 65535);
   REQUIRE(narrow_sequence(65535) == 1);

@@ -20,7 +20,7 @@ AddressSpace space(const std::string& text) {
   return address_space_of(*address);
 }
 
-TEST_CASE("addresses of this machine, of its networks, of the Internet and of no host") {
+TEST_CASE("classifies addresses as loopback, local, global or special") {
   constexpr std::pair<const char*, AddressSpace> kRows[] = {
       {"127.0.0.1", AddressSpace::loopback},
       {"127.255.255.255", AddressSpace::loopback},
@@ -80,14 +80,14 @@ TEST_CASE("addresses of this machine, of its networks, of the Internet and of no
   }
 }
 
-TEST_CASE("a text reaches its own space and more open ones") {
+TEST_CASE("lets a text reach its own address space and more public ones") {
   constexpr AddressSpace kAll[] = {AddressSpace::special, AddressSpace::loopback, AddressSpace::local,
                                    AddressSpace::global};
   for (int from = 0; from < 4; ++from)
     for (int to = 0; to < 4; ++to) CHECK(reaches(kAll[from], kAll[to]) == (to >= from));
 }
 
-TEST_CASE("addresses as texts and as sockets have them") {
+TEST_CASE("parses addresses from texts and sockets") {
   CHECK(address_text(*ip_address_of("::ffff:1.2.3.4")) == "1.2.3.4");
   CHECK(address_text(*ip_address_of("2001:DB8:0::1")) == "2001:db8::1");
   for (const char* bad : {"", "localhost", "1.2.3", "1.2.3.4.5", "1.2.3.256", "0x7f.1", "::g", "[::1]", "1.2.3.4/8"})
@@ -105,7 +105,7 @@ TEST_CASE("addresses as texts and as sockets have them") {
   CHECK_FALSE(ip_address_of(reinterpret_cast<const sockaddr*>(&other)));
 }
 
-TEST_CASE("blocks of addresses") {
+TEST_CASE("matches addresses with blocks of addresses") {
   const auto contains = [](const char* block, const char* address) {
     const auto found = address_block_of(block);
     REQUIRE(found);

@@ -19,7 +19,7 @@ std::string asked_for(const ServedSite& site, const std::string& lines, const st
 
 }  // namespace
 
-TEST_CASE("Hosts are compared in one spelling, and what is none is nothing") {
+TEST_CASE("normalises host names, and rejects invalid ones") {
   CHECK(host_of("localhost") == "localhost");
   CHECK(host_of("LocalHost.:8080") == "localhost");
   CHECK(host_of("127.0.0.1:80") == "127.0.0.1");
@@ -32,7 +32,7 @@ TEST_CASE("Hosts are compared in one spelling, and what is none is nothing") {
   CHECK_FALSE(host_of(std::string(300, 'a')));
 }
 
-TEST_CASE("On loopback a server goes by its own names and those that it is given") {
+TEST_CASE("accepts its own host names and configured ones on loopback") {
   const HostNames names("127.0.0.1", {"gallery.lan"});
   for (const char* good : {"localhost", "localhost:1", "127.0.0.1:8080", "[::1]:8080", "gallery.lan", "Gallery.LAN:80"})
     CHECK(names.admits(good));
@@ -100,7 +100,7 @@ TEST_CASE("HTTP server on loopback: refuses a page with a name that resolves to 
   CHECK(old.receive_all().find(" 421 ") != std::string::npos);
 }
 
-TEST_CASE("HTTP server: pages of other sites read nothing unless they may") {
+TEST_CASE("HTTP server: lets pages of other sites read only what CORS allows") {
   ServedSite site;
   site.write("a", "what is served");
   const std::string local = "Host: localhost\r\n", page = local + "Origin: https://gallery.example\r\n",
@@ -138,7 +138,7 @@ TEST_CASE("HTTP server: pages of other sites read nothing unless they may") {
   CHECK(asked_for(site, other).find("Access-Control-Allow-Origin: *\r\n") != std::string::npos);
 }
 
-TEST_CASE("HTTP server: /metrics is for this machine, by its own name, and not through a proxy") {
+TEST_CASE("HTTP server: serves /metrics only on this machine, by its own name and without a proxy") {
   ServedSite site;
   site.options.bind = "*";
   site.start();
@@ -156,7 +156,7 @@ TEST_CASE("HTTP server: /metrics is for this machine, by its own name, and not t
   CHECK(status("Host: localhost\r\nX-Forwarded-For: 127.0.0.1\r\n") == "404");
 }
 
-TEST_CASE("HTTP server: one client of a proxy does not lock out the others") {
+TEST_CASE("HTTP server: keeps other clients of a proxy served when one reaches its limit") {
   ServedSite site;
   site.write("a", "a");
   site.options.limits.requests_per_second = 5;

@@ -14,7 +14,7 @@ using gs::net::RangeSet;
 
 std::vector<ByteRange> listed(const RangeSet& set) { return {set.ranges().begin(), set.ranges().end()}; }
 
-TEST_CASE("ranges that touch or overlap become one") {
+TEST_CASE("joins ranges that touch or overlap") {
   RangeSet set;
   set.add({10, 20});
   set.add({30, 40});
@@ -32,7 +32,7 @@ TEST_CASE("ranges that touch or overlap become one") {
   CHECK_FALSE(set.contains({14, 21}));
 }
 
-TEST_CASE("open ends") {
+TEST_CASE("handles ranges with an open end") {
   RangeSet set(std::array{ByteRange{}});
   CHECK(set.size() == kOpenEnd);
   set.subtract({0, 100});
@@ -41,14 +41,14 @@ TEST_CASE("open ends") {
   CHECK(set.contains({1000, kOpenEnd}));
 }
 
-TEST_CASE("small gaps are closed when ranges are joined") {
+TEST_CASE("closes small gaps when it joins ranges") {
   const RangeSet set(std::array{ByteRange{0, 10}, ByteRange{13, 20}, ByteRange{24, 30}});
   CHECK(set.joined(4) == std::vector<ByteRange>{{0, 20}, {24, 30}});
   CHECK(set.joined(5) == std::vector<ByteRange>{{0, 30}});
   CHECK(set.joined(0) == listed(set));
 }
 
-TEST_CASE("sets of ranges do what sets of bytes do") {
+TEST_CASE("gives the same results as sets of single bytes") {
   constexpr std::size_t kBytes = 48;
   std::mt19937 random(7);
   const auto bits = [](const RangeSet& set) {

@@ -30,7 +30,7 @@ std::string made(const TemporaryFolder& folder, const std::string& name) {
   return path;
 }
 
-TEST_CASE("a document of the network refers to the network only") {
+TEST_CASE("lets a document of the network refer to the network only") {
   const std::string file = "file:///etc/passwd";
   for (const char* from :
        {"http://a/b.wrl", "https://a/b.wrl", "data:model/vrml,x", "cells://a/b", "memory:a", "b.wrl", "javascript:x"}) {
@@ -56,7 +56,7 @@ TEST_CASE("allows all references of the user") {
   CHECK(refusal("", "a/b") == "it has no scheme; expected one of file, data, http, https, ftp, cells");
 }
 
-TEST_CASE("refuses URLs without a host to everyone, where their scheme needs one") {
+TEST_CASE("refuses URLs without a host for every origin if their scheme requires one") {
   for (const char* to : {"http:///user:pw@127.0.0.1:1/x", "http:/127.0.0.1/x", "http:x", "https://:443/x",
                          "ftp:///127.0.0.1:1021/x", "ftp:/x", "cells:///x", "http://a:65536/"})
     for (const char* from : {"", "file:///w/w.wrl", "http://a/b.wrl", "ftp://a/b.wrl"}) {
@@ -66,7 +66,7 @@ TEST_CASE("refuses URLs without a host to everyone, where their scheme needs one
     }
 }
 
-TEST_CASE("the site of a text has one spelling") {
+TEST_CASE("normalises the site of a text") {
   const auto site = [](const char* url) { return Origin{url, AddressSpace::global}.site(); };
   CHECK(site("HTTP://A.example:80/x") == site("http://a.example/y"));
   CHECK(site("http://a.example:81/") != site("http://a.example/"));
@@ -78,7 +78,7 @@ TEST_CASE("the site of a text has one spelling") {
   CHECK(refusal("http://user:pw@A:80/w.wrl", "http://user:pw@a/x").empty());
 }
 
-TEST_CASE("a file refers to what was allowed and below it, links followed") {
+TEST_CASE("lets a file refer to allowed folders and below, after following links") {
   const TemporaryFolder folder;
   const std::string world = made(folder, "worlds/sub/a.wrl"), beside = made(folder, "worlds/sub/b c.wrl"),
                     below = made(folder, "worlds/sub/deep/c.wrl"), above = made(folder, "worlds/d.wrl"),
@@ -116,7 +116,7 @@ TEST_CASE("a file refers to what was allowed and below it, links followed") {
   CHECK(refused(near));
 }
 
-TEST_CASE("a refusal names the folder that would have to be allowed") {
+TEST_CASE("names the folder to allow in a refusal") {
   const TemporaryFolder folder;
   const std::string world = made(folder, "a/b/w.wrl"), texture = made(folder, "a/textures/x.png");
   ReferencePolicy policy;
@@ -133,7 +133,7 @@ TEST_CASE("a refusal names the folder that would have to be allowed") {
   CHECK(ReferencePolicy().refuse({"https://a/"}, parse_url("http://a/"))->folder.empty());
 }
 
-TEST_CASE("no user and no password from a document") {
+TEST_CASE("refuses user names and passwords from a document") {
   for (const char* from : {"http://a/w.wrl", "https://a/w.wrl", "file:///w.wrl", "cells://a/w"})
     for (const char* to : {"https://user@b/", "https://user:password@b/", "https://@b/", "https://x@a:1@b/"}) {
       INFO(from << " " << to);
@@ -147,7 +147,7 @@ TEST_CASE("no user and no password from a document") {
   CHECK_FALSE(refusal(base.text(), "https://user:password@a/x.png").empty());
 }
 
-TEST_CASE("not from https to what is not encrypted") {
+TEST_CASE("refuses unencrypted references from https") {
   CHECK(refusal("https://a/", "http://a/") ==
         "a document of https: may not refer to http:, which anyone on the way can change; expected https:");
   CHECK_FALSE(refusal("https://a/", "cells://a/x").empty());
@@ -158,7 +158,7 @@ TEST_CASE("not from https to what is not encrypted") {
   CHECK(refusal("file:///a", "http://b/").empty());
 }
 
-TEST_CASE("no datagrams to the services of systems") {
+TEST_CASE("refuses datagrams to the ports of system services") {
   CHECK(refusal("http://a/", "cells://b:53/x") ==
         "a document may not have datagrams sent to port 53; expected one from 1024 on");
   CHECK_FALSE(refusal("file:///a", "cells://b:1023/x").empty());
@@ -166,7 +166,7 @@ TEST_CASE("no datagrams to the services of systems") {
   CHECK(refusal("http://a/", "cells://b/x").empty());
 }
 
-TEST_CASE("no commands of FTP to the services of systems") {
+TEST_CASE("refuses FTP to the ports of system services") {
   CHECK(refusal("http://a/", "ftp://b:25/x") ==
         "a document may not have commands of FTP sent to port 25; expected 21, or one from 1024 on");
   CHECK_FALSE(refusal("file:///a", "ftp://b:1023/x").empty());
@@ -176,7 +176,7 @@ TEST_CASE("no commands of FTP to the services of systems") {
   CHECK(refusal("", "ftp://b:25/x").empty());
 }
 
-TEST_CASE("which hosts a text may reach") {
+TEST_CASE("limits the hosts that a text may reach by its address space") {
   CHECK(Origin{"file:///a", AddressSpace::global}.reach() == AddressSpace::loopback);
   CHECK(Origin{"http://a/", AddressSpace::global}.reach() == AddressSpace::global);
   CHECK(Origin{"http://a/", AddressSpace::local}.reach() == AddressSpace::local);
@@ -190,7 +190,7 @@ TEST_CASE("which hosts a text may reach") {
   CHECK_FALSE(refuse_host(AddressSpace::local, AddressSpace::global));
 }
 
-TEST_CASE("names of files as references") {
+TEST_CASE("escapes file names as references") {
   CHECK(reference_of_path("a b#c?%.raw") == "a%20b%23c%3F%25.raw");
   CHECK(reference_of_path("dir\\x.raw") == "dir/x.raw");
   CHECK(reference_of_path("C:\\x.raw") == "C%3A/x.raw");

@@ -10,7 +10,7 @@ namespace {
 
 using namespace gs::net;
 
-TEST_CASE("each scheme has one row") {
+TEST_CASE("has one row per scheme") {
   std::set<std::string_view> names;
   for (const Scheme& scheme : schemes()) CHECK(names.insert(scheme.name).second);
   CHECK(names == std::set<std::string_view>{"file", "http", "https", "ftp", "data", "cells", "memory"});
@@ -18,7 +18,7 @@ TEST_CASE("each scheme has one row") {
   CHECK_FALSE(find_scheme("HTTP"));
 }
 
-TEST_CASE("messages show no passwords") {
+TEST_CASE("shows no passwords in messages") {
   CHECK(url_for_messages("http://user:secret@host/a?b#c") == "http://host/a?b#c");
   CHECK(url_for_messages("http://user@x:secret@host/a@b") == "http://host/a@b");
   CHECK(url_for_messages("http://host/a@b") == "http://host/a@b");
@@ -29,7 +29,7 @@ TEST_CASE("messages show no passwords") {
   CHECK(url_for_messages("data:," + std::string(1000, 'x')).size() == 203);
 }
 
-TEST_CASE("a URL has one canonical spelling, or none without a host (RFC 3986 6.2)") {
+TEST_CASE("gives a URL one canonical spelling, or none without a host (RFC 3986 6.2)") {
   const auto canonical = [](std::string_view url) {
     const auto found = canonical_url(parse_url(url));
     return found ? found->text() : "none";
@@ -59,7 +59,7 @@ std::string text_of(std::string_view url) {
          std::string(reinterpret_cast<const char*>(decoded->bytes.data()), decoded->bytes.size());
 }
 
-TEST_CASE("data URLs (RFC 2397)") {
+TEST_CASE("decodes data URLs (RFC 2397)") {
   CHECK(text_of("data:,A%20brief%20note") == "text/plain;charset=US-ASCII|A brief note");
   CHECK(text_of("data:;charset=utf-8,x") == "text/plain;charset=utf-8|x");
   CHECK(text_of("data:text/plain;base64,SGVsbG8h") == "text/plain|Hello!");

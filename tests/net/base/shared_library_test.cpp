@@ -6,7 +6,7 @@
 
 using gs::net::SharedLibrary;
 
-TEST_CASE("A library is opened when it is needed, and what it lacks is said") {
+TEST_CASE("opens a library on first use, and reports missing symbols") {
   std::size_t (*length)(const char*) = nullptr;
   SharedLibrary here("libc.so.6");
   here.find("strlen", length);

@@ -6,7 +6,7 @@
 
 namespace {
 
-TEST_CASE("SipHash-2-4 as its authors have it", "[siphash]") {
+TEST_CASE("computes SipHash-2-4 as its authors published it", "[siphash]") {
   const gs::net::SipKey key{0x0706050403020100, 0x0f0e0d0c0b0a0908};
   std::vector<std::byte> bytes;
   // Appendix A of the paper, and the first of the reference's vectors.

@@ -6,7 +6,7 @@ namespace {
 
 using namespace gs::net;
 
-TEST_CASE("A bucket lets its rate pass, and its burst at once", "[token_bucket]") {
+TEST_CASE("passes a burst at once and then the rate", "[token_bucket]") {
   TokenBucket bucket(1'000'000, 3000, Instant(5));
   std::uint64_t passed = 0;
   Instant now(5);
@@ -21,7 +21,7 @@ TEST_CASE("A bucket lets its rate pass, and its burst at once", "[token_bucket]"
   REQUIRE(passed == 10'003'000);
 }
 
-TEST_CASE("A bucket saves no more than its burst", "[token_bucket]") {
+TEST_CASE("saves at most its burst", "[token_bucket]") {
   TokenBucket bucket(1000, 2000, Instant(0));
   bucket.take(2000, Instant(0));
   REQUIRE_FALSE(bucket.has(1, Instant(0)));
@@ -33,7 +33,7 @@ TEST_CASE("A bucket saves no more than its burst", "[token_bucket]") {
   REQUIRE(bucket.when(5000, Instant(1'000'000'000)) == Instant(1'002'000'000));
 }
 
-TEST_CASE("A bucket with the rate 0 waits for another one", "[token_bucket]") {
+TEST_CASE("waits for a new rate if the rate is 0", "[token_bucket]") {
   TokenBucket bucket(0, 1000, Instant(0));
   bucket.take(1000, Instant(0));
   REQUIRE(bucket.when(1, Instant(10)) == Instant::max());
@@ -45,7 +45,7 @@ TEST_CASE("A bucket with the rate 0 waits for another one", "[token_bucket]") {
   REQUIRE(bucket.has(1'000'000, Instant(5)));
 }
 
-TEST_CASE("A debt that is allowed lets bytes pass early, and is paid back", "[token_bucket]") {
+TEST_CASE("lets an allowed debt pass early, and waits until it is paid back", "[token_bucket]") {
   TokenBucket bucket(1'000'000, 2000, Instant(0));
   bucket.allow_debt(10'000);
   for (int i = 0; i < 6; ++i) {

@@ -18,7 +18,7 @@ std::string resolved(std::string_view base, std::string_view reference) {
   return resolve(parse_url(base), parse_url(reference)).text();
 }
 
-TEST_CASE("a URL is cut into its parts (RFC 3986 appendix B)") {
+TEST_CASE("splits a URL into its parts (RFC 3986 appendix B)") {
   const Url url = parse_url("HTTP://www.ics.uci.edu/pub/ietf/uri/?a=b#Related");
   CHECK(url.scheme == "http");
   CHECK(url.authority == "www.ics.uci.edu");
@@ -47,7 +47,7 @@ TEST_CASE("a URL is cut into its parts (RFC 3986 appendix B)") {
   CHECK(parse_url("mailto:John.Doe@example.com").path == "John.Doe@example.com");
 }
 
-TEST_CASE("references are resolved as in the normal examples (RFC 3986 5.4.1)") {
+TEST_CASE("resolves references as in the normal examples (RFC 3986 5.4.1)") {
   const std::pair<const char*, const char*> examples[] = {
 
       {"g", "http://a/b/c/g"},
@@ -80,7 +80,7 @@ TEST_CASE("references are resolved as in the normal examples (RFC 3986 5.4.1)") 
   CHECK(resolved("http://a/b/c/d;p?q", "gg:h") == "gg:h");
 }
 
-TEST_CASE("references are resolved as in the abnormal examples (RFC 3986 5.4.2)") {
+TEST_CASE("resolves references as in the abnormal examples (RFC 3986 5.4.2)") {
   const std::pair<const char*, const char*> examples[] = {
       {"../../../g", "http://a/g"},
       {"../../../../g", "http://a/g"},
@@ -105,13 +105,13 @@ TEST_CASE("references are resolved as in the abnormal examples (RFC 3986 5.4.2)"
   for (const auto& [reference, target] : examples) CHECK(resolved("http://a/b/c/d;p?q", reference) == target);
 }
 
-TEST_CASE("a path is not written as if it began with a scheme (RFC 3986 4.2)") {
+TEST_CASE("never writes a path that looks like a scheme (RFC 3986 4.2)") {
   CHECK(resolved("a.wrl", "../http://b/c") == "./http://b/c");
   CHECK(parse_url(resolved("a.wrl", "../http://b/c")).scheme.empty());
   CHECK(resolved("http://a/b", "./x:y") == "http://a/x:y");
 }
 
-TEST_CASE("references are resolved against files and hosts without a path") {
+TEST_CASE("resolves references against files and against hosts without a path") {
   CHECK(resolved("file:///worlds/a/b.wrl", "tex/wood.png") == "file:///worlds/a/tex/wood.png");
   CHECK(resolved("file:///worlds/a/b.wrl", "../c.wrl#View") == "file:///worlds/c.wrl#View");
   CHECK(resolved("http://host", "a.wrl") == "http://host/a.wrl");
@@ -123,7 +123,7 @@ TEST_CASE("references are resolved against files and hosts without a path") {
   CHECK(resolved("urn:a", "/.//b") == "urn:/.//b");
 }
 
-TEST_CASE("a drive letter is not a scheme") {
+TEST_CASE("rejects a drive letter as scheme") {
   const Url url = parse_url("C:\\worlds\\a.wrl#V");
   CHECK(url.scheme.empty());
   CHECK(url.path == "C:\\worlds\\a.wrl");
@@ -135,7 +135,7 @@ TEST_CASE("a drive letter is not a scheme") {
   CHECK(resolved("file:///C:/w/a.wrl", "b.wrl") == "file:///C:/w/b.wrl");
 }
 
-TEST_CASE("paths become file URLs and come back") {
+TEST_CASE("converts paths to file URLs and back") {
   CHECK(url_of_path("/a/b.wrl").text() == "file:///a/b.wrl");
   CHECK(url_of_path("/a b/50%/#1?.wrl").text() == "file:///a%20b/50%25/%231%3F.wrl");
   CHECK(url_of_path("/caf\xc3\xa9.wrl").text() == "file:///caf%C3%A9.wrl");
@@ -149,7 +149,7 @@ TEST_CASE("paths become file URLs and come back") {
   CHECK(path_of_url(url_of_path("1:2.wrl")) == here + "/1:2.wrl");
 }
 
-TEST_CASE("only file URLs have a path, and no zero bytes in it") {
+TEST_CASE("returns a path for file URLs only, without zero bytes") {
   CHECK(path_of_url(parse_url("http://a/b")).empty());
   CHECK(path_of_url(parse_url("/a/b")).empty());
   CHECK(path_of_url(parse_url("file:///a%00b")).empty());
@@ -158,13 +158,13 @@ TEST_CASE("only file URLs have a path, and no zero bytes in it") {
   CHECK(path_of_url(parse_url("FILE:///a%2")) == "/a%2");
 }
 
-TEST_CASE("a scheme is compared without case (RFC 3986 3.1)") {
+TEST_CASE("compares schemes without case (RFC 3986 3.1)") {
   for (const char* url : {"ghostspace:x", "GhostSpace:x", "GHOSTSPACE:"}) CHECK(has_scheme(url, "ghostspace"));
   for (const char* url : {"", "ghostspace", "ghostspaces:x", "ghost:x", " ghostspace:x", "x/ghostspace:"})
     CHECK_FALSE(has_scheme(url, "ghostspace"));
 }
 
-TEST_CASE("an authority leads to a host and a port") {
+TEST_CASE("splits an authority into host and port") {
   const auto text = [](std::string_view authority) {
     const auto found = gs::net::host_and_port(authority);
     return found ? found->host + "|" + (found->port ? std::to_string(*found->port) : "-") : "none";
@@ -180,7 +180,7 @@ TEST_CASE("an authority leads to a host and a port") {
     CHECK(text(bad) == "none");
 }
 
-TEST_CASE("urls are tidied as their author meant them") {
+TEST_CASE("repairs backslashes and blanks in URLs") {
   CHECK(tidy_url("  textures\\my wood.png\n") == "textures/my%20wood.png");
   CHECK(tidy_url("http://a/b%20c") == "http://a/b%20c");
   CHECK(tidy_url("") == "");

@@ -51,7 +51,7 @@ std::vector<ContractMessage> samples() {
           ByeMessage{77, "done"}};
 }
 
-TEST_CASE("Messages come back as they were", "[cell_contract]") {
+TEST_CASE("restores messages from their bytes", "[cell_contract]") {
   for (const ContractMessage& message : samples()) {
     const auto bytes = encode_contract(message);
     const auto decoded = decode_contract(bytes);
@@ -69,7 +69,7 @@ TEST_CASE("Messages come back as they were", "[cell_contract]") {
   REQUIRE(report.slots[1].base_done);
 }
 
-TEST_CASE("No message is longer than a datagram", "[cell_contract]") {
+TEST_CASE("limits messages to one datagram", "[cell_contract]") {
   RequestMessage request;
   request.slot = 1;
   request.path = std::string(5000, 'x');
@@ -79,7 +79,7 @@ TEST_CASE("No message is longer than a datagram", "[cell_contract]") {
   REQUIRE(std::get<RefuseMessage>(*decode_contract(encode_contract(refusal))).text.size() == kMostText);
 }
 
-TEST_CASE("Every prefix of a message is refused, and strange values too", "[cell_contract]") {
+TEST_CASE("rejects every prefix of a message, and invalid values", "[cell_contract]") {
   for (const ContractMessage& message : samples()) {
     const auto bytes = encode_contract(message);
     // Hellos and reports are filled up behind their end.
@@ -105,7 +105,7 @@ TEST_CASE("Every prefix of a message is refused, and strange values too", "[cell
   REQUIRE_FALSE(decode_contract(encode_contract(request)));
 }
 
-TEST_CASE("Random bytes behind the header do no harm", "[cell_contract]") {
+TEST_CASE("survives random bytes after the header", "[cell_contract]") {
   std::uint64_t random = 3;
   for (int i = 0; i < 20000; ++i) {
     auto bytes = encode_contract(samples()[Link::next_random(random) % 8]);
@@ -118,7 +118,7 @@ TEST_CASE("Random bytes behind the header do no harm", "[cell_contract]") {
   }
 }
 
-TEST_CASE("Cookies hold for one address and one nonce only", "[cell_contract]") {
+TEST_CASE("accepts a cookie for its own address and nonce only", "[cell_contract]") {
   const CookieMaker maker({11, 22}), other({11, 23});
   const Instant now{5'000'000};
   const CookieMessage cookie = maker.make(endpoint(1), 99, now);

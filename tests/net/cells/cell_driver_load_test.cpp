@@ -64,7 +64,7 @@ std::vector<std::unique_ptr<Client>> make_clients(std::size_t count) {
 // chunk; at the client what it keeps for rebuilding (CellRebuilder::kMostKept
 // and kMostParity) and its events, which are taken at once. Nothing waits in
 // the server: what is not due is not made.
-TEST_CASE("Two hundred clients on loopback are served evenly, in bounded memory", "[cell_driver][optimised]") {
+TEST_CASE("serves two hundred clients on loopback evenly, in bounded memory", "[cell_driver][optimised]") {
   constexpr std::size_t kClients = 200, kEach = 60'000;
   const auto source = std::make_shared<PatternSource>(3000, std::vector<PatternSource::Stream>{{true, 100, 8000}});
   auto library = std::make_shared<PatternLibrary>();

@@ -41,7 +41,7 @@ void poll_until(CellClientDriver& client, ReceivedCells& got, const CellSource& 
   }
 }
 
-TEST_CASE("Cells over sockets", "[cell_driver]") {
+TEST_CASE("sends cells over sockets", "[cell_driver]") {
   const auto source = std::make_shared<PatternSource>(15000, Streams{{true, 60, 8000}, {false, 60, 1200}});
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;
@@ -62,7 +62,7 @@ TEST_CASE("Cells over sockets", "[cell_driver]") {
   REQUIRE(server->statistics().accepted == 1);
 }
 
-TEST_CASE("A server that ends tells its clients", "[cell_driver]") {
+TEST_CASE("notifies its clients when the server ends", "[cell_driver]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 100'000, 8000}});
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;
@@ -79,10 +79,7 @@ TEST_CASE("A server that ends tells its clients", "[cell_driver]") {
   REQUIRE(got.text.find("the server stops") != std::string::npos);
 }
 
-TEST_CASE(
-    "A client that nobody answers, and one without a host, can be ended "
-    "at once",
-    "[cell_driver]") {
+TEST_CASE("ends a client at once that has no answer or no host", "[cell_driver]") {
   {
     const auto client = start_client(9);
     CellWish wish;

@@ -60,7 +60,7 @@ Measured measure(const Scene& scene, const PatternSource& source) {
           static_cast<double>(client.down.sent_bytes()) / static_cast<double>(source.total() + 15000)};
 }
 
-TEST_CASE("Without loss parity costs nothing", "[cell_parity]") {
+TEST_CASE("adds no bytes for parity without loss", "[cell_parity]") {
   for (const bool packed : {false, true}) {
     const auto source = packed ? parity_clusters() : parity_records();
     ParityTrial trial;
@@ -108,7 +108,7 @@ TEST_CASE("restores lost datagrams without another request", "[cell_parity][opti
   }
 }
 
-TEST_CASE("Losses in runs are met with more parity", "[cell_parity][optimised]") {
+TEST_CASE("sends more parity after losses in runs", "[cell_parity][optimised]") {
   const auto source = parity_records(600);
   for (const double loss : {0.1, 0.3}) {
     ParityTrial trial;
@@ -123,7 +123,7 @@ TEST_CASE("Losses in runs are met with more parity", "[cell_parity][optimised]")
   }
 }
 
-TEST_CASE("Small datagrams are rebuilt, too", "[cell_parity]") {
+TEST_CASE("restores small datagrams", "[cell_parity]") {
   const auto source = parity_records(100);
   for (const std::uint8_t cells : {std::uint8_t{4}, std::uint8_t{5}, std::uint8_t{9}}) {
     ParityTrial trial;
@@ -135,7 +135,7 @@ TEST_CASE("Small datagrams are rebuilt, too", "[cell_parity]") {
   }
 }
 
-TEST_CASE("Parity stands reordering and duplicates", "[cell_parity]") {
+TEST_CASE("restores datagrams despite reordering and duplicates", "[cell_parity]") {
   for (const bool packed : {false, true}) {
     const auto source = packed ? parity_clusters() : parity_records(150);
     ParityTrial trial;
@@ -149,7 +149,7 @@ TEST_CASE("Parity stands reordering and duplicates", "[cell_parity]") {
   }
 }
 
-TEST_CASE("A scene of a few datagrams is protected, too", "[cell_parity]") {
+TEST_CASE("protects a scene of a few datagrams", "[cell_parity]") {
   // All is sent before the first report comes; `ended` waits for the parity.
   std::uint64_t lacking = 0, total = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
@@ -165,7 +165,7 @@ TEST_CASE("A scene of a few datagrams is protected, too", "[cell_parity]") {
   CHECK(static_cast<double>(lacking) < 0.02 * static_cast<double>(total));
 }
 
-TEST_CASE("A loss that begins later is met, one that ends is forgotten", "[cell_parity][optimised]") {
+TEST_CASE("adapts to losses that begin later, and forgets losses that end", "[cell_parity][optimised]") {
   const auto source = std::make_shared<PatternSource>(2000, Streams{{true, 2000, 8000}});
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;
@@ -201,7 +201,7 @@ TEST_CASE("A loss that begins later is met, one that ends is forgotten", "[cell_
   CHECK(client.got.ok);
 }
 
-TEST_CASE("Slots share groups", "[cell_parity]") {
+TEST_CASE("shares parity groups between slots", "[cell_parity]") {
   const auto source = parity_records(60);
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;

@@ -58,7 +58,7 @@ Sent send_group(ParitySender& sender, std::size_t members, std::uint64_t first, 
   return sent;
 }
 
-TEST_CASE("How many cells are protected", "[cell_parity]") {
+TEST_CASE("computes how many cells are protected", "[cell_parity]") {
   // 48 c - 50 bytes, 52 a cell: by hand.
   STATIC_REQUIRE(protected_cells(26) == 23);
   STATIC_REQUIRE(protected_cells(10) == 8);
@@ -69,7 +69,7 @@ TEST_CASE("How many cells are protected", "[cell_parity]") {
     REQUIRE(cells_of_pdu(kParityHead + kSymbolHead + protected_cells(cells) * kPackedCell) <= cells);
 }
 
-TEST_CASE("A parity PDU, byte by byte", "[cell_parity]") {
+TEST_CASE("writes a parity PDU, byte by byte", "[cell_parity]") {
   Parity parity;
   parity.symbol = 3;
   parity.time = 0x01020304;
@@ -93,7 +93,7 @@ TEST_CASE("A parity PDU, byte by byte", "[cell_parity]") {
   REQUIRE(std::equal(rest.begin(), rest.end(), symbol.begin(), symbol.end()));
 }
 
-TEST_CASE("Parity PDUs that no sender gives are refused", "[cell_parity]") {
+TEST_CASE("rejects parity PDUs that no sender sends", "[cell_parity]") {
   Parity good;
   good.symbol = 2;
   good.back = 5;
@@ -131,7 +131,7 @@ TEST_CASE("Parity PDUs that no sender gives are refused", "[cell_parity]") {
   REQUIRE_FALSE(decode_parity(encode_parity(good, Bytes(kSymbolHead + kPackedCell + 1)), rest));
 }
 
-TEST_CASE("A symbol gives its cells only as they were", "[cell_parity]") {
+TEST_CASE("restores the cells of a symbol exactly", "[cell_parity]") {
   const Bytes cells = wire(data_cells(3, 5));
   Bytes symbol = symbol_of_cells(cells);
   REQUIRE(symbol.size() == 6 + 156);
@@ -149,7 +149,7 @@ TEST_CASE("A symbol gives its cells only as they were", "[cell_parity]") {
   REQUIRE_FALSE(cells_of_symbol(Bytes(100)));  // nothing is no datagram
 }
 
-TEST_CASE("The share lost, and how it is lost", "[cell_parity]") {
+TEST_CASE("estimates the loss rate and its pattern", "[cell_parity]") {
   LossMeter meter;
   REQUIRE(meter.share() == 0);
   REQUIRE(meter.likely() == 0);
@@ -196,7 +196,7 @@ TEST_CASE("The share lost, and how it is lost", "[cell_parity]") {
   REQUIRE(bursts < 8);
 }
 
-TEST_CASE("Any k of a group's datagrams give the others back", "[cell_parity]") {
+TEST_CASE("restores a group from any k of its datagrams", "[cell_parity]") {
   std::uint64_t random = 4;
   for (const std::size_t members : {1U, 2U, 7U, 33U, 64U})
     for (const std::size_t step : {1U, 3U}) {
@@ -240,7 +240,7 @@ TEST_CASE("Any k of a group's datagrams give the others back", "[cell_parity]") 
     }
 }
 
-TEST_CASE("Without loss there is no parity", "[cell_parity]") {
+TEST_CASE("sends no parity without loss", "[cell_parity]") {
   ParitySender sender(true);
   REQUIRE(sender.on());  // not known yet
   for (std::uint64_t i = 0; i < 100; ++i) sender.add(i, wire(data_cells(20, i)), Instant(i));
@@ -289,7 +289,7 @@ TEST_CASE("sends parity for earlier data after the first reported loss", "[cell_
   REQUIRE(sender.pending());
 }
 
-TEST_CASE("A group ends in time, and over 192 numbers at most", "[cell_parity]") {
+TEST_CASE("ends a group in time, and after 192 numbers at the latest", "[cell_parity]") {
   ParitySender sender = lossy_sender();
   for (std::uint64_t i = 0; i < 8; ++i) {
     REQUIRE_FALSE(sender.pending());
@@ -309,7 +309,7 @@ TEST_CASE("A group ends in time, and over 192 numbers at most", "[cell_parity]")
   REQUIRE(head->members[96]);
 }
 
-TEST_CASE("A sender holds bounded memory, and parity between the data", "[cell_parity]") {
+TEST_CASE("limits the memory of a sender, and sends parity between the data", "[cell_parity]") {
   ParitySender sender = lossy_sender();
   std::size_t parity = 0, data = 0, in_a_row = 0;
   for (std::uint64_t number = 0; number < 20'000; ++number) {
@@ -328,7 +328,7 @@ TEST_CASE("A sender holds bounded memory, and parity between the data", "[cell_p
   REQUIRE(each < 0.6);
 }
 
-TEST_CASE("Many small groups are bounded, too", "[cell_parity]") {
+TEST_CASE("limits many small groups", "[cell_parity]") {
   ParitySender sender = lossy_sender();
   for (std::uint64_t number = 0; number < 500; ++number) {
     sender.add(number, wire(data_cells(4, 1)), 2s);
@@ -340,7 +340,7 @@ TEST_CASE("Many small groups are bounded, too", "[cell_parity]") {
   REQUIRE(parity <= ParitySender::kMostGroups * 8);
 }
 
-TEST_CASE("Damaged and hostile parity gives nothing", "[cell_parity]") {
+TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
   ParitySender sender = lossy_sender();
   const Sent sent = send_group(sender, 20, 1000);
   const auto lost = sent.data.begin()->first;

@@ -49,7 +49,7 @@ double share(const Scene& scene, const PatternSource& source) {
   return static_cast<double>(scene.clients[0]->got.bytes) / static_cast<double>(source.total());
 }
 
-TEST_CASE("Without loss all comes, in order", "[cell_receiver]") {
+TEST_CASE("receives everything in order without loss", "[cell_receiver]") {
   for (const bool packed : {false, true})
     for (const std::uint8_t cells : {std::uint8_t{26}, std::uint8_t{10}, std::uint8_t{4}}) {
       const auto source = packed ? clusters() : records();
@@ -66,7 +66,7 @@ TEST_CASE("Without loss all comes, in order", "[cell_receiver]") {
     }
 }
 
-TEST_CASE("The base is there soon, and lost data cost themselves only", "[cell_receiver]") {
+TEST_CASE("receives the base soon, and loses only the lost data", "[cell_receiver]") {
   for (const double loss : {0.01, 0.1, 0.3, 0.5}) {
     const auto source = records();
     Trial trial;
@@ -82,7 +82,7 @@ TEST_CASE("The base is there soon, and lost data cost themselves only", "[cell_r
   }
 }
 
-TEST_CASE("With small datagrams the cells of damaged PDUs are used", "[cell_receiver]") {
+TEST_CASE("uses the cells of damaged PDUs with small datagrams", "[cell_receiver]") {
   const auto source = records();
   Trial trial;
   trial.wish.cells = 4;  // two cells of records in each: a PDU needs four datagrams
@@ -94,7 +94,7 @@ TEST_CASE("With small datagrams the cells of damaged PDUs are used", "[cell_rece
   REQUIRE(share(*scene, *source) == Approx(0.7).margin(0.03));
 }
 
-TEST_CASE("Clusters of several datagrams come whole or not at all, and repaired", "[cell_receiver]") {
+TEST_CASE("receives clusters of several datagrams completely or not at all, and repairs them", "[cell_receiver]") {
   const auto source = std::make_shared<PatternSource>(15000, Streams{{false, 30, 9000}, {false, 300, 300}});
   Trial trial;
   trial.link.loss = 0.1;
@@ -120,7 +120,7 @@ TEST_CASE("receives lost chunks after another request", "[cell_receiver]") {
   }
 }
 
-TEST_CASE("Datagrams in another order and twice do no harm", "[cell_receiver]") {
+TEST_CASE("accepts reordered and duplicate datagrams", "[cell_receiver]") {
   for (const std::uint8_t cells : {std::uint8_t{26}, std::uint8_t{4}}) {
     const auto source = records();
     Trial trial;
@@ -134,7 +134,7 @@ TEST_CASE("Datagrams in another order and twice do no harm", "[cell_receiver]") 
   }
 }
 
-TEST_CASE("A replay is the same, bit for bit", "[cell_receiver]") {
+TEST_CASE("repeats a run bit for bit", "[cell_receiver]") {
   const auto run = [] {
     const auto source = records();
     Trial trial;
@@ -149,7 +149,7 @@ TEST_CASE("A replay is the same, bit for bit", "[cell_receiver]") {
   REQUIRE(run() == run());
 }
 
-TEST_CASE("A narrow link is not flooded", "[cell_receiver]") {
+TEST_CASE("avoids flooding a narrow link", "[cell_receiver]") {
   const auto source = std::make_shared<PatternSource>(15000, Streams{{true, 3000, 8000}});
   Trial trial;
   trial.response = CongestionResponse::equation;
@@ -165,7 +165,7 @@ TEST_CASE("A narrow link is not flooded", "[cell_receiver]") {
   REQUIRE(rate > 0.4 * 3e6);
 }
 
-TEST_CASE("Clients behind one narrow link share it", "[cell_receiver][optimised]") {
+TEST_CASE("shares a narrow link between the clients behind it", "[cell_receiver][optimised]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 20000, 8000}});
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;
@@ -199,7 +199,7 @@ TEST_CASE("Clients behind one narrow link share it", "[cell_receiver][optimised]
   REQUIRE(sum * sum / (3 * squares) > 0.9);  // Jain's index: 1 is even
 }
 
-TEST_CASE("Losses of the link itself do not slow a sender that heeds the delay", "[cell_receiver]") {
+TEST_CASE("keeps the rate of a sender that reacts to delay when the link itself loses datagrams", "[cell_receiver]") {
   const auto source = std::make_shared<PatternSource>(15000, Streams{{true, 500, 8000}});
   Trial trial;
   trial.link.loss = 0.1;
@@ -219,7 +219,7 @@ TEST_CASE("Losses of the link itself do not slow a sender that heeds the delay",
   REQUIRE(static_cast<double>(down.dropped()) / static_cast<double>(down.sent()) < 0.1);
 }
 
-TEST_CASE("A client finds back after the way was cut", "[cell_receiver]") {
+TEST_CASE("resumes after the link was cut", "[cell_receiver]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{false, 3000, 1000}});
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;
@@ -248,7 +248,7 @@ TEST_CASE("A client finds back after the way was cut", "[cell_receiver]") {
   REQUIRE(client.got.bytes == source->total());  // nothing handed out twice
 }
 
-TEST_CASE("Without a server there is a clear word", "[cell_receiver]") {
+TEST_CASE("reports a missing server", "[cell_receiver]") {
   CellClientOptions options;
   options.nonce = 5;
   CellClient client(options);
@@ -268,7 +268,7 @@ TEST_CASE("Without a server there is a clear word", "[cell_receiver]") {
   REQUIRE(events[0].text.find("no server of cells answers") != std::string::npos);
 }
 
-TEST_CASE("A slow owner bounds what waits", "[cell_receiver]") {
+TEST_CASE("limits queued data for a slow owner", "[cell_receiver]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 1000, 8000}});
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;
@@ -294,7 +294,7 @@ TEST_CASE("A slow owner bounds what waits", "[cell_receiver]") {
   REQUIRE(bytes < 60'000);
 }
 
-TEST_CASE("A client survives anything that a server says", "[cell_receiver]") {
+TEST_CASE("survives any message of a server", "[cell_receiver]") {
   std::uint64_t random = 9;
   const auto source = std::make_shared<PatternSource>(3000, Streams{{true, 20, 2000}, {false, 20, 2000}});
   auto library = std::make_shared<PatternLibrary>();

@@ -31,7 +31,7 @@ CellWish wish(std::string path = "a") {
   return result;
 }
 
-TEST_CASE("Before the cookie comes back no more is sent than came", "[cell_sender]") {
+TEST_CASE("sends no more than it received before the cookie returns", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 10, 8000}});
   CellServer server(server_options(), library(source));
   std::uint64_t random = 1, received = 0, sent = 0;
@@ -68,7 +68,7 @@ TEST_CASE("Before the cookie comes back no more is sent than came", "[cell_sende
   REQUIRE(source->read() == 0);
 }
 
-TEST_CASE("A client gets no more than its grant, all of them no more than the total", "[cell_sender]") {
+TEST_CASE("limits each client to its grant, and all clients to the total", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(5000, Streams{{true, 2000, 8000}});
   CellServerOptions options = server_options();
   options.total_rate = 20'000'000;
@@ -93,7 +93,7 @@ TEST_CASE("A client gets no more than its grant, all of them no more than the to
   }
 }
 
-TEST_CASE("Two hundred clients are served evenly", "[cell_sender][optimised]") {
+TEST_CASE("serves two hundred clients evenly", "[cell_sender][optimised]") {
   const auto source = std::make_shared<PatternSource>(3000, Streams{{true, 300, 8000}});
   CellServerOptions options = server_options(CongestionResponse::equation);
   options.total_rate = 40'000'000;
@@ -114,7 +114,7 @@ TEST_CASE("Two hundred clients are served evenly", "[cell_sender][optimised]") {
   REQUIRE(scene.server.statistics().clients == 200);
 }
 
-TEST_CASE("A server that is full says so", "[cell_sender]") {
+TEST_CASE("reports that the server is full", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 1, 80}});
   CellServerOptions options = server_options();
   options.most_clients = 1;
@@ -132,7 +132,7 @@ TEST_CASE("A server that is full says so", "[cell_sender]") {
   REQUIRE(scene.server.statistics().clients == 0);
 }
 
-TEST_CASE("Sending stops two seconds after the last report", "[cell_sender]") {
+TEST_CASE("stops sending two seconds after the last report", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 100'000, 8000}});
   Scene scene(server_options(), library(source));
   scene.add({}, source);
@@ -152,7 +152,7 @@ TEST_CASE("Sending stops two seconds after the last report", "[cell_sender]") {
   REQUIRE(scene.server.statistics().clients == 0);
 }
 
-TEST_CASE("Regions and wishes come first", "[cell_sender]") {
+TEST_CASE("sends regions and wishes first", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 1000, 4000}, {false, 1000, 900}});
   Scene scene(server_options(), library(source));
   Link::Options link;
@@ -182,7 +182,7 @@ TEST_CASE("Regions and wishes come first", "[cell_sender]") {
   REQUIRE(scene.clients[0]->got.ok);
 }
 
-TEST_CASE("Several slots share by weight", "[cell_sender]") {
+TEST_CASE("shares the rate between slots by weight", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 5000, 8000}});
   Scene scene(server_options(), library(source));
   scene.add({}, source, 8'000'000);
@@ -204,7 +204,7 @@ TEST_CASE("Several slots share by weight", "[cell_sender]") {
   REQUIRE(static_cast<double>(bytes[5] - second) * 8 / 2 > 5e6);
 }
 
-TEST_CASE("A budget ends a stream, a larger one goes on", "[cell_sender]") {
+TEST_CASE("ends a stream at its budget, and continues with a larger one", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 100, 8000}, {false, 50, 1000}});
   Scene scene(server_options(), library(source));
   scene.add({}, source);
@@ -225,7 +225,7 @@ TEST_CASE("A budget ends a stream, a larger one goes on", "[cell_sender]") {
   REQUIRE(got.ok);
 }
 
-TEST_CASE("A path that is not there is refused with a word", "[cell_sender]") {
+TEST_CASE("refuses an unknown path with a message", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 1, 80}});
   Scene scene(server_options(), library(source));
   scene.add({}, source);
@@ -235,7 +235,7 @@ TEST_CASE("A path that is not there is refused with a word", "[cell_sender]") {
   REQUIRE(scene.clients[0]->got.text == "there is no b");
 }
 
-TEST_CASE("A stopped server says goodbye", "[cell_sender]") {
+TEST_CASE("says goodbye when the server stops", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 100'000, 8000}});
   Scene scene(server_options(), library(source));
   scene.add({}, source);

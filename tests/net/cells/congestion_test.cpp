@@ -9,7 +9,7 @@ namespace {
 using namespace gs::net;
 using namespace std::chrono_literals;
 
-TEST_CASE("The rate of TCP", "[congestion]") {
+TEST_CASE("computes the rate of TCP", "[congestion]") {
   // RFC 5348 3.1 by hand: p = 0.01, R = 0.1 s: R sqrt(2p/3) = 0.0081650; 4R 3
   // sqrt(3p/8) p (1 + 32 p^2) = 0.00073716.
   REQUIRE(tcp_rate(1000, 0.1, 0.01) == Approx(1000 / (0.0081650 + 0.00073716)).epsilon(1e-4));
@@ -18,7 +18,7 @@ TEST_CASE("The rate of TCP", "[congestion]") {
     REQUIRE(tcp_rate(1388, 0.1, tcp_loss(1388, 0.1, rate)) == Approx(rate).epsilon(1e-3));
 }
 
-TEST_CASE("Every response has a name", "[congestion]") {
+TEST_CASE("names every congestion response", "[congestion]") {
   REQUIRE(congestion_names().size() == 3);
   REQUIRE(congestion_names()[0].name == "equation");
   REQUIRE(congestion_names()[1].name == "delay-aware");
@@ -29,7 +29,7 @@ TEST_CASE("Every response has a name", "[congestion]") {
   }
 }
 
-TEST_CASE("Steady loss of one in a hundred is measured as such", "[congestion]") {
+TEST_CASE("measures a steady loss of one percent", "[congestion]") {
   LossHistory history;
   Instant now{0};
   for (std::uint64_t i = 0; i < 20000; ++i) {
@@ -41,7 +41,7 @@ TEST_CASE("Steady loss of one in a hundred is measured as such", "[congestion]")
   REQUIRE(history.event_rate() == Approx(0.01).epsilon(0.02));
 }
 
-TEST_CASE("Losses within one round trip are one event", "[congestion]") {
+TEST_CASE("counts losses within one round trip as one event", "[congestion]") {
   LossHistory history;
   Instant now{0};
   for (std::uint64_t i = 0; i < 20000; ++i) {
@@ -52,7 +52,7 @@ TEST_CASE("Losses within one round trip are one event", "[congestion]") {
   REQUIRE(history.event_rate() == Approx(0.001).epsilon(0.1));
 }
 
-TEST_CASE("Datagrams that come late are not lost", "[congestion]") {
+TEST_CASE("counts late datagrams as received", "[congestion]") {
   LossHistory history;
   for (const std::uint64_t i : {0, 2, 1, 3, 5, 6, 4, 7, 8, 9, 10}) history.arrived(i, 100, Instant(0), 10ms, true);
   REQUIRE(history.lost() == 0);
@@ -64,7 +64,7 @@ TEST_CASE("Datagrams that come late are not lost", "[congestion]") {
   REQUIRE_FALSE(history.take_new_event());
 }
 
-TEST_CASE("Queues are seen by their delay, whatever the clocks", "[congestion]") {
+TEST_CASE("detects queues by their delay, whatever the clocks are", "[congestion]") {
   QueueDelay delay;
   std::uint32_t sent = 4'294'900'000;  // wraps around soon
   const std::uint32_t skew = 3'000'000'000;
@@ -80,7 +80,7 @@ TEST_CASE("Queues are seen by their delay, whatever the clocks", "[congestion]")
   REQUIRE_FALSE(delay.queued());
 }
 
-TEST_CASE("A sender starts slowly, doubles, and obeys the equation", "[congestion]") {
+TEST_CASE("starts slowly, doubles, and then obeys the equation", "[congestion]") {
   Instant now{0};
   RateController controller(CongestionResponse::equation, 1e6, 100ms, now);
   REQUIRE(controller.rate() == Approx(138'800));
@@ -100,7 +100,7 @@ TEST_CASE("A sender starts slowly, doubles, and obeys the equation", "[congestio
   REQUIRE(other.rate() <= 140'001);
 }
 
-TEST_CASE("Without reports the rate is halved again and again", "[congestion]") {
+TEST_CASE("halves the rate repeatedly without reports", "[congestion]") {
   RateController controller(CongestionResponse::equation, 1e7, 100ms, Instant(0));
   for (int i = 1; i < 12; ++i) controller.feedback({100ms, 0, controller.rate(), false}, i * 100ms);
   const double before = controller.rate();

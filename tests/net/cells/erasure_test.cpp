@@ -18,7 +18,7 @@ std::vector<std::byte> random_bytes(std::size_t size) {
   return bytes;
 }
 
-TEST_CASE("Any k of n symbols give the data back", "[erasure]") {
+TEST_CASE("restores the data from any k of n symbols", "[erasure]") {
   std::uint64_t random = 5;
   for (const std::size_t size : {1U, 7U, 200U, 1216U, 1217U, 15000U, 77824U, 100'000U}) {
     const auto data = random_bytes(size);
@@ -45,7 +45,7 @@ TEST_CASE("Any k of n symbols give the data back", "[erasure]") {
   }
 }
 
-TEST_CASE("The first k symbols are the data", "[erasure]") {
+TEST_CASE("copies the data to the first k symbols", "[erasure]") {
   const auto data = random_bytes(3000);
   const ErasureEncoder encoder(data, erasure_layout(3000, 1000));
   REQUIRE(encoder.layout().source == 3);
@@ -54,7 +54,7 @@ TEST_CASE("The first k symbols are the data", "[erasure]") {
                        data.begin() + static_cast<std::ptrdiff_t>(1000 * i + 1000), encoder.symbol(0, i).begin()));
 }
 
-TEST_CASE("Parity by hand", "[erasure]") {
+TEST_CASE("computes parity as by hand", "[erasure]") {
   // GF(256) with 11D: 1/2 = 8E, 1/3 = F4. Symbol 2 of two is s0 / (2 xor 0) + s1 / (2 xor 1); symbol 1 of one is s0.
   std::vector<std::byte> data(16);
   data[0] = std::byte{1};
@@ -68,7 +68,7 @@ TEST_CASE("Parity by hand", "[erasure]") {
   REQUIRE(one.symbol(0, 1) == data);
 }
 
-TEST_CASE("How many symbols make a failure rare", "[erasure]") {
+TEST_CASE("computes the number of symbols that makes a failure rare", "[erasure]") {
   // One symbol, repeated: 0.3^n.
   REQUIRE(failure_of(1, 1, 0.3) == Approx(0.3));
   REQUIRE(failure_of(1, 4, 0.3) == Approx(0.0081));
@@ -83,7 +83,7 @@ TEST_CASE("How many symbols make a failure rare", "[erasure]") {
   REQUIRE(symbols_for(64, 0.99, 1e-6) == 255);
 }
 
-TEST_CASE("Symbols and layouts from outside", "[erasure]") {
+TEST_CASE("rejects invalid symbols and layouts", "[erasure]") {
   REQUIRE_FALSE((ErasureLayout{0, 1000, 4}.sound()));
   REQUIRE_FALSE((ErasureLayout{1000, 0, 4}.sound()));
   REQUIRE_FALSE((ErasureLayout{1000, 1000, 0}.sound()));

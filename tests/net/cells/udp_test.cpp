@@ -7,7 +7,7 @@ namespace {
 using namespace gs::net;
 using namespace std::chrono_literals;
 
-TEST_CASE("Datagrams go from socket to socket", "[udp]") {
+TEST_CASE("sends datagrams from socket to socket", "[udp]") {
   auto left = UdpSocket::open(0, true), right = UdpSocket::open(0, true);
   REQUIRE(std::holds_alternative<UdpSocket>(left));
   REQUIRE(std::holds_alternative<UdpSocket>(right));
@@ -29,7 +29,7 @@ TEST_CASE("Datagrams go from socket to socket", "[udp]") {
   REQUIRE_FALSE(from.send(endpoint, std::vector<std::byte>(70000)));
 }
 
-TEST_CASE("A port that is taken, and a host that is not there", "[udp]") {
+TEST_CASE("reports a port in use and an unknown host", "[udp]") {
   auto first = UdpSocket::open(0, true);
   const auto second = UdpSocket::open(std::get<UdpSocket>(first).port(), true);
   REQUIRE(std::get<UdpError>(second).message.find("cannot use port") == 0);

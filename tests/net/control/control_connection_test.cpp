@@ -55,7 +55,7 @@ int refused(const std::string& request) {
 
 }  // namespace
 
-TEST_CASE("The handshake of a WebSocket answers the key of RFC 6455 1.3") {
+TEST_CASE("answers the WebSocket key of RFC 6455 1.3") {
   CHECK(websocket_accept("dGhlIHNhbXBsZSBub25jZQ==") == "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=");
   Peer peer(ControlProtocol::web_socket);
   const std::string answer = peer.say(opening("/?token=" + kToken));
@@ -64,7 +64,7 @@ TEST_CASE("The handshake of a WebSocket answers the key of RFC 6455 1.3") {
   CHECK(peer.connection.is_admitted());
 }
 
-TEST_CASE("A handshake may come in any pieces, with frames behind it") {
+TEST_CASE("accepts a handshake in any pieces, followed by frames") {
   const std::string bytes = opening("/?token=" + kToken) + masked_frame(0x81, "one") + masked_frame(0x81, "two");
   for (std::size_t cut = 0; cut <= bytes.size(); ++cut) {
     Peer peer(ControlProtocol::web_socket);
@@ -88,7 +88,7 @@ TEST_CASE("refuses an invalid handshake with an HTTP status") {
   CHECK(refused("GET / HTTP/1.1\r\n" + std::string(9000, 'a')) == 431);
 }
 
-TEST_CASE("Pages of web browsers need the token in the handshake, and no foreign name reaches this machine") {
+TEST_CASE("requires the token from web pages in the handshake, and rejects foreign names of this machine") {
   const std::string page = "Origin: https://example.org\r\n";
   CHECK(refused(opening("/", page)) == 403);
   CHECK(refused(opening("/", "Origin: null\r\n")) == 403);
@@ -117,7 +117,7 @@ TEST_CASE("admits a client without Origin by a first message with the token only
   }
 }
 
-TEST_CASE("Lines: the first is the token, each other one a message, whatever the pieces") {
+TEST_CASE("takes the first line as token and each other line as message, in any pieces") {
   const std::string bytes = kToken + "\n{\"a\":1}\r\n\n\n{}\n";
   for (std::size_t cut = 0; cut <= bytes.size(); ++cut) {
     Peer peer(ControlProtocol::lines);
@@ -148,7 +148,7 @@ TEST_CASE("bounds the input of clients before and after admission") {
   CHECK(bytes.say(kToken + "\n\xff\n") == "BYE text that is no UTF-8\n");
 }
 
-TEST_CASE("Pings are answered, a close frame is answered, and messages go out as each protocol has them") {
+TEST_CASE("answers pings and close frames, and sends messages in the form of each protocol") {
   Peer peer(ControlProtocol::web_socket);
   (void)peer.say(opening("/?token=" + kToken));
   CHECK(peer.say(masked_frame(0x89, "abc")) ==
@@ -166,7 +166,7 @@ TEST_CASE("Pings are answered, a close frame is answered, and messages go out as
   CHECK(lines.say("") == "text\n");
 }
 
-TEST_CASE("Tokens are 32 hexadecimal digits, another one each time, and compared as a whole") {
+TEST_CASE("makes different tokens of 32 hexadecimal digits, and compares them as a whole") {
   const std::string token = make_control_token();
   CHECK(token.size() == 32);
   CHECK(token.find_first_not_of("0123456789abcdef") == std::string::npos);

@@ -174,7 +174,7 @@ TEST_CASE("sends the last answer and a goodbye before the server stops") {
   CHECK(client.receive_all() == "answer\nBYE the program ends\n");
 }
 
-TEST_CASE("The socket is its owner's alone, goes with the server, and one that was left behind is replaced") {
+TEST_CASE("restricts the socket to its owner, removes it at the end, and replaces a stale one") {
   Served served;
   struct stat about {};
   REQUIRE(::stat(served.path().c_str(), &about) == 0);
@@ -208,7 +208,7 @@ TEST_CASE("The socket is its owner's alone, goes with the server, and one that w
   CHECK(problem(path).empty());
 }
 
-TEST_CASE("The port is of loopback alone") {
+TEST_CASE("listens on loopback only") {
   Served served;
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -220,7 +220,7 @@ TEST_CASE("The port is of loopback alone") {
   ::close(socket);
 }
 
-TEST_CASE("A file for the token is its owner's alone, and no other file is written over") {
+TEST_CASE("restricts the token file to its owner, and overwrites no other file") {
   ScratchFolder folder;
   const std::string path = folder.path("token");
   CHECK_FALSE(write_control_token(path, kToken));
@@ -268,7 +268,7 @@ TEST_CASE("admits a client while a thousand silent connections are open and boun
   if (!watched()) CHECK(test::resident() < before + (std::size_t{32} << 20));  // which keeps what was freed
 }
 
-TEST_CASE("No more clients are admitted than the limit, and the one too many is told") {
+TEST_CASE("admits no more clients than the limit, and tells the next one") {
   Served served([](ControlServerOptions& options) { options.terms.limits.clients = 2; });
   LineClient one(served.path()), two(served.path());
   one.send(kToken + "\na\n");
@@ -280,7 +280,7 @@ TEST_CASE("No more clients are admitted than the limit, and the one too many is 
   CHECK(three.receive_all() == "BYE there are 2 clients already\n");
 }
 
-TEST_CASE("A client that floods is not read from until its messages are taken, and others are served in turn") {
+TEST_CASE("pauses reading from a client that floods, and serves the others in turn") {
   Served served([](ControlServerOptions& options) {
     options.terms.limits.waiting_messages = 100;
     options.terms.limits.waiting_bytes = 100'000;
@@ -324,7 +324,7 @@ TEST_CASE("A client that floods is not read from until its messages are taken, a
   CHECK(done);
 }
 
-TEST_CASE("All that was sent is taken of a client that has closed its end, however much waits") {
+TEST_CASE("processes everything that a client sent before it closed, however long its queue is") {
   Served served([](ControlServerOptions& options) { options.terms.limits.waiting_messages = 10; });
   {
     const LineClient client(served.path());
@@ -336,7 +336,7 @@ TEST_CASE("All that was sent is taken of a client that has closed its end, howev
   CHECK(served.next().left);
 }
 
-TEST_CASE("A client that does not read is behind, then cut off, and memory stays bounded") {
+TEST_CASE("disconnects a client that does not read, within bounded memory") {
   Served served([](ControlServerOptions& options) { options.terms.limits.outgoing_bytes = std::size_t{2} << 20; });
   LineClient client(served.path());
   client.send(kToken + "\nhello\n");

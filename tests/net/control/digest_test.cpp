@@ -20,7 +20,7 @@ std::string encoded(std::string_view text) { return base64(std::as_bytes(std::sp
 
 }  // namespace
 
-TEST_CASE("SHA-1 gives the digests of RFC 3174 7.3, and of texts around the end of a block") {
+TEST_CASE("computes the SHA-1 digests of RFC 3174 7.3, and of texts around a block boundary") {
   CHECK(hex(sha1("abc")) == "a9993e364706816aba3e25717850c26c9cd0d89d");
   CHECK(hex(sha1("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq")) ==
         "84983e441c3bd26ebaae4aa1f95129e5e54670f1");
@@ -31,7 +31,7 @@ TEST_CASE("SHA-1 gives the digests of RFC 3174 7.3, and of texts around the end 
   CHECK(hex(sha1("")) == "da39a3ee5e6b4b0d3255bfef95601890afd80709");
 }
 
-TEST_CASE("Base64 gives the texts of RFC 4648 10, and takes nothing else back") {
+TEST_CASE("encodes Base64 as in RFC 4648 10, and decodes nothing else") {
   const std::vector<std::pair<std::string, std::string>> vectors = {{"", ""},
                                                                     {"f", "Zg=="},
                                                                     {"fo", "Zm8="},
@@ -51,7 +51,7 @@ TEST_CASE("Base64 gives the texts of RFC 4648 10, and takes nothing else back") 
   }
 }
 
-TEST_CASE("UTF-8 is what RFC 3629 says, no longer spellings, no surrogates, nothing behind U+10FFFF") {
+TEST_CASE("accepts UTF-8 of RFC 3629, and rejects overlong forms, surrogates and values over U+10FFFF") {
   for (const char* good : {"", "plain", "\xc2\x80", "\xdf\xbf", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80",
                            "\xef\xbf\xbf", "\xf0\x90\x80\x80", "\xf4\x8f\xbf\xbf", "12345678\xc3\xa9"}) {
     INFO(good);

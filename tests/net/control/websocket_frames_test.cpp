@@ -44,7 +44,7 @@ WebSocketClose why(const std::string& bytes, std::size_t most = 1000) {
 
 }  // namespace
 
-TEST_CASE("The frames of RFC 6455 5.7 are read and written") {
+TEST_CASE("reads and writes the frames of RFC 6455 5.7") {
   CHECK(read("\x81\x85\x37\xfa\x21\x3d\x7f\x9f\x4d\x51\x58").messages == Messages{{Kind::text, "Hello"}});
   CHECK(read("\x89\x85\x37\xfa\x21\x3d\x7f\x9f\x4d\x51\x58").messages == Messages{{Kind::ping, "Hello"}});
   CHECK(websocket_frame(Kind::text, "Hello") == "\x81\x05Hello");
@@ -56,8 +56,7 @@ TEST_CASE("The frames of RFC 6455 5.7 are read and written") {
   CHECK(websocket_close_frame(WebSocketClose::protocol_error, "no") == std::string("\x88\x04\x03\xea") + "no");
 }
 
-TEST_CASE(
-    "Messages are the same however their bytes are cut, and each beginning of them is whole messages and no failure") {
+TEST_CASE("reads the same messages however their bytes are cut") {
   const std::string bytes = masked_frame(0x81, "first") + masked_frame(0x01, "in ") + masked_frame(0x89, "ping") +
                             masked_frame(0x00, "three ") + masked_frame(0x80, "pieces \xc3\xa9") +
                             masked_frame(0x81, std::string(300, 'm')) + masked_frame(0x8a, "") +
@@ -103,7 +102,7 @@ TEST_CASE("rejects invalid frames with their close codes (RFC 6455 5, 7.4.1)") {
   CHECK(why(std::string("\x81\xff\x80\x00\x00\x00\x00\x00\x00\x00", 10) + "mask") == WebSocketClose::protocol_error);
 }
 
-TEST_CASE("A message too large is refused at its head, whole or in fragments, and fragments without end are") {
+TEST_CASE("rejects too large messages at the header, and fragments without end") {
   CHECK(why(std::string("\x81\xff\x00\xff\xff\xff\xff\xff\xff\xff", 10) + "mask") == WebSocketClose::too_large);
   CHECK(read(masked_frame(0x81, std::string(1000, 'a'))).messages.size() == 1);
   CHECK(why(masked_frame(0x81, std::string(1001, 'a'))) == WebSocketClose::too_large);
@@ -126,7 +125,7 @@ TEST_CASE("reads nothing after a failure or after the receiver stops") {
   CHECK(used == two.size() / 2);
 }
 
-TEST_CASE("A reason of a close frame is cut between characters to what a control frame holds") {
+TEST_CASE("cuts the reason of a close frame between characters to fit a control frame") {
   std::string long_reason;
   while (long_reason.size() < 200) long_reason += "\xe2\x82\xac";
   const std::string frame = websocket_close_frame(WebSocketClose::policy, long_reason);

@@ -67,7 +67,7 @@ std::string message_of(const std::string& path) {
   return std::get<FileError>(result).message;
 }
 
-TEST_CASE("small, large and empty files are read") {
+TEST_CASE("reads small, large and empty files") {
   const Folder folder;
   const std::string large(MappedFile::kMappedSize + 12345, 'x');
   for (const std::string& text : {std::string(), std::string("#VRML V2.0 utf8"), std::string("a\0b", 3), large}) {
@@ -85,7 +85,7 @@ TEST_CASE("small, large and empty files are read") {
   }
 }
 
-TEST_CASE("a large file is checked by its first bytes before it is mapped") {
+TEST_CASE("checks the first bytes of a large file before mapping it") {
   const Folder folder;
   put(folder / "large", "abc" + std::string(MappedFile::kMappedSize, 'x'));
   put(folder / "small", "abc");
@@ -140,14 +140,14 @@ TEST_CASE("reports why a file cannot be opened") {
   }
 }
 
-TEST_CASE("a link to a file is read as the file") {
+TEST_CASE("reads a link to a file as the file") {
   const Folder folder;
   put(folder / "f", "abc");
   fs::create_symlink(folder / "f", folder / "link");
   CHECK(text_of(std::get<MappedFile>(map_file(folder / "link"))) == "abc");
 }
 
-TEST_CASE("an open file is read here and there, and gives less where there is less") {
+TEST_CASE("reads ranges of an open file, and returns fewer bytes at its end") {
   const Folder folder;
   put(folder / "f", "0123456789");
   auto opened = gs::net::open_file(folder / "f");
@@ -191,7 +191,7 @@ TEST_CASE("an open file is read here and there, and gives less where there is le
         "cannot open " + folder.path().string() + ": it is a folder; expected a file");
 }
 
-TEST_CASE("a file is written as a whole") {
+TEST_CASE("writes a file as a whole") {
   const Folder folder;
   CHECK_FALSE(write_file_atomically(folder / "f", byte_span_of("one")));
   CHECK(content(folder / "f") == "one");
@@ -202,7 +202,7 @@ TEST_CASE("a file is written as a whole") {
   CHECK(folder.count() == 2);
 }
 
-TEST_CASE("the access rights of a replaced file stay") {
+TEST_CASE("keeps the access rights of a replaced file") {
   const Folder folder;
   put(folder / "f", "old");
   fs::permissions(folder / "f", fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
@@ -211,7 +211,7 @@ TEST_CASE("the access rights of a replaced file stay") {
         (fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read));
 }
 
-TEST_CASE("writing through a link changes the file and keeps the link") {
+TEST_CASE("changes the file behind a link and keeps the link") {
   const Folder folder;
   put(folder / "f", "old");
   fs::create_symlink("f", folder / "link");
@@ -243,7 +243,7 @@ TEST_CASE("replaces regular files only") {
   CHECK(folder.count() == 2);
 }
 
-TEST_CASE("the old file stays when writing is not possible") {
+TEST_CASE("keeps the old file if writing fails") {
   if (::geteuid() == 0) {
     WARN("skipped: root may write everywhere");
     return;

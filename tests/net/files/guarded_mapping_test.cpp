@@ -60,7 +60,7 @@ std::size_t count_of_bytes(std::span<const std::byte> bytes, char c) {
 
 }  // namespace
 
-TEST_CASE("a mapped file that is truncated meanwhile gives zeros, says so, and ends nothing") {
+TEST_CASE("reads zeros and reports it when a mapped file is truncated") {
   const LargeFile file;
   const MappedFile whole = mapped_file_of(file.path);
   REQUIRE(whole.bytes().size() == kMappedLarge);
@@ -80,7 +80,7 @@ TEST_CASE("a mapped file that is truncated meanwhile gives zeros, says so, and e
   CHECK_FALSE(again.changed());
 }
 
-TEST_CASE("a mapped file that is written to, or shortened by a byte, says so") {
+TEST_CASE("reports that a mapped file was written to or shortened by a byte") {
   const LargeFile file;
   // The clock of a file system is coarse: what was written long ago is told from what is written now.
   fs::last_write_time(file.path, fs::file_time_type::clock::now() - std::chrono::hours(1));
@@ -104,7 +104,7 @@ TEST_CASE("a mapped file that is written to, or shortened by a byte, says so") {
   CHECK(two.bytes()[0] == std::byte{'x'});
 }
 
-TEST_CASE("threads that read a mapped file while it is truncated go on, each with its own") {
+TEST_CASE("keeps threads running that read a mapped file while it is truncated") {
   const LargeFile file, other;
   const MappedFile shrinking = mapped_file_of(file.path), kept = mapped_file_of(other.path);
   std::atomic<bool> cut{false};
@@ -128,7 +128,7 @@ TEST_CASE("threads that read a mapped file while it is truncated go on, each wit
   CHECK_FALSE(kept.changed());
 }
 
-TEST_CASE("mappings come and go, and each guards its own place") {
+TEST_CASE("guards each of many short-lived mappings") {
   const LargeFile file;
   for (int round = 0; round < 100; ++round) {
     const Descriptor open(::open(file.path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -145,7 +145,7 @@ TEST_CASE("mappings come and go, and each guards its own place") {
   CHECK_FALSE(GuardedMapping::of(-1, 100));
 }
 
-TEST_CASE("a bus error that is about no guarded mapping ends the program as ever") {
+TEST_CASE("ends the program on a bus error outside all guarded mappings") {
   const LargeFile file;
   const MappedFile guarded = mapped_file_of(file.path);  // the handler is there
   const pid_t child = ::fork();

@@ -32,7 +32,7 @@ void put_x(const fs::path& path) { std::ofstream(path) << "x"; }
 
 }  // namespace
 
-TEST_CASE("a temporary folder goes with its owner, and what a process that was killed left at the next start") {
+TEST_CASE("removes a temporary folder with its owner, and those of killed processes at the next start") {
   const LockedFolder outer = work_folder(fs::temp_directory_path());
   const fs::path parent = outer.path();
   {
@@ -68,7 +68,7 @@ TEST_CASE("a temporary folder goes with its owner, and what a process that was k
   CHECK(count_of_entries(parent) == 0);
 }
 
-TEST_CASE("only what is surely an abandoned folder of this program is removed") {
+TEST_CASE("removes only folders that are certainly abandoned ones of this program") {
   const LockedFolder outer = work_folder(fs::temp_directory_path());
   const fs::path parent = outer.path();
   const auto folder = [&](const char* name, fs::perms rights = fs::perms::owner_all) {

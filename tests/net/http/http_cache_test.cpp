@@ -60,7 +60,7 @@ std::vector<fs::path> files(const std::string& folder, const std::string& ending
   return result;
 }
 
-TEST_CASE("finds stored resources after the cache is opened again") {
+TEST_CASE("finds stored resources after it is opened again") {
   const TemporaryFolder folder;
   const std::string text = pattern(300'000);
   {
@@ -85,7 +85,7 @@ TEST_CASE("finds stored resources after the cache is opened again") {
   CHECK((fs::status(folder.path()).permissions() & fs::perms::others_all) == fs::perms::none);
 }
 
-TEST_CASE("ranges of one version gather in one file") {
+TEST_CASE("collects ranges of one version in one file") {
   const TemporaryFolder folder;
   const std::string text = pattern(200'000);
   const auto cache = open(folder.path());
@@ -128,7 +128,7 @@ TEST_CASE("ranges of one version gather in one file") {
   }
 }
 
-TEST_CASE("an uncommitted writer leaves nothing behind") {
+TEST_CASE("leaves no file of an uncommitted writer") {
   const TemporaryFolder folder;
   const auto cache = open(folder.path());
   cache->write("k", head_of("\"1\"", 10))->append(0, bytes_of("abc"));
@@ -136,7 +136,7 @@ TEST_CASE("an uncommitted writer leaves nothing behind") {
   CHECK_FALSE(cache->find("k", 1000));
 }
 
-TEST_CASE("damage is found and costs the entry only") {
+TEST_CASE("detects damage and drops only the damaged entry") {
   const TemporaryFolder folder;
   const auto cache = open(folder.path());
   const std::string text = pattern(100'000);
@@ -173,7 +173,7 @@ TEST_CASE("damage is found and costs the entry only") {
   }
 }
 
-TEST_CASE("entries survive no flipped bit and no nonsense with a right checksum") {
+TEST_CASE("rejects entries with a flipped bit, and nonsense with a right checksum") {
   CacheEntry entry;
   entry.key = "k";
   entry.data = 5;
@@ -201,7 +201,7 @@ TEST_CASE("entries survive no flipped bit and no nonsense with a right checksum"
   CHECK(refused([](CacheEntry& e) { e.head.fresh_for = INT64_MAX; }));
 }
 
-TEST_CASE("neighbouring extents join, and their checksums with them") {
+TEST_CASE("joins neighbouring extents with their checksums") {
   const auto bytes = bytes_of(pattern(1000));
   CacheEntry entry;
   REQUIRE(entry.add({0, 400, cache_checksum(std::span(bytes).first(400))}));
@@ -211,7 +211,7 @@ TEST_CASE("neighbouring extents join, and their checksums with them") {
   CHECK(entry.extents[0].checksum == cache_checksum(bytes));
 }
 
-TEST_CASE("the least recently used go first when the bound is reached") {
+TEST_CASE("removes the least recently used entries at the size limit") {
   const TemporaryFolder folder;
   const auto cache = open(folder.path(), 400'000, 1000);
   const std::string text = pattern(80'000);
@@ -225,7 +225,7 @@ TEST_CASE("the least recently used go first when the bound is reached") {
   CHECK(cache->find("k5", 1013));
 }
 
-TEST_CASE("the number of files is bounded, and one entry does not fill all") {
+TEST_CASE("limits the number of files, and the share of one entry") {
   const TemporaryFolder folder;
   const auto cache = open(folder.path(), 1 << 20, 20);
   for (int i = 0; i < 100; ++i) put(*cache, std::to_string(i), "\"1\"", "abc", 1000 + i);
@@ -259,7 +259,7 @@ TEST_CASE("removes leftovers of crashes after an hour") {
   CHECK(cache->find("k", 1000));
 }
 
-TEST_CASE("two caches in one folder") {
+TEST_CASE("shares one folder between two caches") {
   const TemporaryFolder folder;
   const std::string text = pattern(64'000);
   // As in two processes: no memory is shared.
@@ -292,7 +292,7 @@ TEST_CASE("two caches in one folder") {
   CHECK(files(folder.path(), ".tmp").empty());
 }
 
-TEST_CASE("a confirmed entry is fresh again") {
+TEST_CASE("marks a confirmed entry as fresh") {
   const TemporaryFolder folder;
   const auto cache = open(folder.path());
   put(*cache, "k", "\"1\"", "abc");
@@ -302,7 +302,7 @@ TEST_CASE("a confirmed entry is fresh again") {
   CHECK(cache->find("k", 2000)->fresh(2099));
 }
 
-TEST_CASE("a folder that cannot be used is an error value") {
+TEST_CASE("returns an error for a folder that cannot be used") {
   const TemporaryFolder folder;
   std::ofstream(folder / "f") << "x";
   const auto opened = HttpCache::open({folder / "f/g", 1 << 20, 8, 0, [] { return std::uint64_t{1}; }}, 0);

@@ -6,7 +6,7 @@ namespace {
 
 using namespace gs::net;
 
-TEST_CASE("Content-Range is read strictly (RFC 9110 14.4)") {
+TEST_CASE("parses Content-Range strictly (RFC 9110 14.4)") {
   const auto range = parse_content_range("bytes 42-1233/1234");
   REQUIRE(range);
   CHECK(range->begin == 42u);
@@ -23,7 +23,7 @@ TEST_CASE("Content-Range is read strictly (RFC 9110 14.4)") {
     CHECK_FALSE(parse_content_range(text));
 }
 
-TEST_CASE("Cache-Control and freshness (RFC 9111)") {
+TEST_CASE("computes freshness from Cache-Control (RFC 9111)") {
   CHECK(parse_cache_control("public, Max-Age=60").max_age == 60);
   CHECK(parse_cache_control("max-age=\"60\"").max_age == 60);
   CHECK(parse_cache_control("max-age=99999999999999999999999").max_age == 0);
@@ -49,7 +49,7 @@ TEST_CASE("Cache-Control and freshness (RFC 9111)") {
   CHECK(freshness(head) == 0);
 }
 
-TEST_CASE("dates in all three forms") {
+TEST_CASE("parses dates in all three forms") {
   for (const char* text :
        {"Sun, 06 Nov 1994 08:49:37 GMT", "Sunday, 06-Nov-94 08:49:37 GMT", "Sun Nov  6 08:49:37 1994"})
     CHECK(parse_http_date(text) == 784111777);
@@ -57,7 +57,7 @@ TEST_CASE("dates in all three forms") {
   CHECK_FALSE(parse_http_date(std::string(1000, '1')));
 }
 
-TEST_CASE("a head from its headers") {
+TEST_CASE("builds a head from its headers") {
   ResponseHead head;
   add_header(head, "content-LENGTH", " 12 ", 0);
   add_header(head, "Accept-Ranges", "bytes", 0);
@@ -81,7 +81,7 @@ TEST_CASE("a head from its headers") {
   CHECK_FALSE(head.content_length);
 }
 
-TEST_CASE("which versions are the same") {
+TEST_CASE("compares versions by strong and weak validators") {
   const Validator strong{"\"a\"", "Mon", false}, other{"\"b\"", "Mon", false}, weak{"W/\"a\"", "", false};
   CHECK(strong.strong() == "\"a\"");
   CHECK(weak.strong().empty());

@@ -16,7 +16,7 @@ std::string proxy(const char* url, const std::map<std::string, std::string>& var
   });
 }
 
-TEST_CASE("the proxy of a URL, as the environment has it") {
+TEST_CASE("takes the proxy of a URL from the environment") {
   CHECK(proxy("http://a.example/", {}).empty());
   CHECK(proxy("http://a.example/", {{"http_proxy", "p:1"}}) == "p:1");
   CHECK(proxy("https://a.example/", {{"http_proxy", "p:1"}}).empty());
@@ -27,7 +27,7 @@ TEST_CASE("the proxy of a URL, as the environment has it") {
   CHECK(proxy("http:///x", {{"http_proxy", "p:1"}}).empty());
 }
 
-TEST_CASE("hosts that need no proxy") {
+TEST_CASE("uses no proxy for the hosts of no_proxy") {
   const auto direct = [](const char* host, const char* list) {
     return proxy(("http://" + std::string(host) + "/").c_str(), {{"http_proxy", "p:1"}, {"no_proxy", list}}).empty();
   };

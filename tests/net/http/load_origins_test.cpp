@@ -64,14 +64,14 @@ TEST_CASE("refuses references of a public document to local hosts even after red
   CHECK(bench.load("memory://public/in").error->kind == LoadErrorKind::forbidden);
 }
 
-TEST_CASE("the head tells where its host is") {
+TEST_CASE("reports the address space of its host in the head") {
   Bench bench;
   bench.network->put("memory://inside/a", [](const auto&, unsigned) { return answer_of(AddressSpace::local); });
   const Outcome& got = bench.load("memory://inside/a");
   CHECK(got.head.origin() == Origin{"memory://inside/a", AddressSpace::local});
 }
 
-TEST_CASE("a name that means a more private address later brings nothing more") {
+TEST_CASE("stops loading when a name later resolves to a more private address") {
   Bench bench;
   const std::string text = pattern(50'000);
   bench.network->put("memory://rebound/a", [&](const TransferRequest& request, unsigned transfer) {
@@ -89,7 +89,7 @@ TEST_CASE("a name that means a more private address later brings nothing more") 
   CHECK(got.received == 20'000);
 }
 
-TEST_CASE("the cache keeps where its bytes came from") {
+TEST_CASE("stores the origin of its bytes in the cache") {
   const TemporaryFolder folder;
   auto opened = HttpCache::open({folder.path(), std::uint64_t{1} << 20, 16, 0, [] { return 1; }}, 1'700'000'000);
   Bench bench({}, std::move(std::get<std::unique_ptr<HttpCache>>(opened)));
@@ -109,7 +109,7 @@ TEST_CASE("the cache keeps where its bytes came from") {
   CHECK(refused.error->kind == LoadErrorKind::forbidden);
 }
 
-TEST_CASE("no redirect leads from https to http, or to a password") {
+TEST_CASE("refuses redirects from https to http, and to URLs with a password") {
   const Origin secure{"https://a.example/w.wrl", AddressSpace::global};
   Bench bench;
   CHECK(bench.load(from(secure, "http://b.example/x")).error->message ==
@@ -128,7 +128,7 @@ TEST_CASE("no redirect leads from https to http, or to a password") {
         "password; expected http://HOST/PATH");
 }
 
-TEST_CASE("files are read by the loader as the policy says") {
+TEST_CASE("reads files only as the policy allows") {
   const TemporaryFolder folder;
   std::ofstream(folder / "a") << "text";
   const std::string url = url_of_path(folder / "a").text();
@@ -161,7 +161,7 @@ void say_hello(Exchange& exchange) {
   exchange.send(http("200 OK", "", "hello"));
 }
 
-TEST_CASE("no connection is made to an address that a public text may not reach") {
+TEST_CASE("opens no connection to an address that a public text may not reach") {
   BadServer outside(say_hello), inside(say_hello, "127.0.0.2");
   const auto loader = Loader::create(pretending());
   CHECK(load(*loader, from(kPublic, outside.url())).text() == "hello");
@@ -182,7 +182,7 @@ TEST_CASE("no connection is made to an address that a public text may not reach"
   CHECK(load(*loader, inside.url()).text() == "hello");
 }
 
-TEST_CASE("a connection that was made for another text is not used for this one") {
+TEST_CASE("opens a new connection instead of reusing one of another origin") {
   std::atomic<AddressSpace> space = AddressSpace::local;
   LoaderOptions options = pretending();
   options.space_of = [&space](const IpAddress&) { return space.load(); };
@@ -196,7 +196,7 @@ TEST_CASE("a connection that was made for another text is not used for this one"
   CHECK(server.connections() == 1);
 }
 
-TEST_CASE("a name is looked at each time it is connected to") {
+TEST_CASE("checks a name at each connection") {
   std::atomic<unsigned> lookups = 0;
   LoaderOptions options = pretending();
   // As a name server that gives a public address at first, and then ours.
@@ -208,7 +208,7 @@ TEST_CASE("a name is looked at each time it is connected to") {
   CHECK(server.connections() == 1);
 }
 
-TEST_CASE("a public server's redirect to this machine is not followed") {
+TEST_CASE("refuses a redirect of a public server to this machine") {
   BadServer inside(say_hello, "127.0.0.2");
   BadServer outside(
       [&](Exchange& exchange) { exchange.send(http("302 Found", "Location: " + inside.url() + "\r\n", "")); });
@@ -222,7 +222,7 @@ TEST_CASE("a public server's redirect to this machine is not followed") {
   CHECK(outside.connections() > 0);
 }
 
-TEST_CASE("no connection is made for a URL without a host, by redirect either") {
+TEST_CASE("opens no connection for a URL without a host, also after a redirect") {
   BadServer inside(say_hello);
   const std::string place = inside.url("").substr(7);
   const std::vector<std::string> bad{
@@ -255,7 +255,7 @@ TEST_CASE("no connection is made for a URL without a host, by redirect either") 
   CHECK(inside.connections() == 0);
 }
 
-TEST_CASE("a URL is loaded, and told, in its canonical spelling") {
+TEST_CASE("loads and reports a URL in its canonical spelling") {
   BadServer server(say_hello);
   const auto loader = Loader::create(pretending());
   const Outcome got = load(*loader, "HTTP" + server.url("/a#b").substr(4));
@@ -267,7 +267,7 @@ TEST_CASE("a URL is loaded, and told, in its canonical spelling") {
   CHECK(load(*loader, outside.url()).head.url == server.url("/c"));
 }
 
-TEST_CASE("through a proxy, what names say counts") {
+TEST_CASE("judges hosts by their names behind a proxy") {
   BadServer proxy(say_hello, "127.0.0.2");
   ::setenv("http_proxy", proxy.url("").c_str(), 1);
   ::setenv("no_proxy", "direct.invalid", 1);

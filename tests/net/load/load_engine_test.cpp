@@ -17,7 +17,7 @@ void script(Bench& bench, const std::string& url,
   });
 }
 
-TEST_CASE("a whole resource: head, data, done") {
+TEST_CASE("delivers head, data and end of a whole resource") {
   Bench bench;
   const std::string text = pattern(100'000);
   bench.network->put("memory:a", resource(text));
@@ -34,14 +34,14 @@ TEST_CASE("a whole resource: head, data, done") {
   CHECK_FALSE(bench.network->transfers().at(0).range);
 }
 
-TEST_CASE("an empty resource ends at once") {
+TEST_CASE("ends an empty resource at once") {
   Bench bench;
   bench.network->put("memory:a", resource(""));
   CHECK(bench.load("memory:a").events == "H.");
   CHECK(bench.load(ranges_of("memory:a", {{0, 100}})).events == "H.");
 }
 
-TEST_CASE("ranges: near ones are asked for as one, and only what was wanted comes out") {
+TEST_CASE("joins nearby ranges to one request, and delivers only the requested bytes") {
   Bench bench;
   const std::string text = pattern(200'000);
   bench.network->put("memory:a", resource(text));
@@ -59,7 +59,7 @@ TEST_CASE("ranges: near ones are asked for as one, and only what was wanted come
   CHECK(transfers[1].if_range == "\"1\"");
 }
 
-TEST_CASE("the first answer is waited for, and later requests of the resource go side by side") {
+TEST_CASE("waits for the first answer, and runs later requests of the resource in parallel") {
   Bench bench;
   const std::string text = pattern(100'000);
   bench.network->put("memory:a", [&](const TransferRequest& request, unsigned) {
@@ -73,7 +73,7 @@ TEST_CASE("the first answer is waited for, and later requests of the resource go
   CHECK(bench.now == TimePoint{} + Milliseconds(300));
 }
 
-TEST_CASE("a server without ranges is read front to back, no further than needed") {
+TEST_CASE("reads a server without ranges from the front, only as far as needed") {
   Bench bench;
   const std::string text = pattern(1'000'000);
   MemoryResource what = resource(text);
@@ -88,7 +88,7 @@ TEST_CASE("a server without ranges is read front to back, no further than needed
   CHECK(bench.network->transfers().size() == 1);
 }
 
-TEST_CASE("a range behind the end is an error, one across it is cut") {
+TEST_CASE("reports a range after the end as an error, and cuts a range across it") {
   Bench bench;
   bench.network->put("memory:a", resource(pattern(1000)));
   CHECK(bench.load(ranges_of("memory:a", {{990, 2000}})).received == 10);
@@ -98,7 +98,7 @@ TEST_CASE("a range behind the end is an error, one across it is cut") {
   CHECK(bench.load(ranges_of("memory:a", {{0, 10}, {6000, 6001}})).error->kind == LoadErrorKind::bad_request);
 }
 
-TEST_CASE("requests that cannot be") {
+TEST_CASE("rejects invalid requests") {
   Bench bench;
   const auto message = [&](Request request) {
     const Outcome& got = bench.load(request);
@@ -132,7 +132,7 @@ TEST_CASE("requests that cannot be") {
   CHECK(bench.network->transfers().size() == 1);
 }
 
-TEST_CASE("a broken transfer goes on where it broke, if the version is certain") {
+TEST_CASE("resumes a broken transfer at its break if the version is certain") {
   Bench bench;
   const std::string text = pattern(100'000);
   const auto breaks = [&](const TransferRequest& request) {
@@ -186,7 +186,7 @@ TEST_CASE("a broken transfer goes on where it broke, if the version is certain")
   }
 }
 
-TEST_CASE("retries wait longer and longer, and end") {
+TEST_CASE("retries with growing delays, and then gives up") {
   Bench bench;
   std::vector<TimePoint> times;
   bench.network->put("memory:a", [&](const TransferRequest&, unsigned) {
@@ -207,7 +207,7 @@ TEST_CASE("retries wait longer and longer, and end") {
   }
 }
 
-TEST_CASE("Retry-After is kept to, if it is not too long") {
+TEST_CASE("obeys Retry-After if it is not too long") {
   Bench bench;
   const auto busy = [](std::int64_t seconds) {
     return [seconds](const TransferRequest&) {
@@ -242,7 +242,7 @@ TEST_CASE("does not retry permanent errors") {
   }
 }
 
-TEST_CASE("a server that stalls is given up and asked again") {
+TEST_CASE("gives up a stalled server and requests again") {
   Bench bench;
   const std::string text = pattern(50'000);
   const auto stalls = [&](const TransferRequest& request) {
@@ -261,7 +261,7 @@ TEST_CASE("a server that stalls is given up and asked again") {
   CHECK(bench.load("memory:b").error->kind == LoadErrorKind::timed_out);
 }
 
-TEST_CASE("a resource that changes while it is read is never mixed") {
+TEST_CASE("never mixes versions of a resource that changes during reading") {
   Bench bench;
   const std::string old_text = pattern(100'000, 0), new_text = pattern(90'000, 1);
   const auto old_breaks = [&](const TransferRequest& request) {
@@ -345,7 +345,7 @@ TEST_CASE("drops data that were not polled when the version changes") {
   CHECK(bench.outcomes[id].text() == text);
 }
 
-TEST_CASE("redirects are followed, checked and counted") {
+TEST_CASE("follows, checks and counts redirects") {
   Bench bench;
   const auto to = [&](const std::string& url, const std::string& location, int status = 302) {
     script(bench, url, {[location, status](const TransferRequest&) {
@@ -378,7 +378,7 @@ TEST_CASE("redirects are followed, checked and counted") {
   CHECK(bench.load("memory:long").error->kind == LoadErrorKind::bad_response);
 }
 
-TEST_CASE("more bytes than allowed are refused, announced or not") {
+TEST_CASE("rejects more bytes than allowed, announced or not") {
   Bench bench;
   Request request;
   request.url = "memory:a";
@@ -400,7 +400,7 @@ TEST_CASE("more bytes than allowed are refused, announced or not") {
   CHECK(bench.load(request).events == "Hd.");
 }
 
-TEST_CASE("answers that lie are refused") {
+TEST_CASE("rejects inconsistent answers") {
   Bench bench;
   const std::string text = pattern(10'000);
   const auto lie = [&](const std::function<void(MemoryAnswer&)>& change) {
@@ -433,7 +433,7 @@ TEST_CASE("answers that lie are refused") {
   }));
 }
 
-TEST_CASE("a server that always sends a part of nothing ends in an error") {
+TEST_CASE("reports an error for a server that only sends empty parts") {
   Bench bench;
   script(bench, "memory:a", {[](const TransferRequest& r) {
            MemoryAnswer answer = answer_well(resource(pattern(1000)), r);

@@ -11,7 +11,7 @@ namespace {
 using namespace gs::net;
 using namespace gs::net::test;
 
-TEST_CASE("bounds queued bytes while nobody polls") {
+TEST_CASE("limits queued bytes while the owner does not poll") {
   LoaderOptions options;
   options.max_queued_bytes = 300'000;
   options.max_queued_bytes_per_request = 100'000;
@@ -35,7 +35,7 @@ TEST_CASE("bounds queued bytes while nobody polls") {
   CHECK(bench.outcomes.size() == 10);
 }
 
-TEST_CASE("the most urgent go first, and priorities may change") {
+TEST_CASE("starts the most urgent requests first, and accepts changed priorities") {
   LoaderOptions options;
   options.max_transfers = 1;
   Bench bench(options);
@@ -63,7 +63,7 @@ TEST_CASE("the most urgent go first, and priorities may change") {
   CHECK(order == std::vector<std::string>{"d", "b", "c", "e", "a"});
 }
 
-TEST_CASE("viewports take turns among equals") {
+TEST_CASE("serves viewports in turn at equal priority") {
   LoaderOptions options;
   options.max_transfers = 2;
   Bench bench(options);
@@ -86,7 +86,7 @@ TEST_CASE("viewports take turns among equals") {
   CHECK(order == "ababaaaa");
 }
 
-TEST_CASE("something urgent holds a running transfer back, which then goes on") {
+TEST_CASE("pauses a running transfer for an urgent one, and resumes it") {
   LoaderOptions options;
   options.max_transfers = 1;
   Bench bench(options);
@@ -114,7 +114,7 @@ TEST_CASE("something urgent holds a running transfer back, which then goes on") 
   CHECK(bench.network->transfers().size() == 2);  // nothing was asked for twice
 }
 
-TEST_CASE("transfers at once are bounded, of one host and in all") {
+TEST_CASE("limits concurrent transfers per host and in total") {
   LoaderOptions options;
   options.max_transfers = 8;
   options.max_transfers_per_host = 3;
@@ -137,7 +137,7 @@ TEST_CASE("transfers at once are bounded, of one host and in all") {
   CHECK(bench.network->transfers().size() == 40);
 }
 
-TEST_CASE("after a cancel nothing comes") {
+TEST_CASE("delivers nothing after a cancellation") {
   Bench bench;
   bench.network->put("memory:a", [](const TransferRequest& r, unsigned) {
     MemoryAnswer answer = answer_well(resource(pattern(100'000)), r);
@@ -157,7 +157,7 @@ TEST_CASE("after a cancel nothing comes") {
   bench.cancel(id);
 }
 
-TEST_CASE("progress") {
+TEST_CASE("reports progress") {
   Bench bench;
   bench.network->put("memory:a", [](const TransferRequest& r, unsigned) {
     MemoryAnswer answer = answer_well(resource(pattern(100'000)), r);
@@ -177,7 +177,7 @@ TEST_CASE("progress") {
   CHECK(bench.queue->progress().open == 0);
 }
 
-TEST_CASE("files: whole, ranges, folders, changes") {
+TEST_CASE("loads whole files and ranges, and reports folders and changes") {
   const TemporaryFolder folder;
   const std::string text = pattern(1'000'000);
   const std::string path = folder / "f";
@@ -211,7 +211,7 @@ TEST_CASE("files: whole, ranges, folders, changes") {
   CHECK(slow.outcomes[id].text() == other);
 }
 
-TEST_CASE("data URLs load like everything else") {
+TEST_CASE("loads data URLs like other resources") {
   Bench bench;
   const Outcome& got = bench.load("data:model/vrml,#VRML V2.0 utf8%0a");
   CHECK(got.text() == "#VRML V2.0 utf8\n");

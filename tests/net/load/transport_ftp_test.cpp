@@ -152,7 +152,7 @@ Outcome load_from(FtpServer& server, const std::string& path, Origin from = {}) 
   return load(*loader, std::move(request));
 }
 
-TEST_CASE("ftp: a file, whole, in binary form, by a connection of ours (Table 7-1)") {
+TEST_CASE("ftp: reads a whole file in binary mode, over a passive connection (Table 7-1)") {
   const std::string text = pattern(300'000) + "\r\n\n";
   FtpServer server({.text = text});
   const Outcome got = load_from(server, "worlds/a.wrl#Front");
@@ -170,7 +170,7 @@ TEST_CASE("ftp: a file, whole, in binary form, by a connection of ours (Table 7-
   for (const std::string& command : commands) CHECK(command.substr(0, 4) != "PORT");
 }
 
-TEST_CASE("ftp: ranges of a file are cut out of the whole") {
+TEST_CASE("ftp: cuts ranges out of the whole file") {
   const std::string text = pattern(5000);
   FtpServer server({.text = text});
   const auto loader = Loader::create(few_attempts());
@@ -182,7 +182,7 @@ TEST_CASE("ftp: ranges of a file are cut out of the whole") {
   CHECK(got.pieces.at(4000) == text.substr(4000, 100));
 }
 
-TEST_CASE("ftp: an empty file is one") {
+TEST_CASE("ftp: reads an empty file") {
   FtpServer server({.text = ""});
   const Outcome got = load_from(server, "worlds/a.wrl");
   INFO((got.error ? got.error->message : ""));
@@ -190,7 +190,7 @@ TEST_CASE("ftp: an empty file is one") {
   CHECK(got.received == 0);
 }
 
-TEST_CASE("ftp: what is missing, closed, short or without a length is told") {
+TEST_CASE("ftp: reports missing files, closed connections, short files and unknown lengths") {
   const auto message = [](FtpServer::Ways ways, const std::string& path, LoadErrorKind kind) {
     FtpServer server(std::move(ways));
     const Outcome got = load_from(server, path);
@@ -207,7 +207,7 @@ TEST_CASE("ftp: what is missing, closed, short or without a length is told") {
              Catch::Contains("the connection broke"));
 }
 
-TEST_CASE("ftp: a server that falls silent behind the file, and takes no leave, is not waited for") {
+TEST_CASE("ftp: returns without waiting for a server that is silent after the file") {
   const std::string text = pattern(5000);
   FtpServer server({.text = text, .ends = false});
   const Outcome got = load_from(server, "worlds/a.wrl");

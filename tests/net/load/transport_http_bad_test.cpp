@@ -57,7 +57,7 @@ Result load_from(const BadServer::Handler& handler, Request request = {}, Loader
   return result;
 }
 
-TEST_CASE("killed half-way: the rest is fetched, of the same version only") {
+TEST_CASE("resumes after a broken connection, with the same version only") {
   const std::string text = pattern(200'000);
   const auto killed_once = [&](const std::string& second_etag, const std::string& second_text) {
     return load_from([&, second_etag, second_text](Exchange& exchange) {
@@ -87,7 +87,7 @@ TEST_CASE("killed half-way: the rest is fetched, of the same version only") {
   }
 }
 
-TEST_CASE("killed each time") {
+TEST_CASE("gives up after four connections that break at once") {
   const Result result = load_from([](Exchange& exchange) { exchange.reset(); });
   CHECK(result.got.events == "!");
   CHECK(result.kind() == LoadErrorKind::broken);
@@ -95,7 +95,7 @@ TEST_CASE("killed each time") {
   CHECK(result.message.find("(after 4 attempts)") != std::string::npos);
 }
 
-TEST_CASE("no server at all") {
+TEST_CASE("reports that no server answers") {
   std::string url;
   {
     const BadServer server([](Exchange&) {});
@@ -108,7 +108,7 @@ TEST_CASE("no server at all") {
   CHECK(got.error->message.starts_with("cannot load " + url + ": the server cannot be reached ("));
 }
 
-TEST_CASE("stalled: before the head, within it, and within the body") {
+TEST_CASE("gives up servers that stall before, within or after the head") {
   const Result silent = load_from([](Exchange& exchange) { exchange.sleep(); });
   CHECK(silent.got.events == "!");
   CHECK(silent.kind() == LoadErrorKind::timed_out);
@@ -131,7 +131,7 @@ TEST_CASE("stalled: before the head, within it, and within the body") {
   CHECK(body.message.starts_with("no byte of the body came within 100 ms"));
 }
 
-TEST_CASE("truncated: fewer bytes than announced, politely closed") {
+TEST_CASE("detects fewer bytes than announced") {
   const std::string text = pattern(1000);
   const Result result =
       load_from([&](Exchange& exchange) { exchange.send("HTTP/1.1 200 OK\r\nContent-Length: 5000\r\n\r\n" + text); });
@@ -146,7 +146,7 @@ TEST_CASE("truncated: fewer bytes than announced, politely closed") {
   CHECK(chunked.kind() == LoadErrorKind::broken);
 }
 
-TEST_CASE("a Content-Length that is too small, twice, or no number") {
+TEST_CASE("rejects a Content-Length that is too small, repeated or no number") {
   const Result small =
       load_from([](Exchange& exchange) { exchange.send("HTTP/1.1 200 OK\r\nContent-Length: 3\r\n\r\nabcdefgh"); });
   CHECK(small.got.events == "Hd.");
@@ -167,7 +167,7 @@ TEST_CASE("a Content-Length that is too small, twice, or no number") {
   CHECK(huge.message == "it has 9000000000000000000 bytes; expected at most 1000000");
 }
 
-TEST_CASE("garbage in place of HTTP") {
+TEST_CASE("rejects garbage instead of HTTP") {
   for (const std::string& text : {std::string("\0\1\2\3 garbage \xff\xfe", 16), std::string("SSH-2.0-OpenSSH_9\r\n"),
                                   std::string("HTTP/9.9 abc\r\n\r\n"), std::string("\r\n\r\n\r\n")}) {
     const Result result = load_from([&text](Exchange& exchange) { exchange.send(text); });
@@ -180,7 +180,7 @@ TEST_CASE("garbage in place of HTTP") {
   CHECK(chunks.got.events.back() == '!');
 }
 
-TEST_CASE("headers without end") {
+TEST_CASE("rejects headers without end") {
   const Result result = load_from([](Exchange& exchange) {
     exchange.send("HTTP/1.1 200 OK\r\n");
     const std::string line = "X: " + std::string(1000, 'x') + "\r\n";
@@ -192,7 +192,7 @@ TEST_CASE("headers without end") {
   CHECK(result.message == "the server sent more than 65536 bytes of headers");
 }
 
-TEST_CASE("redirects: for ever, to a file, to nonsense") {
+TEST_CASE("rejects endless redirects, redirects to files and to nonsense") {
   const Result loop = load_from([](Exchange& exchange) {
     exchange.keep_alive = exchange.send(http("302 Found", "Location: /a\r\n", "over there"));
   });
@@ -210,7 +210,7 @@ TEST_CASE("redirects: for ever, to a file, to nonsense") {
   }
 }
 
-TEST_CASE("redirects keep their connection, and the body of a redirect is no trap") {
+TEST_CASE("keeps the connection across a redirect, and ignores its body") {
   const Result result = load_from([](Exchange& exchange) {
     const bool first = exchange.request.starts_with("GET /a ");
     exchange.keep_alive = exchange.send(first ? http("302 Found", "Location: b?c#d\r\n", std::string(1000, 'x'))
@@ -230,7 +230,7 @@ TEST_CASE("redirects keep their connection, and the body of a redirect is no tra
   CHECK(endless.got.text() == "arrived");
 }
 
-TEST_CASE("200 in place of 206") {
+TEST_CASE("takes the requested ranges from a 200 answer") {
   const std::string text = pattern(1'000'000);
   Request request;
   request.ranges = {{500'000, 500'100}, {10, 20}};
@@ -241,7 +241,7 @@ TEST_CASE("200 in place of 206") {
   CHECK(result.requests.size() == 1);
 }
 
-TEST_CASE("an ETag that changes with each answer") {
+TEST_CASE("rejects an ETag that changes with each answer") {
   const std::string text = pattern(100'000);
   Request request;
   request.ranges = {{0, 100}, {50'000, 50'100}};
@@ -255,7 +255,7 @@ TEST_CASE("an ETag that changes with each answer") {
         "(tried 4 times)");
 }
 
-TEST_CASE("a compressed body that never ends") {
+TEST_CASE("stops a compressed body that never ends") {
   std::string bomb(1 << 20, '\0');
   {
     const std::string zeros(16 << 20, '\0');
@@ -283,7 +283,7 @@ TEST_CASE("a compressed body that never ends") {
   CHECK(damaged.got.events.back() == '!');
 }
 
-TEST_CASE("answers that are errors") {
+TEST_CASE("reports error answers") {
   for (const auto& [status, kind] : std::vector<std::pair<std::string, LoadErrorKind>>{
            {"404 Not Found", LoadErrorKind::not_found}, {"403 Forbidden", LoadErrorKind::http_status}}) {
     const Result result =
@@ -307,7 +307,7 @@ TEST_CASE("answers that are errors") {
   CHECK(away.message == "the server answered 503 Service Unavailable; expected 200 OK; it asks to come back in 9999 s");
 }
 
-TEST_CASE("passwords are sent to the server and stand in no message") {
+TEST_CASE("sends passwords to the server and shows them in no message") {
   BadServer server([](Exchange& exchange) { exchange.send(http("403 No", "", "")); });
   const auto loader = Loader::create(impatient());
   std::string url = server.url();
@@ -317,7 +317,7 @@ TEST_CASE("passwords are sent to the server and stand in no message") {
   CHECK(server.requests().at(0).find("Authorization: Basic dXNlcjpzZWNyZXQ=") != std::string::npos);
 }
 
-TEST_CASE("the loader goes at once, though servers stall") {
+TEST_CASE("closes the loader at once although servers stall") {
   BadServer server([](Exchange& exchange) {
     exchange.send("HTTP/1.1 200 OK\r\nContent-Length: 1000\r\n\r\nabc");
     exchange.sleep();
@@ -338,7 +338,7 @@ TEST_CASE("the loader goes at once, though servers stall") {
   SUCCEED();
 }
 
-TEST_CASE("while nobody polls a server is not read") {
+TEST_CASE("stops reading from a server while the owner does not poll") {
   std::atomic<std::uint64_t> sent{0};
   const std::string block = pattern(65536);
   BadServer server([&](Exchange& exchange) {

@@ -29,7 +29,7 @@ struct Counter final : TransferSink {
   std::size_t all = 0;
 };
 
-TEST_CASE("A client's rate over HTTP is that of all its transfers, from the first byte on") {
+TEST_CASE("limits the rate of a client over HTTP across all its transfers, from the first byte on") {
   constexpr std::size_t kSize = 150'000;
   constexpr std::uint64_t kRate = 25'000;  // bytes a second: 200 kbit/s
   const auto serve = [&](BadServer::Exchange& exchange) {
@@ -70,7 +70,7 @@ TEST_CASE("A client's rate over HTTP is that of all its transfers, from the firs
   CHECK(shared > 0.8 * kSize);  // neither waited for the other
 }
 
-TEST_CASE("The rate changes while transfers over HTTP go on, and may end") {
+TEST_CASE("changes or lifts the rate during HTTP transfers") {
   constexpr std::size_t kSize = 400'000;
   const BadServer server([&](BadServer::Exchange& exchange) {
     exchange.send(http("200 OK", "Content-Type: model/vrml\r\n", std::string(kSize, 'x')));

@@ -151,7 +151,7 @@ std::size_t count(const std::vector<std::string>& lines, const std::string& star
       std::count_if(lines.begin(), lines.end(), [&](const std::string& line) { return line.starts_with(start); }));
 }
 
-TEST_CASE("nginx: whole, gzip'd, ranges, redirects, 404") {
+TEST_CASE("nginx: loads whole, compressed, ranged, redirected and missing files") {
   Nginx nginx;
   if (!nginx.ready()) return;
   const std::string text = pattern(1'000'000);
@@ -193,7 +193,7 @@ TEST_CASE("nginx: whole, gzip'd, ranges, redirects, 404") {
   CHECK(count(log, "206 100000 ") == 1);
 }
 
-TEST_CASE("nginx: cached, confirmed by ETag, changed, and only missing ranges asked for") {
+TEST_CASE("nginx: caches, confirms by ETag, detects changes, and requests only missing ranges") {
   Nginx nginx;
   if (!nginx.ready()) return;
   const TemporaryFolder cache;
@@ -229,7 +229,7 @@ TEST_CASE("nginx: cached, confirmed by ETag, changed, and only missing ranges as
   CHECK(log.size() == 8);
 }
 
-TEST_CASE("nginx: many at once, and cancelled half-way") {
+TEST_CASE("nginx: loads many files at once, and cancels half-way") {
   Nginx nginx;
   if (!nginx.ready()) return;
   const std::string text = pattern(300'000);
@@ -259,7 +259,7 @@ TEST_CASE("nginx: many at once, and cancelled half-way") {
   loader.reset();
 }
 
-TEST_CASE("nginx: HTTP/2 over TLS, several ranges on one connection, and strangers are not trusted") {
+TEST_CASE("nginx: loads several ranges on one HTTP/2 connection over TLS, and rejects unknown certificates") {
   Nginx nginx;
   if (!nginx.ready()) return;
   if (!nginx.has_tls()) {
@@ -291,7 +291,7 @@ TEST_CASE("nginx: HTTP/2 over TLS, several ranges on one connection, and strange
   CHECK(count(log, "206 5000 10 HTTP/2.0") == 1);
 }
 
-TEST_CASE("a file and a server at once, and a cache folder that cannot be used") {
+TEST_CASE("loads from a file and a server at once, also with an unusable cache folder") {
   Nginx nginx;
   if (!nginx.ready()) return;
   const std::string text = pattern(2'000'000);

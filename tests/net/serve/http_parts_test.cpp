@@ -33,7 +33,7 @@ ClientKey key_of(std::uint8_t last) {
 
 }  // namespace
 
-TEST_CASE("Ranges are joined where that is cheaper, and keep their order") {
+TEST_CASE("joins ranges where that is cheaper, and keeps their order") {
   CHECK(served_ranges("bytes=0-0", 1) == Ranges{{0, 1}});
   CHECK(served_ranges("BYTES = 0-0 , ,5000-5001", 9000) == Ranges{{0, 1}, {5000, 5002}});
   CHECK(served_ranges("bytes=5000-5001,0-0", 9000) == Ranges{{5000, 5002}, {0, 1}});
@@ -49,26 +49,26 @@ TEST_CASE("Ranges are joined where that is cheaper, and keep their order") {
   for (std::size_t length = 0; length <= all.size(); ++length) (void)parse_ranges(all.substr(0, length), 100);
 }
 
-TEST_CASE("Accept-Encoding is read as RFC 9110 has it") {
+TEST_CASE("parses Accept-Encoding (RFC 9110)") {
   for (const char* yes : {"gzip", "deflate, GZIP", "x-gzip", "*", "gzip;q=0.001", "br;q=1, gzip ; q=0.5"})
     CHECK(accepts_gzip(yes));
   for (const char* no : {"", "identity", "gzip;q=0", "gzip;q=0.000", "*;q=0", "*, gzip;q=0", "gzipped", "br"})
     CHECK_FALSE(accepts_gzip(no));
 }
 
-TEST_CASE("HTTP dates are those of the standard") {
+TEST_CASE("writes and parses HTTP dates") {
   CHECK(http_date(784111777) == "Sun, 06 Nov 1994 08:49:37 GMT");
   CHECK(http_date(0) == "Thu, 01 Jan 1970 00:00:00 GMT");
 }
 
-TEST_CASE("A line of the log cannot be forged") {
+TEST_CASE("escapes line breaks and controls in the log") {
   AccessRecord record{"192.0.2.1", "GET", "/a\" 200\n\\\xff", "HTTP/1.1", 971211336, 404, 9, 0.25};
   CHECK(log_line(record) ==
         "192.0.2.1 - - [10/Oct/2000:20:55:36 +0000] \"GET /a\\x22 "
         "200\\x0a\\x5c\\xff HTTP/1.1\" 404 9 0.250\n");
 }
 
-TEST_CASE("Paths of requests are decoded once, and encoded again") {
+TEST_CASE("decodes the paths of requests once, and encodes them again") {
   const auto parsed = parse_request_path("/a%20b/%2541/");
   const auto& path = std::get<RequestPath>(parsed);
   CHECK(path.names == std::vector<std::string>{"a b", "%41"});
@@ -79,7 +79,7 @@ TEST_CASE("Paths of requests are decoded once, and encoded again") {
   CHECK(std::get<PathRefusal>(parse_request_path("")).status == 400);
 }
 
-TEST_CASE("Turns: clients one after the other, then their transfers") {
+TEST_CASE("schedules clients in turn, then their transfers") {
   HttpLimits limits;
   limits.total_rate = 64 * 1460;
   ClientLimits turns(limits, Instant(0));
@@ -102,7 +102,7 @@ TEST_CASE("Turns: clients one after the other, then their transfers") {
   CHECK_FALSE(turns.next(now + Instant(1'000'000)));
 }
 
-TEST_CASE("A client's rate holds up that client only") {
+TEST_CASE("delays only the client that exceeds its rate") {
   HttpLimits limits;
   limits.client_rate = 64 * 1460;
   ClientLimits turns(limits, Instant(0));
@@ -114,7 +114,7 @@ TEST_CASE("A client's rate holds up that client only") {
   CHECK(turns.next(Instant(0)) == 99U);
 }
 
-TEST_CASE("Requests and connections are counted by client") {
+TEST_CASE("counts requests and connections per client") {
   HttpLimits limits;
   limits.requests_per_second = 2;
   limits.connections = 3;
@@ -134,7 +134,7 @@ TEST_CASE("Requests and connections are counted by client") {
   CHECK(counts.admit(key_of(1), Instant(500'000)));
 }
 
-TEST_CASE("Clients behind a proxy are counted by their requests, and the proxy's connections only with all others") {
+TEST_CASE("counts clients behind a proxy by their requests, and the proxy's connections only in the total") {
   HttpLimits limits;
   limits.connections = 5;
   limits.connections_of_client = 2;
@@ -200,7 +200,7 @@ TEST_CASE("retries failed files and sooner if the source is not the cause") {
   fs::remove_all(folder);
 }
 
-TEST_CASE("Messages for clients name files of the served folder, and no other place") {
+TEST_CASE("names files in messages relative to the served folder") {
   CHECK(message_for_clients("/srv/www/a/b.stl:1:2: error: no mesh", "/srv/www") == "a/b.stl:1:2: error: no mesh");
   CHECK(message_for_clients("cannot open '/srv/www/b.png' of /srv/www/a", "/srv/www") == "cannot open 'b.png' of a");
   CHECK(message_for_clients("3 and/or 4", "/srv/www") == "3 and/or 4");
@@ -210,7 +210,7 @@ TEST_CASE("Messages for clients name files of the served folder, and no other pl
     CHECK(message_for_clients(message, "/srv/www") == hidden);
 }
 
-TEST_CASE("The folder of made files is bounded, and holds others' files in peace") {
+TEST_CASE("limits the folder of made files, and leaves other files alone") {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("ghostspace-made-" + std::to_string(::getpid()));
   fs::create_directories(folder);

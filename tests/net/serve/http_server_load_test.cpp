@@ -65,9 +65,7 @@ TEST_CASE("HTTP server: 200 clients share a rate fairly and in bounded memory", 
   if (!gs::watched()) CHECK(most_memory - before < 200 * std::size_t{150'000});
 }
 
-TEST_CASE(
-    "HTTP server: an address with many connections gets no more than one "
-    "with one") {
+TEST_CASE("HTTP server: gives an address with many connections the share of one") {
   ServedSite site;
   site.write("big", std::string(std::size_t{32} << 20, 'x'));
   site.options.limits.total_rate = 8'000'000;
@@ -90,7 +88,7 @@ TEST_CASE(
   CHECK(others * 2 > alone);
 }
 
-TEST_CASE("HTTP server: limits of connections and requests of one client") {
+TEST_CASE("HTTP server: limits connections and requests of one client") {
   ServedSite site;
   site.write("a", "a");
   site.options.limits.connections_of_client = 2;
@@ -119,7 +117,7 @@ TEST_CASE("HTTP server: limits of connections and requests of one client") {
   CHECK(site.server->statistics().refused == 1);
 }
 
-TEST_CASE("HTTP server: slow and overlong requests are given up") {
+TEST_CASE("HTTP server: gives up slow and overlong requests") {
   ServedSite site;
   site.write("big", std::string(std::size_t{32} << 20, 'x'));
   site.options.request_timeout = std::chrono::milliseconds(300);
@@ -154,7 +152,7 @@ TEST_CASE("HTTP server: slow and overlong requests are given up") {
   CHECK(site.get("/health").status == 200);
 }
 
-TEST_CASE("HTTP server: a stop lets transfers end, or cuts them when time is up") {
+TEST_CASE("HTTP server: lets transfers end at a stop, and cuts them at the deadline") {
   for (const bool patient : {true, false}) {
     ServedSite site;
     site.write("big", std::string(std::size_t{8} << 20, 'x'));
@@ -175,7 +173,7 @@ TEST_CASE("HTTP server: a stop lets transfers end, or cuts them when time is up"
   }
 }
 
-TEST_CASE("HTTP server: a file that changes while it is sent cuts the answer") {
+TEST_CASE("HTTP server: cuts the answer if the file changes while it is sent") {
   ServedSite site;
   site.write("big", std::string(std::size_t{8} << 20, 'x'));
   site.options.limits.total_rate = 1'000'000;
@@ -189,7 +187,7 @@ TEST_CASE("HTTP server: a file that changes while it is sent cuts the answer") {
   CHECK(rest.find('y') == std::string::npos);
 }
 
-TEST_CASE("HTTP server: what is made is made once, and waited for") {
+TEST_CASE("HTTP server: makes a file once for all clients that wait for it") {
   ServedSite site;
   site.write("a.stl", "mesh");
   site.write("bad.stl", "bad");

@@ -35,7 +35,7 @@ ServedType by_name(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("HTTP server: files with their headers, HEAD, OPTIONS, other methods") {
+TEST_CASE("HTTP server: sends files with their headers, and answers HEAD, OPTIONS and other methods") {
   ServedSite site;
   site.options.type_of = by_name;
   site.options.origins = {"*"};
@@ -80,9 +80,7 @@ TEST_CASE("HTTP server: files with their headers, HEAD, OPTIONS, other methods")
   CHECK(site.get("/health").body == "ok\n");
 }
 
-TEST_CASE(
-    "HTTP server: nothing beyond its folder, no hidden files, nothing "
-    "but files") {
+TEST_CASE("HTTP server: serves only regular, visible files of its folder") {
   ServedSite site;
   site.write("inside.txt", "inside");
   site.write("folder/file", "file");
@@ -155,7 +153,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("HTTP server: single and several ranges") {
+TEST_CASE("HTTP server: sends single and several ranges") {
   ServedSite site;
   const std::string bytes = binary_pattern(1000);
   site.write("a", bytes);
@@ -207,7 +205,7 @@ TEST_CASE("HTTP server: single and several ranges") {
   CHECK(range(many).status == 200);
 }
 
-TEST_CASE("HTTP server: validators") {
+TEST_CASE("HTTP server: answers conditional requests by validators") {
   ServedSite site;
   const std::string bytes = binary_pattern(1000);
   site.write("a", bytes);
@@ -240,7 +238,7 @@ TEST_CASE("HTTP server: validators") {
   CHECK(site.get("/a").headers.at("etag") != tag);
 }
 
-TEST_CASE("HTTP server: gzip, beside the file and on the fly, never of ranges") {
+TEST_CASE("HTTP server: sends gzip files and compresses on the fly, but never ranges") {
   ServedSite site;
   site.options.type_of = by_name;
   site.options.made_folder = site.made();
@@ -276,7 +274,7 @@ TEST_CASE("HTTP server: gzip, beside the file and on the fly, never of ranges") 
   CHECK(site.get("/c.wrl", {"Accept-Encoding: gzip"}).body == "short");
 }
 
-TEST_CASE("HTTP server: folders, JSON and metrics") {
+TEST_CASE("HTTP server: lists folders, JSON and metrics") {
   ServedSite site;
   site.write("b", "12");
   site.write("sub/c", "");

@@ -12,7 +12,7 @@
 using namespace gs::net;
 using namespace gs::net::test;
 
-TEST_CASE("HTTP server: slow files that are made do not delay others") {
+TEST_CASE("HTTP server: answers other requests while slow files are made") {
   ServedSite site;
   for (const char* name : {"slow1", "slow2", "slow3", "quick1", "quick2"}) site.write(name, name);
   site.options.made_folder = site.made();
