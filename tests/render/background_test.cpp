@@ -72,7 +72,7 @@ Background with_panorama() {
 
 }  // namespace
 
-TEST_CASE("Sky colours are interpolated linearly in the angle from the zenith (VRML97 6.5)") {
+TEST_CASE("interpolates sky colours linearly in the angle from the zenith (VRML97 6.5)") {
   Drawing drawing;
   Background background;
   background.sky_colors = {{0, 0, 0.2f}, {0, 0.4f, 1}, {1, 1, 1}};
@@ -85,7 +85,7 @@ TEST_CASE("Sky colours are interpolated linearly in the angle from the zenith (V
   check_color(color_at(drawing, background, 2.5f), {1, 1, 1});  // clamped below the last angle
 }
 
-TEST_CASE("The ground stands in front of the sky and counts from the nadir (VRML97 6.5)") {
+TEST_CASE("draws the ground over the sky, counted from the nadir (VRML97 6.5)") {
   Drawing drawing;
   Background background;
   background.sky_colors = {{0, 0, 1}};
@@ -98,7 +98,7 @@ TEST_CASE("The ground stands in front of the sky and counts from the nadir (VRML
   check_color(color_at(drawing, background, 1.0f), {0, 0, 1});
 }
 
-TEST_CASE("Equal angles make a step, wrong counts lose only what has no partner") {
+TEST_CASE("makes a step of equal angles, and ignores only colours without an angle") {
   Drawing drawing;
   Background background;
   background.sky_colors = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -111,7 +111,7 @@ TEST_CASE("Equal angles make a step, wrong counts lose only what has no partner"
   check_color(color_at(drawing, background, 2.0f), {0, 0, 0});
 }
 
-TEST_CASE("The background turns with its node and gives way to one colour") {
+TEST_CASE("turns the background with its node, and replaces it by one chosen colour") {
   Drawing drawing;
   Background background;
   background.sky_colors = {{1, 0, 0}, {0, 0, 1}};
@@ -123,7 +123,7 @@ TEST_CASE("The background turns with its node and gives way to one colour") {
   check_color(color_at(drawing, background, kHalfTurn * 0.25f), {0, 1, 0});
 }
 
-TEST_CASE("A picture of the sky follows the view rays off the middle") {
+TEST_CASE("draws an off-centre tile of the sky along its view rays") {
   Drawing drawing;
   RenderList list;
   list.background.sky_colors = {{0, 0, 0}, {1, 1, 1}};
@@ -140,7 +140,7 @@ TEST_CASE("A picture of the sky follows the view rays off the middle") {
     }
 }
 
-TEST_CASE("Each picture of the panorama is on its face, upright as one looks at it (VRML97 6.5)") {
+TEST_CASE("draws each panorama image upright on its face (VRML97 6.5)") {
   Drawing drawing;
   RenderList list;
   list.background = with_panorama();
@@ -150,7 +150,7 @@ TEST_CASE("Each picture of the panorama is on its face, upright as one looks at 
   }
 }
 
-TEST_CASE("The panorama meets at the edges of its cube without gaps") {
+TEST_CASE("joins the panorama at the edges of its cube without gaps") {
   Drawing drawing;
   drawing.options.samples = 4;
   RenderList list;
@@ -170,7 +170,7 @@ TEST_CASE("The panorama meets at the edges of its cube without gaps") {
   }
 }
 
-TEST_CASE("The background turns with its place, and neither moves nor grows with it or the viewer (VRML97 6.5)") {
+TEST_CASE("turns the background with its transformation, without moving or scaling it (VRML97 6.5)") {
   Drawing drawing;
   RenderList list;
   list.background = with_panorama();
@@ -181,7 +181,7 @@ TEST_CASE("The background turns with its place, and neither moves nor grows with
   check_face(drawing.draw(list, looking(kLooks[3], {0, 1, 2})), Background::front);
 }
 
-TEST_CASE("Sky and ground show where the panorama has no picture, and through its alpha (VRML97 6.5)") {
+TEST_CASE("shows sky and ground through missing and transparent panorama images (VRML97 6.5)") {
   Drawing drawing;
   RenderList list;
   list.background.sky_colors = {{0, 0, 1}};
@@ -205,7 +205,7 @@ TEST_CASE("Sky and ground show where the panorama has no picture, and through it
   check_color(pixel(drawing.draw(list, looking(kLooks[0])), 10, 32), {1, 1, 0});
 }
 
-TEST_CASE("What stands before the panorama hides it, and fog does not touch it (VRML97 6.5, 6.19)") {
+TEST_CASE("draws the panorama behind everything and without fog (VRML97 6.5, 6.19)") {
   Drawing drawing;
   RenderList list;
   list.background = with_panorama();

@@ -71,20 +71,20 @@ void check_alike_far(const qnv::Cloud& cloud, SplatPath path) {
 
 }  // namespace
 
-TEST_CASE("Splats far from the origin look as they do near") {
+TEST_CASE("draws splats far from the origin as near it") {
   const qnv::Cloud cloud = test::disc_sphere(4000, 0.5f);
   check_alike_far(cloud, SplatPath::cpu);
   check_alike_far(cloud, SplatPath::gl);
 }
 
-TEST_CASE("Volumes far from the origin look as they do near") {
+TEST_CASE("draws volumes far from the origin as near it") {
   qnv::Cloud cloud = test::random_volume(1500, 3, 0.08f);
   for (const glm::vec3& p : cloud.positions) cloud.description.box.add(p);
   check_alike_far(cloud, SplatPath::cpu);
   check_alike_far(cloud, SplatPath::gl);
 }
 
-TEST_CASE("Surfaces of vectors with triangles look far away as they do near") {
+TEST_CASE("draws surfaces with triangles far from the origin as near it") {
   qnv::Cloud cloud;
   constexpr std::uint32_t kRows = 24, kColumns = 48;
   for (std::uint32_t row = 0; row <= kRows; ++row)

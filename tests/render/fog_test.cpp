@@ -47,7 +47,7 @@ Fog fog_of(bool exponential, float visibility, const glm::vec3& color = {0.2f, 0
 
 }  // namespace
 
-TEST_CASE("The fog interpolant is that of VRML97 Table 4.8") {
+TEST_CASE("interpolates fog as in VRML97 Table 4.8") {
   for (const bool exponential : {false, true})
     for (const float visibility : {0.5f, 10.0f, 3000.0f}) {
       const CameraFog fog = camera_fog(fog_of(exponential, visibility), glm::mat3(1));
@@ -65,7 +65,7 @@ TEST_CASE("The fog interpolant is that of VRML97 Table 4.8") {
   CHECK(fogged(CameraFog{}, glm::vec3(0.3f), {0, 0, -7}) == glm::vec3(0.3f));
 }
 
-TEST_CASE("visibilityRange is measured in the Fog's own space (VRML97 6.19)") {
+TEST_CASE("measures visibilityRange in the Fog's coordinate system (VRML97 6.19)") {
   const auto interpolant = [](const std::string& world, const glm::vec3& place) {
     return fog_interpolant(camera_fog(parsed(world).fog, glm::mat3(1)), place);
   };
@@ -88,7 +88,7 @@ TEST_CASE("visibilityRange is measured in the Fog's own space (VRML97 6.19)") {
   CHECK(interpolant("Shape { }", {0, 0, -500}) == 1);
 }
 
-TEST_CASE("Surfaces, lines and points fade into the fog, and the background does not (VRML97 4.14.4, 6.19)") {
+TEST_CASE("fades surfaces, lines and points into the fog, but not the background (VRML97 4.14.4, 6.19)") {
   Drawing drawing;
   const glm::vec3 base(0.9f, 0.3f, 0.6f);
   for (const bool exponential : {false, true}) {
@@ -148,7 +148,7 @@ TEST_CASE("Surfaces, lines and points fade into the fog, and the background does
   }
 }
 
-TEST_CASE("What is farther than the visibilityRange has the fog's colour") {
+TEST_CASE("gives everything beyond the visibilityRange the colour of the fog") {
   Drawing drawing;
   RenderList list;
   list.fog = fog_of(false, 9.5f);
@@ -158,7 +158,7 @@ TEST_CASE("What is farther than the visibilityRange has the fog's colour") {
   check_color(pixel(drawing.draw(list), 32, 32), {1, 1, 1});
 }
 
-TEST_CASE("Fog follows the viewer, whichever way he looks") {
+TEST_CASE("keeps fog relative to the viewer in every direction") {
   Drawing drawing;
   RenderList list;
   list.fog = fog_of(false, 20);
@@ -175,7 +175,7 @@ TEST_CASE("Fog follows the viewer, whichever way he looks") {
   check_color(pixel(drawing.draw(list, camera), 32, 32), glm::mix(list.fog.color, glm::vec3(1), 0.8f), 2.1f);
 }
 
-TEST_CASE("Transparent surfaces fade and stay transparent") {
+TEST_CASE("fades transparent surfaces and keeps them transparent") {
   Drawing drawing;
   RenderList list;
   list.background.sky_colors = {{0, 0, 1}};
@@ -187,7 +187,7 @@ TEST_CASE("Transparent surfaces fade and stay transparent") {
   check_color(pixel(drawing.draw(list), 32, 32), {0.25f, 0.25f, 0.5f}, 2.1f);
 }
 
-TEST_CASE("Splats and volumes fade as surfaces do, on both paths") {
+TEST_CASE("fades splats and volumes like surfaces, on both paths") {
   for (const bool volume : {false, true})
     for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
       INFO((volume ? "volume " : "surface ") << (path == SplatPath::cpu ? "cpu" : "gl"));

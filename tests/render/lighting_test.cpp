@@ -115,7 +115,7 @@ Light spot_light() {
 
 }  // namespace
 
-TEST_CASE("Lit pixels equal the lighting equation (VRML97 4.14.4)", "[optimised]") {
+TEST_CASE("lights pixels by the lighting equation (VRML97 4.14.4)", "[optimised]") {
   SECTION("headlight alone") { check_against_equation(shiny(), {}, true); }
   SECTION("no light: emissive colour") { check_against_equation(shiny(), {}, false); }
   SECTION("directional") { check_against_equation(shiny(), {directional_light()}, false); }
@@ -141,7 +141,7 @@ TEST_CASE("Lit pixels equal the lighting equation (VRML97 4.14.4)", "[optimised]
   }
 }
 
-TEST_CASE("A directional light reaches only the items that name it (VRML97 6.16)") {
+TEST_CASE("applies a directional light only to the items that name it (VRML97 6.16)") {
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;
@@ -160,7 +160,7 @@ TEST_CASE("A directional light reaches only the items that name it (VRML97 6.16)
   check_color(pixel(image, 48, 32), glm::vec3(0));
 }
 
-TEST_CASE("A thousand lights reach an item, the strongest of more", "[optimised]") {
+TEST_CASE("applies a thousand lights to an item, and of more the strongest", "[optimised]") {
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;
@@ -189,7 +189,7 @@ TEST_CASE("A thousand lights reach an item, the strongest of more", "[optimised]
   check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.3f + 0.5e-4f * (kMaxLightsOfAnItem - 1)), 1.5f);
 }
 
-TEST_CASE("Each of hundreds of lamps lights its part of a floor, and what stands there (VRML97 4.6.6)", "[optimised]") {
+TEST_CASE("lights a floor and objects on it by hundreds of lamps (VRML97 4.6.6)", "[optimised]") {
   constexpr int kRows = 17, kLamps = kRows * kRows;
   Drawing drawing;
   drawing.options.headlight = false;
@@ -226,7 +226,7 @@ TEST_CASE("Each of hundreds of lamps lights its part of a floor, and what stands
   }
 }
 
-TEST_CASE("Where very many lights reach very many items, looking for them ends, and each has the strongest") {
+TEST_CASE("limits the search for lights, and still finds the strongest one of each item") {
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;
@@ -250,7 +250,7 @@ TEST_CASE("Where very many lights reach very many items, looking for them ends, 
   check_color(pixel(image, 36, 27), glm::vec3(0.8f), 6.0f);
 }
 
-TEST_CASE("The tree of lights finds what a look at all of them finds") {
+TEST_CASE("finds in the tree of lights the result of a full search") {
   std::uint32_t state = 7;
   const auto random = [&] { return static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) / (1 << 24); };
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{9}, std::size_t{500}}) {
@@ -276,7 +276,7 @@ TEST_CASE("The tree of lights finds what a look at all of them finds") {
   }
 }
 
-TEST_CASE("Items of one frame have any number of lights, with and without colours", "[optimised]") {
+TEST_CASE("draws items with any number of lights in one frame, with and without colours", "[optimised]") {
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;
@@ -307,7 +307,7 @@ TEST_CASE("Items of one frame have any number of lights, with and without colour
   }
 }
 
-TEST_CASE("The back of a two-sided face is lit with the turned normal") {
+TEST_CASE("lights the back of a two-sided face with the turned normal") {
   Drawing drawing;
   RenderList list;
   DrawItem item;
@@ -323,7 +323,7 @@ TEST_CASE("The back of a two-sided face is lit with the turned normal") {
   check_color(pixel(drawing.draw(list, behind), 32, 32), item.material.diffuse);
 }
 
-TEST_CASE("Normals stay perpendicular under uneven, mirrored, flattening and tiny scales") {
+TEST_CASE("keeps normals perpendicular under uneven, mirroring, flattening and tiny scales") {
   Drawing drawing;
   Light light;
   light.direction = glm::normalize(glm::vec3(0, -1, -1));
@@ -359,7 +359,7 @@ TEST_CASE("Normals stay perpendicular under uneven, mirrored, flattening and tin
   check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.8f * std::sqrt(0.5f)));
 }
 
-TEST_CASE("Without normals, faces are lit flat") {
+TEST_CASE("lights faces without normals flat") {
   Drawing drawing;
   RenderList list;
   auto mesh = square(20);
@@ -371,7 +371,7 @@ TEST_CASE("Without normals, faces are lit flat") {
   check_color(pixel(drawing.draw(list), 20, 40), item.material.diffuse);
 }
 
-TEST_CASE("Meshes of very small triangles are lit like others") {
+TEST_CASE("lights meshes of very small triangles like others") {
   Drawing drawing;
   RenderList list;
   constexpr std::uint32_t kSide = 301;  // 180,000 triangles on 64 x 64 pixels

@@ -66,7 +66,7 @@ std::string text(const std::string& fields, const std::string& transform = "") {
 
 }  // namespace
 
-TEST_CASE("Text looks as what it is short for") {
+TEST_CASE("draws Text like its written-out form") {
   const std::string word = "string \"Shore\"";
   // 6.20: the defaults.
   check_alike(text(word),
@@ -90,7 +90,7 @@ TEST_CASE("Text looks as what it is short for") {
               text("string \"Sea\"" + vertical) + text("string \"tide\"" + again, "translation 1 0 0"));
 }
 
-TEST_CASE("Text by USE and by PROTO looks as written out") {
+TEST_CASE("draws Text by USE and by PROTO like its written-out form") {
   const std::string words = "Text { string [ \"ab\" \"cd\" ] fontStyle FontStyle { style \"BOLD\" } }";
   const std::string shape = "Shape { " + kPaint + "geometry ";
   const std::string plain = "Transform { children " + shape + words + " } }\n" +
@@ -105,7 +105,7 @@ TEST_CASE("Text by USE and by PROTO looks as written out") {
                   "Words { words [ \"ab\" \"cd\" ] } } }");
 }
 
-TEST_CASE("Text is lit from both sides, and mirrored from behind") {  // 6.47.1
+TEST_CASE("lights Text from both sides, and mirrors it from behind") {  // 6.47.1
   ParsedWorld world("Viewpoint { } " +
                     text("string \"LLL\" fontStyle FontStyle { family \"SANS\" justify \"MIDDLE\" size 2 }"));
   Drawing drawing;
@@ -127,7 +127,7 @@ TEST_CASE("Text is lit from both sides, and mirrored from behind") {  // 6.47.1
   CHECK(difference(front, behind) > 5);
 }
 
-TEST_CASE("Small texts that are drawn at once look as those that are drawn one by one") {
+TEST_CASE("draws small texts in one batch as one by one") {
   const std::string lights =
       "DirectionalLight { direction 1 -1 -1 color 1 0.3 0.2 ambientIntensity 0.5 } NavigationInfo { headlight TRUE } ";
   const auto label = [](const std::string& transform, const std::string& material, const std::string& word) {
@@ -172,7 +172,7 @@ TEST_CASE("Small texts that are drawn at once look as those that are drawn one b
     }
 }
 
-TEST_CASE("Fog looks the same in a scaled space, and as the colour that it gives") {
+TEST_CASE("draws fog in a scaled coordinate system as its colour at that distance") {
   const std::string ball = "Shape { " + kPaint + "geometry Sphere { radius 2 } }";
   check_alike("Transform { scale 2 2 2 children Fog { visibilityRange 10 fogType \"EXPONENTIAL\" } } " + ball,
               "Fog { visibilityRange 20 fogType \"EXPONENTIAL\" } " + ball);
@@ -182,7 +182,7 @@ TEST_CASE("Fog looks the same in a scaled space, and as the colour that it gives
               "geometry Sphere { radius 2 } }");
 }
 
-TEST_CASE("A panorama of one colour looks as a sky of it") {
+TEST_CASE("draws a panorama of one colour like a sky of that colour") {
   Drawing drawing;
   ParsedWorld painted("Background { frontUrl \"a.png\" leftUrl \"a.png\" rightUrl \"a.png\" skyColor 1 0 0 }"),
       sky("Background { skyColor 0.2 0.4 0.8 }");

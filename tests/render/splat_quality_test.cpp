@@ -87,7 +87,7 @@ double steadiness(const std::vector<Image>& frames) {
 
 }  // namespace
 
-TEST_CASE("A closed surface has no holes at any distance, whatever the budget", "[optimised]") {
+TEST_CASE("draws a closed surface without holes at any distance and budget", "[optimised]") {
   Drawing drawing;
   const RenderList list = white(bumpy_stream(60000));
   drawing.options.background = glm::vec3(1, 0, 1);
@@ -111,7 +111,7 @@ TEST_CASE("A closed surface has no holes at any distance, whatever the budget", 
   }
 }
 
-TEST_CASE("A closed surface has no holes whatever was looked at before", "[optimised]") {
+TEST_CASE("draws a closed surface without holes after any earlier views", "[optimised]") {
   struct View {
     std::size_t budget;
     float distance;
@@ -141,7 +141,7 @@ TEST_CASE("A closed surface has no holes whatever was looked at before", "[optim
     }
 }
 
-TEST_CASE("A surface that turns slowly changes as smoothly as one of polygons", "[optimised]") {
+TEST_CASE("changes a slowly turning surface as smoothly as polygons", "[optimised]") {
   Drawing drawing;
   const auto stream = bumpy_stream(60000);
   drawing.options.background = glm::vec3(0.2f, 0.3f, 0.5f);

@@ -110,7 +110,7 @@ std::shared_ptr<const qnv::Cloud> painted() {
 
 }  // namespace
 
-TEST_CASE("A cloud under Transforms looks as one that was moved before") {
+TEST_CASE("draws a point set under Transforms like one that was moved before") {
   const auto ball = sphere(8000);
   glm::mat4 rigid = glm::translate(glm::mat4(1), glm::vec3(0.7f, -0.3f, 0.5f));
   rigid = glm::scale(glm::rotate(rigid, 0.8f, glm::vec3(0, 0, 1)), glm::vec3(1.4f));
@@ -124,7 +124,7 @@ TEST_CASE("A cloud under Transforms looks as one that was moved before") {
               shape("moved"), {{"ball", ball}, {"moved", moved(*ball, shear)}}, 55);
 }
 
-TEST_CASE("A cloud under a Transform of any scale looks like the polygons it stands for") {
+TEST_CASE("draws a point set under any scale like the polygons that it represents") {
   const auto ball = sphere(20000);
   for (const std::string scale : {"1 1 1", "2 0.5 1", "0.3 1.5 1.5"}) {
     const std::string before = "Transform { rotation 0 0 1 0.4 scale " + scale + " children ";
@@ -133,7 +133,7 @@ TEST_CASE("A cloud under a Transform of any scale looks like the polygons it sta
   }
 }
 
-TEST_CASE("Clouds and polygons hide each other as polygons do") {
+TEST_CASE("hides point sets and polygons behind each other like polygons") {
   const auto ball = sphere(20000);
   const std::string board =
       "Transform { rotation 0 1 0 0.7 children Shape { appearance Appearance { material Material { "
@@ -150,7 +150,7 @@ TEST_CASE("Clouds and polygons hide each other as polygons do") {
   check_alike(glass("2") + shape("ball") + glass("-2"), glass("2") + sphere_shape + glass("-2"), {{"ball", ball}}, 40);
 }
 
-TEST_CASE("Clouds that run through each other look as one cloud of both") {
+TEST_CASE("draws point sets that intersect like one joint point set") {
   auto red = std::make_shared<qnv::Cloud>(*sphere(8000)), blue = std::make_shared<qnv::Cloud>(*red);
   red->colors.assign(red->size(), {220, 40, 40});
   blue->colors.assign(blue->size(), {40, 40, 220});
@@ -169,7 +169,7 @@ TEST_CASE("Clouds that run through each other look as one cloud of both") {
   check_alike(shape("blue") + shape("red"), shape("both"), clouds, 37);
 }
 
-TEST_CASE("Switch and LOD choose among clouds") {
+TEST_CASE("chooses among point sets by Switch and LOD") {
   const NamedClouds clouds{{"ball", sphere(3000)}, {"coarse", sphere(60)}, {"painted", painted()}};
   check_alike("Switch { whichChoice 1 choice [ " + shape("ball") + shape("painted") + "] }", shape("painted"), clouds,
               100);
@@ -180,7 +180,7 @@ TEST_CASE("Switch and LOD choose among clouds") {
   check_alike(lod, shape("coarse"), clouds, 100, {0, 0.5f, 6});
 }
 
-TEST_CASE("A Billboard turns its cloud to the viewer") {
+TEST_CASE("turns the point set of a Billboard to the viewer") {
   const NamedClouds clouds{{"painted", painted()}};
   // Seen from +X: what looks to +Z turns there, as by a quarter about Y.
   check_alike("Billboard { children " + shape("painted") + "}",
@@ -188,7 +188,7 @@ TEST_CASE("A Billboard turns its cloud to the viewer") {
   check_alike("Billboard { children " + shape("painted") + "}", shape("painted"), clouds, 60, {0, 0, 6});
 }
 
-TEST_CASE("Instances of a PROTO with a cloud stand where they are put") {
+TEST_CASE("places instances of a PROTO with a point set") {
   const NamedClouds clouds{{"painted", painted()}};
   const std::string proto =
       "PROTO Place [ field SFVec3f at 0 0 0 field SFVec3f size 1 1 1 ] { Transform { translation IS at scale IS size "
@@ -207,7 +207,7 @@ TEST_CASE("Instances of a PROTO with a cloud stand where they are put") {
               stream, 60);
 }
 
-TEST_CASE("The detail of a QNV node is collected, and kept within bounds") {
+TEST_CASE("collects the detail of a QNV node within bounds") {
   const NamedClouds clouds{{"ball", sphere(100)}};
   const auto detail = [&](const std::string& value) {
     CloudWorld world("Shape { geometry QNV { url \"ball\" " + value + " } }", clouds);
@@ -222,7 +222,7 @@ TEST_CASE("The detail of a QNV node is collected, and kept within bounds") {
   CHECK(detail("detail -3") == 0.01f);
 }
 
-TEST_CASE("Budget, detail and pending show in what is drawn of streams") {
+TEST_CASE("draws streams by budget and detail, and reports pending data") {
   Drawing drawing;
   CloudWorld world("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
   const Camera camera = upright_camera({0, 0, 3});
@@ -251,7 +251,7 @@ TEST_CASE("Budget, detail and pending show in what is drawn of streams") {
   CHECK(drawing.statistics.vectors == all);
 }
 
-TEST_CASE("Colours that tell vectors apart are drawn whatever the material") {
+TEST_CASE("draws colours that distinguish vectors with any material") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 64;
   CloudWorld world(

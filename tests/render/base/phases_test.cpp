@@ -7,7 +7,7 @@ namespace {
 
 double now_of_phases = 0;
 
-TEST_CASE("the time of phases is the whole, and that of an inner one is not the outer one's") {
+TEST_CASE("counts the time of an inner phase apart from its outer phase") {
   now_of_phases = 100;
   PhaseClock clock([] { return now_of_phases; }, 99.5);
   {

@@ -10,7 +10,7 @@
 namespace gs::render::testing {
 namespace {
 
-TEST_CASE("Of faces in the same place the last one is seen, without a speck of the others") {
+TEST_CASE("shows the last of several coplanar faces without artefacts") {
   Drawing drawing;
   for (const float angle : {0.0f, 0.4f, 1.1f, -1.3f}) {
     glm::mat4 slanted = glm::rotate(translation({0.3f, 0, 0}), angle, glm::normalize(glm::vec3(0.3f, 1, 0.2f)));
@@ -41,7 +41,7 @@ TEST_CASE("Of faces in the same place the last one is seen, without a speck of t
   }
 }
 
-TEST_CASE("Faces of one mesh in the same place: the last one is seen") {
+TEST_CASE("shows the last of several coplanar faces of one mesh") {
   Drawing drawing;
   auto mesh = square();
   const auto first = static_cast<std::uint32_t>(mesh->positions.size());
@@ -65,7 +65,7 @@ TEST_CASE("Faces of one mesh in the same place: the last one is seen") {
   CHECK(blue > 20);
 }
 
-TEST_CASE("Lines and points on faces and along their edges are seen whole") {
+TEST_CASE("draws lines and points completely on faces and along their edges") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 128;
   auto line = std::make_shared<vrml::Mesh>(), point = std::make_shared<vrml::Mesh>();
@@ -103,7 +103,7 @@ TEST_CASE("Lines and points on faces and along their edges are seen whole") {
   }
 }
 
-TEST_CASE("A fine checker on a slanted plane is as grey as its mean, without moire") {
+TEST_CASE("draws a fine checker on a slanted plane in its mean grey, without moire") {
   // 128 x 128 cells on a plane that recedes to where a pixel has some twenty of them.
   constexpr std::uint32_t kCells = 128;
   Image checker{kCells, kCells, 3, {}};
@@ -144,7 +144,7 @@ TEST_CASE("A fine checker on a slanted plane is as grey as its mean, without moi
   }
 }
 
-TEST_CASE("Textures are filtered along the slant where the driver can") {
+TEST_CASE("filters textures anisotropically where the driver can") {
   Drawing drawing;
   auto loaded = Gl::load(drawing.context());
   REQUIRE(std::holds_alternative<Gl>(loaded));
@@ -170,7 +170,7 @@ TEST_CASE("Textures are filtered along the slant where the driver can") {
 }
 
 // llvmpipe's filter along the slant takes all texels that a pixel has, and would be at it for hours.
-TEST_CASE("A texture that is repeated a million times on a slanted plane is drawn, as its mean") {
+TEST_CASE("draws the mean of a texture that repeats a million times on a slanted plane") {
   Image checker{2, 2, 3, {}};
   for (const std::uint8_t value : {255, 0, 0, 255}) checker.pixels.insert(checker.pixels.end(), 3, value);
   DrawItem item = unlit(square(20), glm::rotate(translation({0, -2, -20}), -1.5707963f, {1, 0, 0}));
@@ -183,7 +183,7 @@ TEST_CASE("A texture that is repeated a million times on a slanted plane is draw
   for (std::uint32_t x = 16; x < 48; ++x) CHECK(std::abs(pixel(image, x, 56).x - 127.5) <= 2);
 }
 
-TEST_CASE("Lines and points are as wide in pictures with samples as in those without") {
+TEST_CASE("keeps the width of lines and points in multisampled pictures") {
   Drawing drawing;
   auto lines = std::make_shared<vrml::Mesh>();
   lines->primitive = vrml::Mesh::Primitive::lines;
@@ -210,7 +210,7 @@ TEST_CASE("Lines and points are as wide in pictures with samples as in those wit
   CHECK(light(points, 4) == Approx(4).margin(0.1));
 }
 
-TEST_CASE("What is made ready is not seen") {
+TEST_CASE("draws the same picture after preparation") {
   RenderList list;
   add(list, glowing(square(), {0, 0.5f, 1}));
   for (const int samples : {1, 4}) {

@@ -38,7 +38,7 @@ Camera whole_square() {
 
 }  // namespace
 
-TEST_CASE("A square is filled, has darker edges, is a wire or points") {
+TEST_CASE("draws a square filled, with edges, as wireframe or as points") {
   Drawing drawing;
   const RenderList list = one_square();
   const auto picture = [&](DisplayMode mode) {
@@ -70,7 +70,7 @@ TEST_CASE("A square is filled, has darker edges, is a wire or points") {
   CHECK(picture(DisplayMode::surface).pixels == filled.pixels);
 }
 
-TEST_CASE("The far side of a solid is seen through its wires") {
+TEST_CASE("shows the far side of a solid through its wireframe") {
   Drawing drawing;
   RenderList list = one_square();
   list.items.front().world_from_node = glm::dmat4(glm::rotate(glm::mat4(1), 3.14159265f, glm::vec3(0, 1, 0)));
@@ -79,7 +79,7 @@ TEST_CASE("The far side of a solid is seen through its wires") {
   CHECK(lit_pixels(drawing.draw(list, whole_square())) > 100);
 }
 
-TEST_CASE("The backdrop is lighter above, gives way to a colour, and is one in tiles") {
+TEST_CASE("draws a backdrop that is lighter above, yields to a colour, and joins across tiles") {
   Drawing drawing;
   drawing.options.backdrop = true;
   const RenderList list = one_square();
@@ -103,7 +103,7 @@ TEST_CASE("The backdrop is lighter above, gives way to a colour, and is one in t
   CHECK(pixel(drawing.draw(list, whole_square()), 2, 2) == glm::vec3(0, 0, 255));
 }
 
-TEST_CASE("Guides are hidden by what is before them, and seen beside it") {
+TEST_CASE("hides guides behind geometry and shows them beside it") {
   Drawing drawing;
   auto guides = std::make_shared<RenderList>();
   auto line = std::make_shared<vrml::Mesh>();

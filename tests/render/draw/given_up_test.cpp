@@ -53,7 +53,7 @@ RenderList squares(const glm::vec3& color) {
 
 }  // namespace
 
-TEST_CASE("A picture that is given up leaves the last whole one of its viewport in sight") {
+TEST_CASE("keeps the last complete picture of a viewport after an abandoned one") {
   Drawing drawing;
   Screen screen(drawing.context(), 64);
   drawing.options.x = drawing.options.y = 16;
@@ -86,7 +86,7 @@ TEST_CASE("A picture that is given up leaves the last whole one of its viewport 
   CHECK(screen.at(32, 32) == glm::vec3(0, 255, 0));
 }
 
-TEST_CASE("The last whole picture of a viewport is shown again without being drawn, wherever it stands by now") {
+TEST_CASE("shows the last complete picture of a viewport again without drawing, also after it moved") {
   Drawing drawing;
   Screen screen(drawing.context(), 64);
   drawing.options.width = drawing.options.height = 32;
@@ -111,7 +111,7 @@ TEST_CASE("The last whole picture of a viewport is shown again without being dra
   CHECK_FALSE(drawing.renderer().show_again(drawing.options));
 }
 
-TEST_CASE("Who does not wait for large meshes to be uploaded has them next time") {
+TEST_CASE("draws large meshes in a later frame if the caller does not wait for their upload") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 32;
   // Each of more bytes than are uploaded without asking.
@@ -142,7 +142,7 @@ TEST_CASE("Who does not wait for large meshes to be uploaded has them next time"
   CHECK_FALSE(given_up());
 }
 
-TEST_CASE("A coarse picture fills its whole rectangle, and says that there is a better one") {
+TEST_CASE("fills the whole rectangle with a coarse picture, and reports that a better one follows") {
   Drawing drawing;
   Screen screen(drawing.context(), 64);
   for (const int samples : {1, 4})

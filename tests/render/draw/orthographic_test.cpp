@@ -78,7 +78,7 @@ void add_cloud(RenderList& list, qnv::Cloud cloud) {
 
 }  // namespace
 
-TEST_CASE("By parallel rays a thing is as large wherever it is, behind the viewer, too") {
+TEST_CASE("keeps sizes at any distance in parallel projection, also behind the viewer") {
   Drawing drawing;
   for (const float z : {-300.0f, -3.0f, 0.0f, 5.0f, 40.0f}) {
     RenderList list;
@@ -91,7 +91,7 @@ TEST_CASE("By parallel rays a thing is as large wherever it is, behind the viewe
   }
 }
 
-TEST_CASE("Meshes by parallel rays hide each other by depth, however near they lie to each other") {
+TEST_CASE("resolves depth in parallel projection however close meshes are") {
   Drawing drawing;
   // A picture of two metres of a scene of thousands: a camera that is merely far away could not tell these apart.
   RenderList list;
@@ -106,7 +106,7 @@ TEST_CASE("Meshes by parallel rays hide each other by depth, however near they l
   CHECK(lit_pixels(drawing.draw(list, parallel_at({5, 0, 10}, 2))) == 0);
 }
 
-TEST_CASE("Meshes, their highlights and point lights look as from far away with a narrow lens") {
+TEST_CASE("matches a distant narrow lens in parallel projection for meshes, highlights and point lights") {
   Drawing drawing;
   drawing.options.width = 96;
   RenderList list;
@@ -125,7 +125,7 @@ TEST_CASE("Meshes, their highlights and point lights look as from far away with 
   CHECK(differing(parallel, far, 4) < 60);  // edges
 }
 
-TEST_CASE("Clouds of discs and volumes by parallel rays look as from far away, drawn by either") {
+TEST_CASE("matches a distant narrow lens in parallel projection for splats and volumes, on both paths") {
   for (const SplatPath path : {SplatPath::gl, SplatPath::cpu}) {
     Drawing drawing;
     drawing.options.splats = path;
@@ -142,7 +142,7 @@ TEST_CASE("Clouds of discs and volumes by parallel rays look as from far away, d
   }
 }
 
-TEST_CASE("What is drawn by parallel rays in tiles is what is drawn at once") {
+TEST_CASE("draws equal tiles in parallel projection") {
   Drawing drawing;
   RenderList list;
   for (int i = 0; i < 5; ++i)
@@ -160,7 +160,7 @@ TEST_CASE("What is drawn by parallel rays in tiles is what is drawn at once") {
   CHECK(differing(std::get<Image>(at_once), std::get<Image>(in_tiles), 8) < 60);
 }
 
-TEST_CASE("Fog by parallel rays begins at the viewer") {
+TEST_CASE("begins fog at the viewer in parallel projection") {
   Drawing drawing;
   RenderList list;
   list.fog.color = {1, 0, 0};
@@ -173,7 +173,7 @@ TEST_CASE("Fog by parallel rays begins at the viewer") {
   CHECK(parallel.y > 100);
 }
 
-TEST_CASE("A sky by parallel rays stays as in perspective") {
+TEST_CASE("draws the sky in parallel projection as in perspective") {
   Drawing drawing;
   RenderList list;
   list.background.sky_colors = {{0, 0, 1}, {1, 1, 1}};
@@ -181,7 +181,7 @@ TEST_CASE("A sky by parallel rays stays as in perspective") {
   CHECK(differing(drawing.draw(list), drawing.draw(list, parallel_at({0, 0, 10}, 4)), 1) == 0);
 }
 
-TEST_CASE("A far camera sees the middle of what there is in the size that is asked for") {
+TEST_CASE("shows the centre of the scene in the requested size from a distant camera") {
   vrml::Bounds bounds;
   bounds.add(glm::vec3(-1, -1, -30));
   bounds.add(glm::vec3(1, 1, 10));

@@ -68,7 +68,7 @@ RenderList cloud_world(qnv::Cloud cloud) {
 
 }  // namespace
 
-TEST_CASE("A part of a picture has the matrix of the picture, cut out") {
+TEST_CASE("cuts the matrix of a tile out of the matrix of the whole picture") {
   Camera camera = camera_at({0, 0, 10});
   camera.near_plane = 1;
   camera.far_plane = 100;
@@ -86,13 +86,13 @@ TEST_CASE("A part of a picture has the matrix of the picture, cut out") {
   CHECK(part.center().x == Approx(all.tangents().x / 4));
 }
 
-TEST_CASE("A picture in tiles is the same as one at once: meshes, glass, sky") {
+TEST_CASE("draws the same picture in tiles as at once: meshes, glass, sky") {
   const ImageDifference difference = tiled_against_whole(small_world(), sized(130, 101));
   CHECK(difference.psnr > 50);
   CHECK(difference.differing_pixels < 130u * 101 / 100);
 }
 
-TEST_CASE("A picture in tiles is the same as one at once: discs and volumes", "[optimised]") {
+TEST_CASE("draws the same picture in tiles as at once: splats and volumes", "[optimised]") {
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     PictureOptions options = sized(130, 101);
     options.draw.splats = path;
@@ -101,7 +101,7 @@ TEST_CASE("A picture in tiles is the same as one at once: discs and volumes", "[
   }
 }
 
-TEST_CASE("What is before a transparent background keeps its colour, and glass lets half of it through") {
+TEST_CASE("keeps colours on a transparent background, and blends glass by half") {
   Drawing drawing;
   PictureOptions options = sized(64, 64);
   options.transparent = true;
@@ -123,8 +123,7 @@ TEST_CASE("What is before a transparent background keeps its colour, and glass l
   check_color(glm::vec3(at(glass_x, glass_y)[0], at(glass_x, glass_y)[1], at(glass_x, glass_y)[2]), {0, 1, 0}, 3);
 }
 
-TEST_CASE(
-    "Eyes see a place at the distance of the screen at the same pixel, and what is behind it apart by the formula") {
+TEST_CASE("draws points at screen distance at one pixel for both eyes, and others apart by the formula") {
   Camera camera = camera_at({0, 0, 10});
   camera.near_plane = 1;
   camera.far_plane = 100;
@@ -141,7 +140,7 @@ TEST_CASE(
   CHECK(tangent(eyes.right, {0.3, 0, 5}) - tangent(eyes.left, {0.3, 0, 5}) == Approx(0.5 / 8 - 0.5 / 5).margin(1e-6));
 }
 
-TEST_CASE("By parallel rays eyes look from both sides at the place that they see alike") {
+TEST_CASE("turns both eyes around the point at screen distance in parallel projection") {
   Camera camera = camera_at({0, 0, 10});
   camera.height = 4;
   const Eyes eyes = eyes_of(camera, 0.5, 8);
@@ -157,7 +156,7 @@ TEST_CASE("By parallel rays eyes look from both sides at the place that they see
   CHECK(right_of(eyes.right, {0, 0, 12}) - right_of(eyes.left, {0, 0, 12}) == Approx(-shift));
 }
 
-TEST_CASE("Pictures for two eyes stand side by side, or lie over one another in red and cyan") {
+TEST_CASE("draws stereo pictures side by side or as red-cyan anaglyph") {
   Drawing drawing;
   RenderList list;
   add(list, unlit(square(0.5f), translation({0, 0, 5})));  // white, 5 away
@@ -189,7 +188,7 @@ TEST_CASE("Pictures for two eyes stand side by side, or lie over one another in 
   CHECK(middle_of(both, 0, 100, 2) == Approx(50 - pixels).margin(0.6));
 }
 
-TEST_CASE("A picture that nobody wants any more is given up, and one without pixels is refused") {
+TEST_CASE("stops a cancelled picture, and refuses one without pixels") {
   Drawing drawing;
   PictureOptions options = sized(64, 130);
   options.most_side = 32;

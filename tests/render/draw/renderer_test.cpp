@@ -41,7 +41,7 @@ glm::vec3 middle(Drawing& drawing, const DrawItem& item) {
 
 }  // namespace
 
-TEST_CASE("Unlit shapes are exactly white, or of the colours of their Color node (VRML97 Table 4.5)") {
+TEST_CASE("draws unlit shapes white or in the colours of their Color node (VRML97 Table 4.5)") {
   Drawing drawing;
   CHECK(middle(drawing, unlit(square(20))) == glm::vec3(255));
   auto colored = square(20);
@@ -54,7 +54,7 @@ TEST_CASE("Unlit shapes are exactly white, or of the colours of their Color node
   check_color(middle(drawing, textured), glm::vec3(0.2f, 0.4f, 0.6f) * (128 / 255.0f));
 }
 
-TEST_CASE("Textures and colours make the diffuse colour as VRML97 Table 4.6 says", "[optimised]") {
+TEST_CASE("combines textures and colours to the diffuse colour of VRML97 Table 4.6", "[optimised]") {
   Drawing drawing;
   DrawItem item;
   item.mesh = square(20);
@@ -98,7 +98,7 @@ TEST_CASE("Textures and colours make the diffuse colour as VRML97 Table 4.6 says
   }
 }
 
-TEST_CASE("The first row of an image is the top of its texture, s runs to the right") {
+TEST_CASE("puts the first row of an image at the top of its texture, with s to the right") {
   Drawing drawing;
   DrawItem item = unlit(square(4.1421356f));  // exactly the view
   item.texture.image = fields(2, 2, 3, {255, 0, 0, /**/ 0, 255, 0, /**/ 0, 0, 255, /**/ 255, 255, 0});
@@ -111,7 +111,7 @@ TEST_CASE("The first row of an image is the top of its texture, s runs to the ri
   check_color(pixel(image, 56, 56), {1, 1, 0});
 }
 
-TEST_CASE("Texture transforms and repeat flags") {
+TEST_CASE("applies texture transforms and repeat flags") {
   Drawing drawing;
   DrawItem item = unlit(square(4.1421356f));
   item.texture.image = fields(2, 1, 3, {255, 0, 0, 0, 0, 255});
@@ -129,14 +129,14 @@ TEST_CASE("Texture transforms and repeat flags") {
   check_color(pixel(image, 60, 32), {0, 0, 1}, 4);
 }
 
-TEST_CASE("A malformed image is as no texture") {
+TEST_CASE("ignores a malformed image") {
   Drawing drawing;
   DrawItem item = unlit(square(20));
   item.texture.image = picture(100, 100, 3, {1, 2, 3});
   CHECK(middle(drawing, item) == glm::vec3(255));
 }
 
-TEST_CASE("The nearer of two shapes hides the other in any order") {
+TEST_CASE("hides the farther of two shapes in any order of drawing") {
   Drawing drawing;
   for (const bool near_first : {true, false}) {
     RenderList list;
@@ -148,7 +148,7 @@ TEST_CASE("The nearer of two shapes hides the other in any order") {
   }
 }
 
-TEST_CASE("Transparent shapes are blended from back to front in any order of the list") {
+TEST_CASE("blends transparent shapes from back to front, whatever the order of the list is") {
   Drawing drawing;
   DrawItem red = glowing(square(20), {1, 0, 0}, translation({0, 0, 1}));
   red.material.transparency = 0.5f;
@@ -164,7 +164,7 @@ TEST_CASE("Transparent shapes are blended from back to front in any order of the
   }
 }
 
-TEST_CASE("Textures of only opaque and invisible pixels cut holes and keep depth") {
+TEST_CASE("cuts holes by textures of only opaque and invisible pixels, and writes their depth") {
   Drawing drawing;
   DrawItem leaf = unlit(square(4.1421356f), translation({0, 0, 0}));
   leaf.texture.image = fields(2, 1, 4, {255, 0, 0, 255, 0, 0, 0, 0});
@@ -177,7 +177,7 @@ TEST_CASE("Textures of only opaque and invisible pixels cut holes and keep depth
   check_color(pixel(image, 50, 32), {0, 0, 1});
 }
 
-TEST_CASE("Back faces of solid shapes are not drawn, also under a mirror") {
+TEST_CASE("culls back faces of solid shapes, also under a mirroring transformation") {
   Drawing drawing;
   const auto seen = [&](bool solid, const glm::mat4& world_from_node) {
     auto mesh = square(20);
@@ -193,7 +193,7 @@ TEST_CASE("Back faces of solid shapes are not drawn, also under a mirror") {
   CHECK(seen(false, scale({1, 1, -1})));
 }
 
-TEST_CASE("Instances look like single draws and take few calls") {
+TEST_CASE("draws instances like single items, in few calls") {
   Drawing drawing;
   const auto fill = [](RenderList& list, bool shared) {
     auto common = square(0.3f);
@@ -222,7 +222,7 @@ TEST_CASE("Instances look like single draws and take few calls") {
   }
 }
 
-TEST_CASE("Twenty thousand shapes of four meshes and eight materials are four draws") {
+TEST_CASE("draws twenty thousand shapes of four meshes and eight materials in four calls") {
   Drawing drawing;
   std::shared_ptr<const vrml::Mesh> meshes[] = {square(0.1f), square(0.2f), square(0.3f), square(0.4f)};
   RenderList list;
@@ -238,7 +238,7 @@ TEST_CASE("Twenty thousand shapes of four meshes and eight materials are four dr
   CHECK(drawing.statistics.draw_calls == 4);
 }
 
-TEST_CASE("Survey coordinates: far from the origin the picture is the same") {
+TEST_CASE("draws the same picture at survey coordinates far from the origin") {
   Drawing drawing;
   const auto draw = [&](const glm::vec3& offset) {
     RenderList list;
@@ -262,7 +262,7 @@ TEST_CASE("Survey coordinates: far from the origin the picture is the same") {
   check_color(pixel(here, 1, 1), glm::vec3(0));
 }
 
-TEST_CASE("visibilityLimit is measured in the bound Viewpoint's metres (6.29)") {
+TEST_CASE("measures visibilityLimit in metres of the bound Viewpoint (6.29)") {
   Drawing drawing;
   RenderList list;
   add(list, glowing(square(4), {0, 1, 0}));
@@ -272,7 +272,7 @@ TEST_CASE("visibilityLimit is measured in the bound Viewpoint's metres (6.29)") 
   check_color(pixel(drawing.draw(list), 32, 32), {0, 1, 0});
 }
 
-TEST_CASE("Lines and points show emissive or Color node colours, unlit") {
+TEST_CASE("draws lines and points unlit in emissive or Color node colours") {
   Drawing drawing;
   auto lines = std::make_shared<vrml::Mesh>();
   lines->primitive = vrml::Mesh::Primitive::lines;
@@ -305,7 +305,7 @@ TEST_CASE("Lines and points show emissive or Color node colours, unlit") {
   check_color(pixel(image, 34, 32), {0, 0, 0});
 }
 
-TEST_CASE("Broken meshes are skipped") {
+TEST_CASE("skips broken meshes") {
   Drawing drawing;
   RenderList list;
   auto out_of_range = square(20);
@@ -326,7 +326,7 @@ TEST_CASE("Broken meshes are skipped") {
   CHECK(drawing.statistics.items == 1);
 }
 
-TEST_CASE("A mesh or an image that takes the address of a dead one is uploaded anew") {
+TEST_CASE("uploads a mesh or an image again that reuses the address of a freed one") {
   Drawing drawing;
   for (int i = 0; i < 30; ++i) {
     auto mesh = square(20);
@@ -338,7 +338,7 @@ TEST_CASE("A mesh or an image that takes the address of a dead one is uploaded a
   }
 }
 
-TEST_CASE("Pictures: size limits, samples, one background colour") {
+TEST_CASE("checks size limits and samples of pictures, and draws one background colour") {
   Drawing drawing;
   RenderList list;
   drawing.options.background = glm::vec3(0.2f, 0.4f, 0.6f);
@@ -357,7 +357,7 @@ TEST_CASE("Pictures: size limits, samples, one background colour") {
   CHECK_FALSE(drawing.renderer().gl_renderer().empty());
 }
 
-TEST_CASE("Samples smooth edges") {
+TEST_CASE("smooths edges by multisampling") {
   Drawing drawing;
   RenderList list;
   DrawItem item = unlit(square(1));

@@ -10,7 +10,7 @@
 using namespace gs::render;
 using namespace gs::render::testing;
 
-TEST_CASE("OSMesa opens and gives OpenGL functions") {
+TEST_CASE("opens OSMesa with its OpenGL functions") {
   auto opened = open_headless_context("osmesa");
   REQUIRE(std::holds_alternative<std::unique_ptr<GlContext>>(opened));
   auto& context = *std::get<std::unique_ptr<GlContext>>(opened);
@@ -20,12 +20,12 @@ TEST_CASE("OSMesa opens and gives OpenGL functions") {
   CHECK(context.proc_address("glGetString") != nullptr);
 }
 
-TEST_CASE("The automatic choice finds a backend") {
+TEST_CASE("finds a backend automatically") {
   const auto opened = open_headless_context("auto");
   CHECK(std::holds_alternative<std::unique_ptr<GlContext>>(opened));
 }
 
-TEST_CASE("EGL opens or says why not") {
+TEST_CASE("opens EGL or reports why not") {
   auto opened = open_headless_context("egl");
   if (auto* error = std::get_if<ContextError>(&opened)) {
     CHECK(error->message.find("egl: ") != std::string::npos);
@@ -45,7 +45,7 @@ TEST_CASE("EGL opens or says why not") {
   check_color(pixel(std::get<Image>(drawn), 8, 8), {0, 0.4f, 0.8f});
 }
 
-TEST_CASE("An unknown backend is refused with the known names") {
+TEST_CASE("rejects an unknown backend and lists the known names") {
   const auto opened = open_headless_context("directx");
   REQUIRE(std::holds_alternative<ContextError>(opened));
   const std::string& message = std::get<ContextError>(opened).message;
@@ -54,7 +54,7 @@ TEST_CASE("An unknown backend is refused with the known names") {
   CHECK(headless_backends() == std::vector<std::string_view>{"egl", "osmesa"});
 }
 
-TEST_CASE("A machine may have a GPU unless all of its devices are known to be something else") {
+TEST_CASE("assumes a GPU unless all devices are known to be something else") {
   const ScratchFolder plain;
   for (const char* name : {"null", "tty63", "ttyS0", "loop-control", "vcsa1", "net/tun", "shm/x", "cpu/0/msr"})
     plain.write(name, "");
@@ -70,7 +70,7 @@ TEST_CASE("A machine may have a GPU unless all of its devices are known to be so
   CHECK(may_have_gpu(plain.path("not there")));
 }
 
-TEST_CASE("A driver whose code left the memory draws on, also what it has to compile first") {
+TEST_CASE("draws on after the driver's code left the memory, including later compilations") {
   Drawing drawing;
   RenderList list;
   add(list, glowing(square(20), {1, 0, 0}));
@@ -82,7 +82,7 @@ TEST_CASE("A driver whose code left the memory draws on, also what it has to com
   check_color(pixel(drawing.draw(list), 32, 32), {1, 1, 1});
 }
 
-TEST_CASE("Two renderers take turns") {
+TEST_CASE("alternates two renderers") {
   Drawing first;
   RenderList list;
   add(list, glowing(square(20), {1, 0, 0}));
@@ -95,7 +95,7 @@ TEST_CASE("Two renderers take turns") {
   check_color(pixel(first.draw(list), 32, 32), {1, 0, 0});
 }
 
-TEST_CASE("Ranges are taken first fit and grow together when they come back") {
+TEST_CASE("allocates ranges first fit, and merges returned ones") {
   RangeAllocator ranges(100);
   CHECK(ranges.take(40) == std::size_t{0});
   CHECK(ranges.take(40) == std::size_t{40});

@@ -50,7 +50,7 @@ double mean_of(const Image& image, std::uint32_t width, std::uint32_t height, st
 
 }  // namespace
 
-TEST_CASE("Each level of a texture's mipmaps is the box filter of the one before, whatever its size") {
+TEST_CASE("filters each mipmap level from the one before by a box filter, for any size") {
   auto opened = open_headless_context("osmesa");
   REQUIRE(std::holds_alternative<std::unique_ptr<GlContext>>(opened));
   GlContext& context = *std::get<std::unique_ptr<GlContext>>(opened);

@@ -35,7 +35,7 @@ double psnr(const Image& a, const Image& b) {
 
 }  // namespace
 
-TEST_CASE("JPEG files that we write come back, the better the higher their quality") {
+TEST_CASE("writes JPEG files that decode with less error at higher quality") {
   for (const std::uint32_t components : {1u, 3u}) {
     const Image image = scene(150, 90, components);
     double before = 0;
@@ -56,7 +56,7 @@ TEST_CASE("JPEG files that we write come back, the better the higher their quali
   CHECK(encode_jpeg(image, {90, false}).size() < encode_jpeg(image, {90, true}).size());
 }
 
-TEST_CASE("each scan of a JPEG file makes all of the picture finer") {
+TEST_CASE("refines the whole picture with each scan of a JPEG file") {
   for (const std::uint32_t components : {1u, 3u}) {
     const Image image = scene(200, 160, components);
     const std::vector<std::byte> file = encode_jpeg(image);
@@ -76,7 +76,7 @@ TEST_CASE("each scan of a JPEG file makes all of the picture finer") {
   }
 }
 
-TEST_CASE("what is no picture is not written, and what is no JPEG file has no scans") {
+TEST_CASE("refuses to write an empty picture, and finds no scans in other files") {
   Image image = scene(8, 8, 3);
   image.pixels.pop_back();
   CHECK(encode_jpeg(image).empty());

@@ -50,13 +50,13 @@ std::string message_of(const Bytes& bytes, const ImageLimits& limits) {
 
 }  // namespace
 
-TEST_CASE("A picture that may be kept is kept as it is") {
+TEST_CASE("keeps a picture within the limits unchanged") {
   const Image image = made(40, 30, 3);
   CHECK(reduced(encode_png(image), 1200).pixels == image.pixels);
   CHECK(reduced(encode_png(image), 1200).reduction == 1);
 }
 
-TEST_CASE("Larger PNGs become means of squares, cut ones at the right and the bottom") {
+TEST_CASE("reduces larger PNGs to means of squares, cut at the right and bottom") {
   const Image image = reduced(encode_png(made(5, 3, 1)), 6);
   REQUIRE(image.width == 3);
   REQUIRE(image.height == 2);
@@ -72,7 +72,7 @@ TEST_CASE("Larger PNGs become means of squares, cut ones at the right and the bo
     for (std::uint32_t x = 0; x < 3; ++x) CHECK(image.pixels[y * 3 + x] == mean(2 * x, 2 * y));
 }
 
-TEST_CASE("Pictures of every format and any size are made smaller while they are decoded") {
+TEST_CASE("reduces pictures of every format and size during decoding") {
   for (const auto& [width, height] : {std::pair{256u, 128u}, {250u, 130u}, {1000u, 16u}}) {
     const Image image = shaded(width, height);
     PngOptions interlaced;
@@ -93,7 +93,7 @@ TEST_CASE("Pictures of every format and any size are made smaller while they are
   CHECK(reduced(gif_of({}), 1).width == 1);
 }
 
-TEST_CASE("A palette of greys stays one component, a CMYK picture three") {
+TEST_CASE("keeps one component for a grey palette and three for a CMYK picture") {
   PngOptions grey;
   grey.color_type = PNG_COLOR_TYPE_PALETTE;
   for (int i = 0; i < 4; ++i) {
@@ -106,7 +106,7 @@ TEST_CASE("A palette of greys stays one component, a CMYK picture three") {
   CHECK(reduced(jpeg_of(flat(32, 32, {255, 255, 255, 255}), JCS_CMYK, JCS_CMYK), 16).components == 3);
 }
 
-TEST_CASE("A reduced picture that ends early has the rows that were there") {
+TEST_CASE("keeps the received rows of a truncated picture that is reduced") {
   Image image = shaded(256, 256);
   std::uint32_t noise = 1;  // so that a packed picture is of many pieces
   for (std::uint8_t& value : image.pixels)
@@ -123,7 +123,7 @@ TEST_CASE("A reduced picture that ends early has the rows that were there") {
   CHECK(half.pixels.back() == 0);
 }
 
-TEST_CASE("A progressive JPEG is not decoded where its coefficients take too much memory") {
+TEST_CASE("skips a progressive JPEG with coefficients beyond the memory limit") {
   const Bytes bytes = jpeg_of(shaded(256, 256), JCS_RGB, JCS_YCbCr, true);
   CHECK(message_of(bytes, {.working_bytes = 100'000}).find("progressive JPEG image of 256x256 pixels") !=
         std::string::npos);
@@ -133,7 +133,7 @@ TEST_CASE("A progressive JPEG is not decoded where its coefficients take too muc
       decode_image(jpeg_of(shaded(256, 256), JCS_RGB, JCS_YCbCr), {.working_bytes = 100'000})));
 }
 
-TEST_CASE("Decoding ends when it is told to") {
+TEST_CASE("stops decoding on request") {
   const Image image = shaded(512, 512);
   for (const Bytes& bytes : {encode_png(image), jpeg_of(image, JCS_RGB, JCS_YCbCr)})
     for (const std::size_t kept : {std::size_t{512 * 512}, std::size_t{64 * 64}}) {

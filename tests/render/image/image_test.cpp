@@ -53,7 +53,7 @@ void check_prefixes_and_flips(const Bytes& bytes) {
     }
 }
 
-TEST_CASE("PNG keeps images of 1 to 4 components") {
+TEST_CASE("restores PNG images of 1 to 4 components") {
   for (std::uint32_t components = 1; components <= 4; ++components)
     for (const auto& [width, height] : {std::pair{1u, 1u}, {7u, 5u}, {64u, 3u}}) {
       const Image image = made(width, height, components);
@@ -65,7 +65,7 @@ TEST_CASE("PNG keeps images of 1 to 4 components") {
     }
 }
 
-TEST_CASE("A PNG that comes in bands of rows is the picture, and tells how large it is printed (PNG 11.3.5.3)") {
+TEST_CASE("reads a PNG in bands of rows, and reports its printed size (PNG 11.3.5.3)") {
   const Image image = made(5, 150, 3);
   gs::render::PngWriter writer(5, 150, 3, 300);
   for (std::uint32_t y = 0; y < 150; y += 70) {
@@ -86,7 +86,7 @@ TEST_CASE("A PNG that comes in bands of rows is the picture, and tells how large
   CHECK(other.finish().empty());
 }
 
-TEST_CASE("PNG keeps images of many rows, which are compressed in strips, and is the same every time") {
+TEST_CASE("writes images of many rows as the same PNG each time, compressed in strips") {
   for (const std::uint32_t height : {63u, 64u, 65u, 128u, 331u})
     for (std::uint32_t components = 1; components <= 4; ++components) {
       Image image = made(37, height, components);
@@ -104,13 +104,13 @@ TEST_CASE("PNG keeps images of many rows, which are compressed in strips, and is
   CHECK(encode_png(flat).size() < 20'000);
 }
 
-TEST_CASE("what is no image has no PNG") {
+TEST_CASE("writes no PNG of an invalid image") {
   CHECK(encode_png({}).empty());
   CHECK(encode_png({2, 2, 3, {1, 2, 3}}).empty());
   CHECK(encode_png({1, 1, 5, {1, 2, 3, 4, 5}}).empty());
 }
 
-TEST_CASE("PNG palettes become components as VRML97 4.6.11.2 says") {
+TEST_CASE("converts PNG palettes to components as VRML97 4.6.11.2 defines") {
   PngOptions options;
   options.color_type = PNG_COLOR_TYPE_PALETTE;
   const std::vector<png_byte> rows = {0, 1, 1, 0};
@@ -135,7 +135,7 @@ TEST_CASE("PNG palettes become components as VRML97 4.6.11.2 says") {
   CHECK(image.pixels == std::vector<std::uint8_t>{40, 200, 200, 40});
 }
 
-TEST_CASE("PNG of 1, 2, 4 and 16 bits becomes 8 bits") {
+TEST_CASE("converts PNG of 1, 2, 4 and 16 bits to 8 bits") {
   PngOptions options;
   options.color_type = PNG_COLOR_TYPE_GRAY;
   options.depth = 1;
@@ -150,7 +150,7 @@ TEST_CASE("PNG of 1, 2, 4 and 16 bits becomes 8 bits") {
   CHECK(image.pixels == std::vector<std::uint8_t>{0, 64, 128, 255});
 }
 
-TEST_CASE("interlaced PNG is the same picture") {
+TEST_CASE("decodes interlaced PNG to the same picture") {
   const Image image = made(13, 11, 3);
   PngOptions options;
   options.interlace = PNG_INTERLACE_ADAM7;
@@ -159,7 +159,7 @@ TEST_CASE("interlaced PNG is the same picture") {
   check_prefixes_and_flips(bytes);
 }
 
-TEST_CASE("a truncated PNG keeps its rows, the rest is black or transparent") {
+TEST_CASE("keeps the rows of a truncated PNG, and fills the others black or transparent") {
   Image image{64, 64, 4, {}};
   unsigned noise = 1;
   for (int i = 0; i < 64 * 64 * 4; ++i)
@@ -173,7 +173,7 @@ TEST_CASE("a truncated PNG keeps its rows, the rest is black or transparent") {
   CHECK(row_of(part, 63) == std::vector<std::uint8_t>(64 * 4, 0));
 }
 
-TEST_CASE("JPEG components follow its colour space") {
+TEST_CASE("derives the components of a JPEG from its colour space") {
   const Image grey = decoded(jpeg_of(flat(9, 7, {77}), JCS_GRAYSCALE, JCS_GRAYSCALE));
   CHECK(grey.components == 1);
   CHECK(grey.width == 9);
@@ -190,7 +190,7 @@ TEST_CASE("JPEG components follow its colour space") {
     }
 }
 
-TEST_CASE("JPEG of inks becomes RGB") {
+TEST_CASE("converts CMYK JPEG to RGB") {
   // libjpeg writes an Adobe marker for YCCK only: there 255 means no ink.
   const Image adobe = decoded(jpeg_of(flat(8, 8, {255, 128, 0, 255}), JCS_CMYK, JCS_YCCK));
   REQUIRE(adobe.components == 3);
@@ -199,7 +199,7 @@ TEST_CASE("JPEG of inks becomes RGB") {
   CHECK(std::abs(int{adobe.pixels[2]} - 0) <= 3);
 }
 
-TEST_CASE("a truncated JPEG keeps its rows, the rest is black") {
+TEST_CASE("keeps the rows of a truncated JPEG, and fills the others black") {
   Image image = made(64, 128, 1);
   const Bytes whole = jpeg_of(image, JCS_GRAYSCALE, JCS_GRAYSCALE);
   const Image all = decoded(whole);
@@ -215,14 +215,14 @@ TEST_CASE("a truncated JPEG keeps its rows, the rest is black") {
   CHECK(message_of(Bytes(whole.begin(), whole.begin() + 300)).find("broken JPEG") == 0);
 }
 
-TEST_CASE("a truncated progressive JPEG is a coarse picture") {
+TEST_CASE("decodes a truncated progressive JPEG to a coarse picture") {
   Image image = flat(64, 64, {180});
   const Bytes whole = jpeg_of(image, JCS_GRAYSCALE, JCS_GRAYSCALE, true);
   const Image part = decoded(Bytes(whole.begin(), whole.end() - 20));
   CHECK(std::abs(int{part.pixels.back()} - 180) <= 2);
 }
 
-TEST_CASE("GIF palettes and transparency become components") {
+TEST_CASE("converts GIF palettes and transparency to components") {
   Image image = decoded(gif_of({}));
   CHECK(image.components == 3);
   CHECK(row_of(image, 0) == std::vector<std::uint8_t>{0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0, 255});
@@ -245,7 +245,7 @@ TEST_CASE("GIF palettes and transparency become components") {
   CHECK(row_of(image, 0) == std::vector<std::uint8_t>{0, 0, 0, 255, 0, 0, 0, 0, 0, 255, 0, 255, 0, 0, 255, 255});
 }
 
-TEST_CASE("a GIF picture stands in its canvas, interlaced rows are put in order") {
+TEST_CASE("places a GIF picture in its canvas, and orders interlaced rows") {
   GifOptions options;
   options.canvas_width = 6;
   options.left = 1;
@@ -266,7 +266,7 @@ TEST_CASE("a GIF picture stands in its canvas, interlaced rows are put in order"
   CHECK(row_of(image, 3) == std::vector<std::uint8_t>{255, 0, 85, 170});
 }
 
-TEST_CASE("a truncated GIF keeps its rows") {
+TEST_CASE("keeps the rows of a truncated GIF") {
   GifOptions options;
   options.grey = true;
   const Bytes whole = gif_of(options);
@@ -277,7 +277,7 @@ TEST_CASE("a truncated GIF keeps its rows") {
   CHECK(decoded(Bytes(whole.begin(), whole.end() - 2)).pixels == decoded(whole).pixels);
 }
 
-TEST_CASE("no part of an image and no flipped byte breaks a decoder") {
+TEST_CASE("survives every truncation and every flipped byte of an image") {
   check_prefixes_and_flips(encode_png(made(5, 4, 4)));
   PngOptions options;
   options.color_type = PNG_COLOR_TYPE_PALETTE;
@@ -294,7 +294,7 @@ TEST_CASE("no part of an image and no flipped byte breaks a decoder") {
   check_prefixes_and_flips(gif_of(gif));
 }
 
-TEST_CASE("a header that claims a huge picture costs nothing") {
+TEST_CASE("allocates nothing for a header that claims a huge picture") {
   Bytes png = encode_png(made(1, 1, 3));
   for (const std::size_t at : {std::size_t{18}, std::size_t{22}}) {
     png[at] = std::byte{60000 >> 8};
@@ -323,7 +323,7 @@ TEST_CASE("a header that claims a huge picture costs nothing") {
   CHECK(decoded(encode_png(made(10, 10, 3))).width == 10);
 }
 
-TEST_CASE("what is not an image is said so") {
+TEST_CASE("rejects data that are no image, and names the expected formats") {
   CHECK(message_of({}) ==
         "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found "
         "nothing");
@@ -333,7 +333,7 @@ TEST_CASE("what is not an image is said so") {
   CHECK(message_of(bytes_of({0xff, 0xd8, 0xff, 0xd9})).find("broken JPEG") == 0);
 }
 
-TEST_CASE("compare measures the distance of two pictures") {
+TEST_CASE("measures the difference of two pictures") {
   const Image a{2, 1, 3, {0, 0, 0, 10, 20, 30}};
   Image b = a;
   auto result = compare(a, b);
@@ -354,7 +354,7 @@ TEST_CASE("compare measures the distance of two pictures") {
   CHECK(difference.psnr == Approx(10 * std::log10(255.0 * 255.0 / 30)));
 }
 
-TEST_CASE("compare takes different kinds as RGBA and refuses different sizes") {
+TEST_CASE("compares different kinds of pictures as RGBA, and refuses different sizes") {
   const Image grey{1, 1, 1, {9}};
   CHECK(std::get<ImageDifference>(compare(grey, {1, 1, 3, {9, 9, 9}})).maximum == 0);
   CHECK(std::get<ImageDifference>(compare(grey, {1, 1, 4, {9, 9, 9, 0}})).maximum == 255);
@@ -364,7 +364,7 @@ TEST_CASE("compare takes different kinds as RGBA and refuses different sizes") {
 
 }  // namespace
 
-TEST_CASE("bitmaps, pixmaps and Targa files of other programs are read") {
+TEST_CASE("reads bitmaps, pixmaps and Targa files of other programs") {
   const auto read = [](const std::string& name) {
     std::ifstream file(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/" + name, std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(file)), {});
@@ -395,7 +395,7 @@ TEST_CASE("bitmaps, pixmaps and Targa files of other programs are read") {
   CHECK(read("bmp/palette.bmp").width == 9);
 }
 
-TEST_CASE("a bitmap that ends early or says it is huge is refused in one line") {
+TEST_CASE("rejects a truncated or huge bitmap in one line") {
   std::ifstream file(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/bmp/old.bmp", std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   std::string huge = text;

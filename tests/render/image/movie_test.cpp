@@ -48,7 +48,7 @@ void check_first(const Image& image) {
   CHECK(is_near(image, 42, 16, 0, 0, 255));
 }
 
-TEST_CASE("The first picture of a movie is an image (VRML97 6.28)") {
+TEST_CASE("decodes the first picture of a movie as an image (VRML97 6.28)") {
   for (const std::string& name : kMovies) {
     INFO(name);
     const Bytes bytes = movie(name);
@@ -58,7 +58,7 @@ TEST_CASE("The first picture of a movie is an image (VRML97 6.28)") {
   }
 }
 
-TEST_CASE("A movie gives its pictures one after the other, with their times") {
+TEST_CASE("returns the pictures of a movie in sequence, with their times") {
   for (const std::string& name : kMovies) {
     INFO(name);
     const Bytes bytes = movie(name);
@@ -104,7 +104,7 @@ int number_of(const Movie::Frame& frame) {
   return static_cast<int>(std::lround((grey / 255 * 219 + 16 - 20) / 4));
 }
 
-TEST_CASE("A movie has a picture at any time: forwards, backwards, behind a jump") {
+TEST_CASE("returns the picture of a movie at any time, forwards, backwards and after a jump") {
   for (const std::string name : {"movie/counting.m1v", "movie/counting.mp4", "sound/tone.mpg"}) {
     INFO(name);
     const Bytes bytes = movie(name);
@@ -134,7 +134,7 @@ TEST_CASE("A movie has a picture at any time: forwards, backwards, behind a jump
   }
 }
 
-TEST_CASE("An animated GIF is a movie") {
+TEST_CASE("reads an animated GIF as a movie") {
   const Bytes bytes = movie("movie/counting.gif");
   const auto info = examine_media(bytes);
   REQUIRE(info.index() == 0);
@@ -153,7 +153,7 @@ TEST_CASE("An animated GIF is a movie") {
   }
 }
 
-TEST_CASE("Movies that are cut or damaged give what there is, or an error that says something") {
+TEST_CASE("decodes the intact part of truncated or damaged movies, or reports an error") {
   for (const std::string& name : kMovies) {
     INFO(name);
     const Bytes bytes = movie(name);
@@ -178,7 +178,7 @@ TEST_CASE("Movies that are cut or damaged give what there is, or an error that s
   }
 }
 
-TEST_CASE("A movie costs no more than its limits") {
+TEST_CASE("limits the memory of a movie") {
   const Bytes bytes = movie("mpeg_system_stream/red_blue.mpg");
   const auto refused = decode_image(bytes, {.file_pixels = 48 * 32 - 1});
   REQUIRE(refused.index() == 1);
@@ -194,7 +194,7 @@ TEST_CASE("A movie costs no more than its limits") {
   CHECK(std::get<ImageError>(stopped).message.size() > 10);
 }
 
-TEST_CASE("What names other files is no movie, and none is opened") {
+TEST_CASE("rejects movies that refer to other files, and opens none of these") {
   for (const std::string text : {"#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:0\n#EXTINF:1,\nfile:///etc/passwd\n",
                                  "ffconcat version 1.0\nfile /etc/passwd\n", "RIFF\x10\x00\x00\x00WAVEfmt ", "OggS"}) {
     Bytes bytes(text.size());

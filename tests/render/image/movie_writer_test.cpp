@@ -28,7 +28,7 @@ Image shaded(int i, std::uint32_t components) {
 
 }  // namespace
 
-TEST_CASE("Movies that are written are read back: their pictures, their colours and their times") {
+TEST_CASE("restores pictures, colours and times of the movies that it writes") {
   for (const MovieFormat& format : movie_formats()) {
     INFO(format.name);
     auto opened = MovieWriter::open(format, 40, 30, 10);
@@ -59,7 +59,7 @@ TEST_CASE("Movies that are written are read back: their pictures, their colours 
   }
 }
 
-TEST_CASE("Odd edges are left out, and what is no size or rate is refused") {
+TEST_CASE("drops odd edges, and refuses invalid sizes and rates") {
   const MovieFormat* format = movie_format_of("x/Y.Mp4");
   REQUIRE(format);
   CHECK(movie_format_of("a.avi") == nullptr);

@@ -29,7 +29,7 @@ std::string song_with(const std::string& track, const std::string& division = st
   return text + track;
 }
 
-TEST_CASE("the notes of a MIDI file have their times, as the tempo of the time has it") {
+TEST_CASE("computes the times of MIDI notes by the tempo changes") {
   const MidiSong song = song_of(media::midi_song());
   REQUIRE(song.events.size() == 5);
   CHECK(song.events[0].status == 0xc0);
@@ -52,7 +52,7 @@ TEST_CASE("the notes of a MIDI file have their times, as the tempo of the time h
   CHECK(song_of(song_with(std::string("\x64\x90\x40\x40\0\xff\x2f\0", 8), "\xe7\x28")).duration == Approx(0.1));
 }
 
-TEST_CASE("MIDI files that are cut or damaged give what there is, or an error that says something") {
+TEST_CASE("decodes the intact part of truncated or damaged MIDI files, or reports an error") {
   const std::string whole = media::midi_song();
   for (std::size_t part = 0; part < whole.size(); ++part) {
     const auto song = read_midi(bytes_of(whole.substr(0, part)));
@@ -68,7 +68,7 @@ TEST_CASE("MIDI files that are cut or damaged give what there is, or an error th
   CHECK(read_midi(bytes_of(song_with(std::string("\0\xff\x51\3\xff\xff\xff", 7) + endless))).index() == 1);
 }
 
-TEST_CASE("MIDI is played by FluidSynth, where that and a sound font are there (6.4)") {
+TEST_CASE("plays MIDI by FluidSynth if it and a sound font are installed (6.4)") {
   const Bytes bytes = bytes_of(media::midi_song());
   auto opened = open_samples(bytes, 44'100);
   if (const auto* wrong = std::get_if<MediaError>(&opened)) {

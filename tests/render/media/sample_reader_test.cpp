@@ -36,7 +36,7 @@ std::vector<float> all_of(SampleReader& reader, std::size_t piece = 1000) {
 // Left counts up, right down.
 double ramp(std::size_t i, int channel) { return (channel == 0 ? 1 : -1) * static_cast<double>(i % 30'000) / 32'768; }
 
-TEST_CASE("A WAV is read sample by sample, and found again at any time") {
+TEST_CASE("reads a WAV sample by sample, and seeks to any time") {
   for (const int channels : {1, 2}) {
     const Bytes bytes = bytes_of(media::wav(11'025, channels, 40'000, ramp));
     const auto reader = opened(bytes);
@@ -64,7 +64,7 @@ TEST_CASE("A WAV is read sample by sample, and found again at any time") {
   }
 }
 
-TEST_CASE("MP3, Ogg and FLAC are read, and how long they are is known") {
+TEST_CASE("reads MP3, Ogg and FLAC with their durations") {
   // A second of 440 Hz at 22050 samples a second.
   for (const std::string name : {"tone.mp3", "tone.ogg", "tone.flac", "tone.au"}) {
     INFO(name);
@@ -95,7 +95,7 @@ TEST_CASE("MP3, Ogg and FLAC are read, and how long they are is known") {
   }
 }
 
-TEST_CASE("The sound of an MPEG-1 system stream is read") {
+TEST_CASE("reads the sound of an MPEG-1 system stream") {
   const Bytes bytes = bytes_of(media::file_text(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/sound/tone.mpg"));
   const auto info = examine_media(bytes);
   REQUIRE(info.index() == 0);
@@ -105,7 +105,7 @@ TEST_CASE("The sound of an MPEG-1 system stream is read") {
   CHECK(all_of(*reader).size() > 2 * 20'000);
 }
 
-TEST_CASE("Sounds that are cut or damaged give what there is, or an error that says something") {
+TEST_CASE("decodes the intact part of truncated or damaged sounds, or reports an error") {
   const Bytes whole[] = {
       bytes_of(media::tone(0.05)),
       bytes_of(media::file_text(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/sound/tone.mp3")),
@@ -140,7 +140,7 @@ TEST_CASE("Sounds that are cut or damaged give what there is, or an error that s
   }
 }
 
-TEST_CASE("What is no sound is refused with what was expected") {
+TEST_CASE("rejects files that are no sound, and names the expected formats") {
   for (const std::string text :
        {"", "plain text", "RIFF\x10\x00\x00\x00WAVEfmt ", "GIF89a", "ffconcat version 1.0\n"}) {
     const auto info = examine_media(bytes_of(text));

@@ -41,7 +41,7 @@ std::shared_ptr<const vrml::Mesh> without_coarser(const vrml::Mesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("A coarser mesh of a primitive is as near to it as it says, and has fewer triangles") {
+TEST_CASE("makes a coarser mesh of a primitive within its stated error, with fewer triangles") {
   for (const std::string geometry : {"Sphere", "Cylinder", "Cone"}) {
     const World world(geometry);
     const vrml::Mesh* mesh = world.list.items[0].mesh.get();
@@ -71,7 +71,7 @@ TEST_CASE("A coarser mesh of a primitive is as near to it as it says, and has fe
   CHECK_FALSE(World("Box").list.items[0].mesh->coarser);
 }
 
-TEST_CASE("What is seen small is drawn with fewer triangles, and looks the same") {
+TEST_CASE("draws small items with fewer triangles and without a visible change") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 200;
   for (const std::string geometry : {"Sphere", "Cylinder", "Cone"}) {

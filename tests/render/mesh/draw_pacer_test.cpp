@@ -62,7 +62,7 @@ struct Syncs {
 
 }  // namespace
 
-TEST_CASE("A driver on the processor has the triangles of few slices at a time") {
+TEST_CASE("limits the triangles per slice for a driver on the processor") {
   Syncs::made = 0;
   Syncs::waited = Syncs::deleted = {};
   Gl gl;
@@ -90,7 +90,7 @@ TEST_CASE("A driver on the processor has the triangles of few slices at a time")
   CHECK(std::set<std::uintptr_t>(Syncs::deleted.begin(), Syncs::deleted.end()).size() == 5);
 }
 
-TEST_CASE("A picture that is drawn in slices is the same, to the last bit") {
+TEST_CASE("draws the same picture in slices, to the last bit") {
   Drawing drawing;
   const RenderList list = crowded();
   const Image whole = drawing.draw(list);
@@ -107,7 +107,7 @@ TEST_CASE("A picture that is drawn in slices is the same, to the last bit") {
   CHECK(drawing.statistics.items == statistics.items);
 }
 
-TEST_CASE("A picture is given up between two slices, and the next one is whole") {
+TEST_CASE("abandons a picture between two slices, and completes the next one") {
   Drawing drawing;
   const RenderList list = crowded();
   const Image whole = drawing.draw(list);

@@ -52,7 +52,7 @@ bool surely_seen(const DrawItem& item, const glm::dmat4& camera_from_world, doub
 
 }  // namespace
 
-TEST_CASE("Nothing that is in view is missing, and most of what is not is left out") {
+TEST_CASE("collects every item in view, and omits most others") {
   for (const double scale : {1.0, 1e-3, 1e4}) {
     const glm::dvec3 about = scale == 1 ? glm::dvec3(6.4e6, 0, -1e5) : glm::dvec3(0);
     const RenderList list = scattered(5, scale, about);
@@ -82,7 +82,7 @@ TEST_CASE("Nothing that is in view is missing, and most of what is not is left o
   }
 }
 
-TEST_CASE("What moves is found where it is, and a list of another generation is looked at anew") {
+TEST_CASE("finds moved items, and rebuilds for a list of another generation") {
   RenderList list = scattered(5);
   VisibleItems visible;
   const glm::dmat4 camera_from_world = glm::lookAt(glm::dvec3(0, 0, 300), glm::dvec3(0, 0, 500), glm::dvec3(0, 1, 0));
@@ -121,7 +121,7 @@ TEST_CASE("What moves is found where it is, and a list of another generation is 
   CHECK_FALSE(find());
 }
 
-TEST_CASE("Items without a box, or in no finite place, are always looked at") {
+TEST_CASE("always collects items without a box or at infinite positions") {
   RenderList list = scattered(9);
   list.items[3].world_from_node[3].x = std::numeric_limits<double>::quiet_NaN();
   list.items[4].world_from_node[0].x = 1e300;
@@ -135,7 +135,7 @@ TEST_CASE("Items without a box, or in no finite place, are always looked at") {
   CHECK(*found == std::vector<std::uint32_t>{3, 4, 5});
 }
 
-TEST_CASE("A world of many Shapes looks the same with and without the tree, at rest and when one moves") {
+TEST_CASE("draws many Shapes equally with and without the tree, at rest and while one moves") {
   std::string text = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 2000; ++i)
     text += "DEF T" + std::to_string(i) + " Transform { translation " + std::to_string(i % 50 * 3 - 75) + " 0 " +

@@ -44,8 +44,7 @@ RenderList list_of(std::shared_ptr<const vrml::Mesh> mesh) {
 
 }  // namespace
 
-TEST_CASE("Trees of large meshes are made with the meshes for those who ask for some, and for nobody else",
-          "[optimised]") {
+TEST_CASE("makes trees of large meshes only for callers that request them", "[optimised]") {
   MeshTrees trees;
   const auto first = floor_at(1), second = floor_at(2);
   trees.prepare(first);
@@ -72,7 +71,7 @@ TEST_CASE("Trees of large meshes are made with the meshes for those who ask for 
   CHECK(made < kMeshes);
 }
 
-TEST_CASE("What is near is the same before and after the tree of a large mesh is there") {
+TEST_CASE("finds the same nearest point before and after the tree of a large mesh is ready") {
   ItemBvh bvh;
   const RenderList list = list_of(floor_at(0));
   const glm::dvec3 lower(0.3, -0.1, 0.3), upper(0.32, 0.1, 0.32);
@@ -95,7 +94,7 @@ TEST_CASE("What is near is the same before and after the tree of a large mesh is
   CHECK(std::abs(difference.x) + std::abs(difference.y) + std::abs(difference.z) < 1e-9);
 }
 
-TEST_CASE("Until the tree of a large mesh is there, lines meet the item's former one") {
+TEST_CASE("meets the former mesh of an item until the tree of the new one is ready") {
   ItemBvh bvh;
   RenderList list = list_of(floor_at(0));
   const SightLine line{{0.4, 9, 0.6}, {0, -1, 0}};
@@ -119,7 +118,7 @@ TEST_CASE("Until the tree of a large mesh is there, lines meet the item's former
   CHECK(bvh.near(list, {0.3, 0.9, 0.3}, {0.32, 1.1, 0.32}, 1000).size() > 20);
 }
 
-TEST_CASE("Trees are there when somebody asks who has had them made before") {
+TEST_CASE("returns trees at once that were made for an earlier caller") {
   ItemBvh bvh;
   const RenderList list = list_of(floor_at(2));
   bvh.prepare(list);

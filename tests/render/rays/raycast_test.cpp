@@ -36,7 +36,7 @@ std::size_t pixel_index(const RayImage& image, int x, int y) { return static_cas
 
 }  // namespace
 
-TEST_CASE("One vector of a volume is a Gaussian about its place") {
+TEST_CASE("draws one vector of a volume as a Gaussian around its position") {
   qnv::Cloud cloud = empty_volume(0.5f, 1);
   cloud.description.box = {{-0.5f, -0.5f, -10.5f}, {0.5f, 0.5f, -9.5f}};
   add(cloud, {0, 0, -10}, {0, 0, 1}, 3, 128);
@@ -61,7 +61,7 @@ TEST_CASE("One vector of a volume is a Gaussian about its place") {
   CHECK(image.depth[pixel_index(image, 50, 50)] == 0);  // nowhere half opaque
 }
 
-TEST_CASE("What is in front is over what lies behind, in whichever order they come") {
+TEST_CASE("blends front over back in any order of the vectors") {
   for (const bool near_first : {true, false}) {
     qnv::Cloud cloud = empty_volume(0.9f, 1);
     cloud.description.transfer = {{0, {255, 0, 0}, 0.9f}, {1, {0, 0, 255}, 0.9f}};
@@ -87,7 +87,7 @@ TEST_CASE("What is in front is over what lies behind, in whichever order they co
   }
 }
 
-TEST_CASE("The depth of a volume is where the opacity comes to a half") {
+TEST_CASE("returns as depth of a volume the depth of half opacity") {
   qnv::Cloud cloud = empty_volume(0.5f, 1);
   for (int i = 0; i < 20; ++i) add(cloud, {0, 0, -10.0f - static_cast<float>(i)}, {0, 0, 1}, 3, 9);
   const RayImage image = raycast_volume(cloud, straight_view(3, 3), flat());
@@ -97,7 +97,7 @@ TEST_CASE("The depth of a volume is where the opacity comes to a half") {
   CHECK(image.depth[pixel_index(image, 1, 1)] == static_cast<float>(10 + vectors - 1));
 }
 
-TEST_CASE("Vectors smaller than a pixel keep their integrated opacity") {
+TEST_CASE("keeps the integrated opacity of vectors smaller than a pixel") {
   qnv::Cloud cloud = empty_volume(0.9f, 0.001f);
   cloud.description.box = {{0, 0, -10}, {0, 0, -10}};
   add(cloud, {0, 0, -10}, {0, 0, 1}, 1, 0);
@@ -114,7 +114,7 @@ TEST_CASE("Vectors smaller than a pixel keep their integrated opacity") {
   CHECK(sum == Approx(whole).epsilon(0.04));
 }
 
-TEST_CASE("A volume is shaded by its gradients from both sides") {
+TEST_CASE("shades a volume by its gradients from both sides") {
   const float h = std::sqrt(0.5f);
   VolumeOptions options = flat();
   options.ambient = 0.2f;
@@ -137,7 +137,7 @@ TEST_CASE("A volume is shaded by its gradients from both sides") {
   }
 }
 
-TEST_CASE("Lights of volumes: attenuation, radius, spot") {
+TEST_CASE("lights volumes with attenuation, radius and spot") {
   VolumeOptions options = flat();
   options.ambient = 0;
   options.diffuse = 1;
@@ -162,7 +162,7 @@ TEST_CASE("Lights of volumes: attenuation, radius, spot") {
   CHECK(seen() == 0);
 }
 
-TEST_CASE("Magnitude, threshold and clipping plane decide what is drawn") {
+TEST_CASE("applies magnitude, threshold and clipping plane") {
   qnv::Cloud cloud = empty_volume(0.5f, 1);
   add(cloud, {0, 0, -10}, {0, 0, 1}, 1, 0);
   add(cloud, {0, 0, -11}, {0, 0, 1}, 2, 0);
@@ -184,7 +184,7 @@ TEST_CASE("Magnitude, threshold and clipping plane decide what is drawn") {
   CHECK(alpha(2) == 0);
 }
 
-TEST_CASE("Footprints grow as vectors become fewer") {
+TEST_CASE("enlarges footprints as the number of vectors shrinks") {
   const auto lattice = [](int step) {
     qnv::Cloud cloud = empty_volume(0.5f, 1);
     cloud.description.box = {glm::vec3(0), glm::vec3(63)};
@@ -204,7 +204,7 @@ TEST_CASE("Footprints grow as vectors become fewer") {
   }
 }
 
-TEST_CASE("Raycasting one disc of a surface finds its plane, its rim and its normal") {
+TEST_CASE("finds plane, rim and normal of one splat by raycasting") {
   qnv::Cloud cloud;
   const float h = std::sqrt(0.5f);
   add(cloud, {0, 0, -10}, {h, 0, h}, static_cast<float>(std::numbers::pi));  // radius 1
@@ -234,7 +234,7 @@ TEST_CASE("Raycasting one disc of a surface finds its plane, its rim and its nor
   CHECK(back.normal[at(200, 200)].x == Approx(h));  // towards the viewer
 }
 
-TEST_CASE("A disc in front hides one behind, and blends with its neighbour") {
+TEST_CASE("hides a splat behind another, and blends it with its neighbour") {
   qnv::Cloud cloud;
   add(cloud, {0, 0, -10}, {0, 0, 1}, 1);
   add(cloud, {0, 0, -12}, {0, 0, 1}, 1);
@@ -250,7 +250,7 @@ TEST_CASE("A disc in front hides one behind, and blends with its neighbour") {
   CHECK(seen.color[50 * 101 + 50].y == Approx(0.5f));
 }
 
-TEST_CASE("Raycasting nothing gives nothing") {
+TEST_CASE("returns an empty picture for no vectors") {
   const VolumeOptions options = flat();
   CHECK(raycast_volume({}, straight_view(4, 4), options).empty());
   CHECK(raycast_surface({}, straight_view(4, 4), false).empty());

@@ -78,7 +78,7 @@ void check_same(const vrml::Mesh& mesh, const MeshBvh& tree, const SightLine& li
 
 }  // namespace
 
-TEST_CASE("a tree of triangles finds what a search of all of them finds") {
+TEST_CASE("finds in a tree of triangles the result of a full search") {
   Source source(7);
   for (const std::size_t triangles : {1, 20, 33, 100, 1000, 5000}) {
     const vrml::Mesh mesh = soup(source, triangles);
@@ -94,7 +94,7 @@ TEST_CASE("a tree of triangles finds what a search of all of them finds") {
   }
 }
 
-TEST_CASE("lines along axes, edges and corners of a flat grid are not lost") {
+TEST_CASE("meets a flat grid with lines along axes, edges and corners") {
   const auto mesh = grid(40, 0);
   const MeshBvh tree(*mesh);
   for (int y = 0; y <= 80; ++y)
@@ -109,7 +109,7 @@ TEST_CASE("lines along axes, edges and corners of a flat grid are not lost") {
   CHECK_FALSE(tree.nearest(*mesh, {{3, 3, 3}, {0, 0, -1}, 2.9}));
 }
 
-TEST_CASE("triangles that are no numbers, huge, or all in one place make a tree, too") {
+TEST_CASE("builds a tree of NaN, huge and coincident triangles") {
   Source source(8);
   vrml::Mesh mesh = soup(source, 500);
   const float endless = std::numeric_limits<float>::infinity(), huge = std::numeric_limits<float>::max();
@@ -147,7 +147,7 @@ TEST_CASE("triangles that are no numbers, huge, or all in one place make a tree,
   for (const double size : {1.0, 1e3, 1e20}) check_same(growing, deep, {{-1, 0.2, 0.2}, {size, 0, 0}});
 }
 
-TEST_CASE("the nearest item is met, with its point, normal and texture coordinate in the world") {
+TEST_CASE("returns the nearest item with its point, normal and texture coordinate in world space") {
   render::RenderList list;
   ItemBvh rays;
   CHECK_FALSE(rays.nearest(list, {}));
@@ -191,7 +191,7 @@ TEST_CASE("the nearest item is met, with its point, normal and texture coordinat
     CHECK_FALSE(rays.nearest(list, line));
 }
 
-TEST_CASE("items that move and change are found where they are, whatever moved before") {
+TEST_CASE("finds items at their present positions after any moves") {
   Source source(9);
   std::vector<std::shared_ptr<const vrml::Mesh>> meshes;
   for (int i = 0; i < 5; ++i) meshes.push_back(std::make_shared<vrml::Mesh>(soup(source, 10 + 40 * i)));
@@ -224,7 +224,7 @@ TEST_CASE("items that move and change are found where they are, whatever moved b
   }
 }
 
-TEST_CASE("what is kept of meshes is bounded, and goes with them") {
+TEST_CASE("limits the cached trees of meshes, and drops them with their meshes") {
   render::RenderList list;
   ItemBvh rays;
   for (int i = 0; i < 3; ++i) {

@@ -104,7 +104,7 @@ std::shared_ptr<const qnv::Cloud> leveled_sphere(std::size_t vectors) {
 
 }  // namespace
 
-TEST_CASE("A ray meets a disc as far as the disc is drawn") {
+TEST_CASE("meets a splat as far out as it is drawn") {
   const qnv::Cloud cloud = disc_at({0, 0, 1});
   REQUIRE(pick_surface(cloud, kHere, down(0, 0)));
   CHECK(*pick_surface(cloud, kHere, down(0, 0)) == Approx(4));
@@ -118,7 +118,7 @@ TEST_CASE("A ray meets a disc as far as the disc is drawn") {
   CHECK_FALSE(pick_surface(cloud, kHere, ray));
 }
 
-TEST_CASE("Backs of discs are met where they are drawn") {
+TEST_CASE("meets the backs of splats where they are drawn") {
   qnv::Cloud cloud = disc_at({0, 0, 0});
   PickRay from_behind = down(0, 0, -3);
   from_behind.direction = {0, 0, 1};
@@ -132,7 +132,7 @@ TEST_CASE("Backs of discs are met where they are drawn") {
   CHECK_FALSE(pick_surface(cloud, kHere, along));
 }
 
-TEST_CASE("A disc that is met tells its colour, if it has one of its own") {
+TEST_CASE("returns the colour of a splat that has one") {
   qnv::Cloud cloud = disc_at({0, 0, 1});
   const auto plain = pick_disc(cloud, kHere, down(0, 0));
   REQUIRE(plain);
@@ -148,7 +148,7 @@ TEST_CASE("A disc that is met tells its colour, if it has one of its own") {
   CHECK_FALSE(pick_disc(cloud, kHere, down(0, 0))->color);  // arrays that do not fit together
 }
 
-TEST_CASE("Distances are the world's under any affine matrix, discs the node's") {
+TEST_CASE("measures distances in world space under any affine matrix, and splats in node space") {
   const qnv::Cloud cloud = disc_at({0, 0, 1});
   const glm::mat4 place = glm::translate(glm::mat4(1), {10, 0, 0}) * glm::scale(glm::mat4(1), {3, 0.5f, 2});
   const auto hit = pick_surface(cloud, place, down(10, 0));
@@ -164,7 +164,7 @@ TEST_CASE("Distances are the world's under any affine matrix, discs the node's")
   CHECK_FALSE(pick_surface(cloud, glm::scale(glm::mat4(1), {1, 1, 0}), down(0, 0)));
 }
 
-TEST_CASE("Discs cut from cubes are met in their cube and its margin") {
+TEST_CASE("meets splats of an octree only in their voxel and its margin") {
   qnv::Cloud cloud = disc_at({0, 0, 0.1f});
   cloud.cells.push_back({1, 0.1f});  // from -0.5 to 0.5
   CHECK(pick_surface(cloud, kHere, down(0.59f, -0.59f)));
@@ -178,7 +178,7 @@ TEST_CASE("Discs cut from cubes are met in their cube and its margin") {
   CHECK_FALSE(pick_surface(cloud, kHere, from_behind));
 }
 
-TEST_CASE("What is smaller than a pixel is met where it is drawn") {
+TEST_CASE("meets splats smaller than a pixel where they are drawn") {
   qnv::Cloud cloud;
   add(cloud, {0, 0, 0}, kUp, 1e-12f);
   PickRay ray = down(0.005f, 0, 10);
@@ -190,7 +190,7 @@ TEST_CASE("What is smaller than a pixel is met where it is drawn") {
   CHECK_FALSE(pick_surface(cloud, kHere, ray));
 }
 
-TEST_CASE("Surfaces are picked where the exact ray caster sees them", "[optimised]") {
+TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") {
   const SplatView view = test::view_from({0.4f, 0.7f, 2.5f}, 48, 40);
   SECTION("discs") { CHECK(agreement(test::disc_sphere(3000, 0.9f), view) > 0.995); }
   SECTION("tiny discs far away") {
@@ -205,7 +205,7 @@ TEST_CASE("Surfaces are picked where the exact ray caster sees them", "[optimise
   }
 }
 
-TEST_CASE("The number of threads and tasks changes nothing") {
+TEST_CASE("picks the same point with any number of threads and tasks") {
   const qnv::Cloud cloud = test::disc_sphere(200000, 1);
   PickLimits one, many;
   one.threads = 1;
@@ -214,7 +214,7 @@ TEST_CASE("The number of threads and tasks changes nothing") {
     CHECK(pick_surface(cloud, kHere, down(x, 0.1f), one) == pick_surface(cloud, kHere, down(x, 0.1f), many));
 }
 
-TEST_CASE("Of too many discs the first ones stand for all") {
+TEST_CASE("picks among the first splats if there are too many") {
   const qnv::Cloud cloud = test::disc_sphere(20000, 1);
   qnv::Cloud order;  // so that any prefix covers the sphere
   std::vector<std::size_t> indices(cloud.size());
@@ -231,7 +231,7 @@ TEST_CASE("Of too many discs the first ones stand for all") {
   CHECK(hits > 95);
 }
 
-TEST_CASE("Streams with levels are picked at the detail of the picture") {
+TEST_CASE("picks streams with levels at the detail of the picture") {
   const auto cloud = leveled_sphere(60000);
   for (const float x : {0.0f, 0.2f, -0.55f}) {
     const auto hit = pick_surface(*cloud, kHere, down(x, 0.1f));
@@ -247,7 +247,7 @@ TEST_CASE("Streams with levels are picked at the detail of the picture") {
   CHECK(*stretched == Approx(15 - 4 * std::sqrt(0.75f)).margin(0.05));
 }
 
-TEST_CASE("Numbers that make no sense hit nothing and hide nothing") {
+TEST_CASE("ignores splats with invalid numbers") {
   qnv::Cloud cloud = disc_at({0, 0, 0});
   for (const float bad : {kNaN, kInfinity, -kInfinity, 3e38f, -3e38f}) {
     add(cloud, {0, 0, bad}, kUp, 1);
@@ -302,7 +302,7 @@ std::optional<VolumePick> pick_here(const qnv::Cloud& cloud, const VolumeOptions
 
 }  // namespace
 
-TEST_CASE("A volume is met where half of the light is taken") {
+TEST_CASE("picks a volume where it absorbs half of the light") {
   const qnv::Cloud dense = layers_of(10, 0.9f), thin = layers_of(10, 0.1f);
   const auto first = pick_here(dense, {}, down(0, 0)), deeper = pick_here(thin, {}, down(0, 0));
   REQUIRE((first && deeper));
@@ -321,7 +321,7 @@ TEST_CASE("A volume is met where half of the light is taken") {
   CHECK_FALSE(pick_here(thin, faint, down(0, 0)));
 }
 
-TEST_CASE("What of a volume is not drawn is not picked") {
+TEST_CASE("picks nothing of a volume that is not drawn") {
   qnv::Cloud cloud = layers_of(10, 0.9f);
   VolumeOptions options;
   options.clip = glm::vec4(0, 0, -1, -0.45f);  // keeps z <= -0.45
@@ -341,7 +341,7 @@ TEST_CASE("What of a volume is not drawn is not picked") {
   CHECK_FALSE(pick_here(cloud, options, ray));
 }
 
-TEST_CASE("A volume is picked where the exact ray caster has its depth") {
+TEST_CASE("picks a volume at the depth of the exact ray caster") {
   const qnv::Cloud cloud = test::random_volume(4000, 7, 0.05f);
   const SplatView view = test::view_from({0.3f, 0.5f, 3}, 32, 24);
   VolumeOptions options;
@@ -361,7 +361,7 @@ TEST_CASE("A volume is picked where the exact ray caster has its depth") {
   CHECK(near > all * 9 / 10);
 }
 
-TEST_CASE("Volumes of hostile numbers are picked without harm") {
+TEST_CASE("survives volumes of hostile numbers") {
   std::mt19937 random(2);
   const float bad[] = {0, -1, 1, 1e38f, -1e38f, kNaN, kInfinity, -kInfinity, 1e-38f};
   const auto any = [&] { return bad[random() % std::size(bad)]; };

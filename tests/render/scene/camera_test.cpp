@@ -29,7 +29,7 @@ glm::dvec4 clip(const Camera& camera, float width, float height, const glm::vec3
 
 }  // namespace
 
-TEST_CASE("The field of view is the smaller of the two angles (VRML97 6.53)") {
+TEST_CASE("uses fieldOfView for the smaller of the two angles (VRML97 6.53)") {
   Camera camera;
   camera.near_plane = 1;
   camera.far_plane = 100;
@@ -48,7 +48,7 @@ TEST_CASE("The field of view is the smaller of the two angles (VRML97 6.53)") {
   CHECK(at_far.z / at_far.w == Approx(1));
 }
 
-TEST_CASE("An orbit camera has all corners in view from every direction") {
+TEST_CASE("keeps all corners in view of an orbit camera from every direction") {
   const vrml::Bounds boxes[] = {box({-1, -2, -3}, {4, 5, 6}), box({0, 0, 0}, {100, 0.1f, 3}), box({5, 5, 5}, {5, 5, 5}),
                                 box({1e6f, 2e6f, 0}, {1e6f + 64, 2e6f + 64, 32}),
                                 box({-1e-4f, 0, 0}, {1e-4f, 2e-4f, 1e-4f})};
@@ -73,7 +73,7 @@ TEST_CASE("An orbit camera has all corners in view from every direction") {
         }
 }
 
-TEST_CASE("What reaches out of a picture at one side, or behind the camera, is not in view") {
+TEST_CASE("reports points beyond a side or behind the camera as out of view") {
   Camera camera;  // looks along -Z
   camera.field_of_view = 1.5707963f;
   const auto sees = [&](const glm::vec3& lower, const glm::vec3& upper) {
@@ -90,7 +90,7 @@ TEST_CASE("What reaches out of a picture at one side, or behind the camera, is n
   CHECK(has_in_view(camera, {}, 200, 100));
 }
 
-TEST_CASE("Azimuth 0, elevation 0 looks from +Z, azimuth turns towards +X, elevation up") {
+TEST_CASE("looks from +Z at azimuth 0 and elevation 0, and turns towards +X and up") {
   const vrml::Bounds bounds = box({-1, -1, -1}, {1, 1, 1});
   const glm::vec3 front(orbit_camera(bounds, 0, 0, 0.8f, 1, 1).world_from_camera[3]);
   CHECK(front.x == Approx(0).margin(1e-5));
@@ -103,7 +103,7 @@ TEST_CASE("Azimuth 0, elevation 0 looks from +Z, azimuth turns towards +X, eleva
   CHECK(above.y > 1);
 }
 
-TEST_CASE("What is flat is not first seen edge on") {
+TEST_CASE("avoids an initial view of flat objects edge on") {
   const auto back = [](const glm::vec3& size) {
     return glm::vec3(first_camera(box(-size / 2.0f, size / 2.0f), 0.8f, 4, 3).world_from_camera[2]);
   };
@@ -116,14 +116,14 @@ TEST_CASE("What is flat is not first seen edge on") {
   CHECK(back({1, 9, 9}).y == 0);
 }
 
-TEST_CASE("A camera of an empty world stands where the default Viewpoint does") {
+TEST_CASE("places the camera of an empty world at the default Viewpoint") {
   const Camera camera = fit_depth(orbit_camera({}, 0, 0, 0.785398f, 4, 3), {});
   CHECK(camera.world_from_camera[3].z == Approx(10));
   CHECK(camera.near_plane > 0);
   CHECK(camera.far_plane > 10);
 }
 
-TEST_CASE("Depth planes enclose the bounds and keep their ratio small") {
+TEST_CASE("encloses the bounds by depth planes with a small ratio") {
   Camera camera;
   camera.world_from_camera[3] = {0, 0, 10, 1};
   const Camera outside = fit_depth(camera, box({-1, -1, -1}, {1, 1, 1}));
@@ -144,7 +144,7 @@ TEST_CASE("Depth planes enclose the bounds and keep their ratio small") {
   CHECK(behind.far_plane > behind.near_plane);
 }
 
-TEST_CASE("Reversed depth falls from 1 to 0 like one over the distance, and takes the near plane as near as wanted") {
+TEST_CASE("maps reversed depth from 1 to 0 by inverse distance, with any near plane") {
   Camera camera;
   camera.near_plane = 0.5f;
   camera.far_plane = 1e7f;
@@ -168,7 +168,7 @@ TEST_CASE("Reversed depth falls from 1 to 0 like one over the distance, and take
   CHECK(near.far_plane >= 1e7f);
 }
 
-TEST_CASE("Nonsense fields of view and sizes still give a usable projection") {
+TEST_CASE("returns a usable projection for invalid fields of view and sizes") {
   for (float angle : {0.0f, -1.0f, 4.0f, std::nanf(""), HUGE_VALF}) {
     Camera camera;
     camera.near_plane = 1;

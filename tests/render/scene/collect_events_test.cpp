@@ -60,7 +60,7 @@ const std::string kSquare =
 
 }  // namespace
 
-TEST_CASE("What is drawn follows events for lights (4.6.6)") {
+TEST_CASE("updates lights after events (4.6.6)") {
   LiveWorld world(kSquare + "DEF D DirectionalLight { } DEF P PointLight { }");
   CHECK(world.now().lights.size() == 2);
   CHECK(world.after("P", "set_intensity", vrml::SFFloat{0.25F}).lights[1].intensity == 0.25F);
@@ -71,7 +71,7 @@ TEST_CASE("What is drawn follows events for lights (4.6.6)") {
   CHECK(world.after("D", "set_on", true).items[0].directional_lights.size() == 1);
 }
 
-TEST_CASE("What is drawn follows events for geometry, its properties and materials (4.7, 6.23, 6.27)") {
+TEST_CASE("updates geometry, its properties and materials after events (4.7, 6.23, 6.27)") {
   LiveWorld world(kSquare +
                   "DEF S Shape { geometry DEF E ElevationGrid { xDimension 2 zDimension 2 height [ 0 0 0 0 ] } }");
   CHECK(world.now().items.at(0).mesh->indices.size() == 3);
@@ -85,8 +85,7 @@ TEST_CASE("What is drawn follows events for geometry, its properties and materia
   CHECK(world.after("S", "set_geometry", vrml::SFNode{}).items.size() == 1);
 }
 
-TEST_CASE(
-    "What is drawn follows the bound Background and its events, and its defaults where there is none (4.6.10, 6.5)") {
+TEST_CASE("updates the bound Background after events, and uses defaults without one (4.6.10, 6.5)") {
   LiveWorld world("DEF A Background { skyColor 1 0 0 } DEF B Background { skyColor 0 1 0 }");
   CHECK(world.now().background.sky_colors[0] == glm::vec3(1, 0, 0));
   CHECK(world.after("B", "set_bind", true).background.sky_colors[0] == glm::vec3(0, 1, 0));
@@ -95,7 +94,7 @@ TEST_CASE(
   CHECK(world.after("A", "set_bind", false).background.sky_colors[0] == glm::vec3(0, 0, 0));
 }
 
-TEST_CASE("What the viewer may do follows the bound NavigationInfo and its events (4.6.10, 6.29)") {
+TEST_CASE("updates the bound NavigationInfo after events (4.6.10, 6.29)") {
   LiveWorld world("DEF A NavigationInfo { speed 3 } DEF B NavigationInfo { type \"FLY\" headlight FALSE }");
   CHECK(world.now().navigation.speed == 3);
   const NavigationState other = world.after("B", "set_bind", true).navigation;
@@ -106,7 +105,7 @@ TEST_CASE("What the viewer may do follows the bound NavigationInfo and its event
   CHECK(world.after("B", "set_bind", false).navigation.speed == 3);
 }
 
-TEST_CASE("What is drawn follows events for Switch, LOD, Transform and children (4.6.5, 6.26, 6.46, 6.52)") {
+TEST_CASE("updates Switch, LOD, Transform and children after events (4.6.5, 6.26, 6.46, 6.52)") {
   LiveWorld world(
       "DEF S Switch { choice [ Shape { geometry Box { } } ] } DEF L LOD { level [ Group { } ] } DEF T Transform { } "
       "DEF K Switch { choice DEF Ball Shape { geometry Sphere { } } }");

@@ -58,7 +58,7 @@ std::size_t triangles_of(const RenderList& list) {
 
 }  // namespace
 
-TEST_CASE("USE inside USE makes no more shapes than the limit, and the first one left out is named") {
+TEST_CASE("limits the shapes of nested USEs, and names the first one that is left out") {
   SmallWorld world("Shape { geometry Box { } }\n" + nested_uses("Shape { geometry Cylinder { } }", 15), 16 * kMega);
   const RenderList list = world.collect();
   const std::size_t most = world.budget().limit(vrml::Resource::items);
@@ -72,7 +72,7 @@ TEST_CASE("USE inside USE makes no more shapes than the limit, and the first one
   CHECK(world.collect().left_out.size() == 1);  // in every picture
 }
 
-TEST_CASE("A walk over empty groups ends at the limit for visits") {
+TEST_CASE("stops a walk over empty groups at the limit for visits") {
   SmallWorld world(nested_uses("Group { }", 40), 2048 * kMega);
   const RenderList list = world.collect();
   CHECK(list.items.empty());
@@ -81,7 +81,7 @@ TEST_CASE("A walk over empty groups ends at the limit for visits") {
         std::string::npos);
 }
 
-TEST_CASE("Shapes that together have too many triangles are left out, others show") {
+TEST_CASE("leaves out Shapes beyond the triangle limit, and shows the others") {
   // A limit of 1 M triangles; 20,000 in a shape.
   const std::string shape =
       "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ " +
@@ -96,7 +96,7 @@ TEST_CASE("Shapes that together have too many triangles are left out, others sho
   CHECK(list.left_out[0].why.find("triangles in a picture") != std::string::npos);
 }
 
-TEST_CASE("Meshes that together take too much memory are left out, and stay so for all their USEs") {
+TEST_CASE("leaves out meshes beyond the memory limit, at all their USEs") {
   const std::string grid = "[ " + repeated("0 ", 10'000) + "]";
   SmallWorld world("PROTO Grid [ ] { Shape { geometry ElevationGrid { xDimension 100 zDimension 100 height " + grid +
                        " } } }\n" + repeated("Grid { }\n", 100) + "Shape { geometry Box { } }",
@@ -116,7 +116,7 @@ TEST_CASE("Meshes that together take too much memory are left out, and stay so f
   CHECK(world.budget().used(vrml::Resource::meshes) == 0);
 }
 
-TEST_CASE("Meshes that are made again take no more than before") {
+TEST_CASE("uses no more memory for meshes that are made again") {
   SmallWorld world(
       "Shape { geometry DEF G IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }\n"
       "coordIndex [ " +
@@ -132,7 +132,7 @@ TEST_CASE("Meshes that are made again take no more than before") {
   CHECK(world.budget().used(vrml::Resource::meshes) == used);
 }
 
-TEST_CASE("Thousands of spheres of different size share one mesh, a coarser one the more there are") {
+TEST_CASE("shares one mesh between thousands of spheres, and makes it coarser as they grow in number") {
   const auto spheres = [](int count) {
     std::string text;
     for (int i = 0; i < count; ++i)
@@ -155,7 +155,7 @@ TEST_CASE("Thousands of spheres of different size share one mesh, a coarser one 
   CHECK(many.budget().used(vrml::Resource::meshes) == 0);
 }
 
-TEST_CASE("PixelTextures draw from the budget for pixels") {
+TEST_CASE("charges PixelTextures to the budget for pixels") {
   std::string pixels;
   for (int i = 0; i < 64 * 64; ++i) pixels += "0 ";
   SmallWorld world("PROTO P [ ] { Shape { appearance Appearance { texture PixelTexture { image 64 64 3 " + pixels +
@@ -170,7 +170,7 @@ TEST_CASE("PixelTextures draw from the budget for pixels") {
   CHECK(world.budget().used(vrml::Resource::pixels) <= world.budget().limit(vrml::Resource::pixels));
 }
 
-TEST_CASE("Gathering ends when the budget says that it is time") {
+TEST_CASE("stops collecting when the budget's stop function returns true") {
   SmallWorld world(nested_uses("Shape { geometry Box { } }", 17), 2048 * kMega);
   int looks = 0;
   world.budget().stop_when([&] { return ++looks > 5; });
@@ -180,7 +180,7 @@ TEST_CASE("Gathering ends when the budget says that it is time") {
   CHECK(list.left_out.empty());
 }
 
-TEST_CASE("Between any two meshes that are made it is asked whether gathering should end") {
+TEST_CASE("calls the budget's stop function between any two meshes") {
   std::string grids;
   for (int i = 0; i < 100; ++i)
     grids +=

@@ -48,7 +48,7 @@ void check_vector(const glm::vec3& got, const glm::vec3& expected, float margin 
 
 }  // namespace
 
-TEST_CASE("A Shape without appearance is unlit white, with Material lit (VRML97 4.14.2)") {
+TEST_CASE("draws a Shape unlit white without appearance, and lit with a Material (VRML97 4.14.2)") {
   World world(
       kBox +
       "Shape { appearance Appearance { } geometry Box { } }\n"
@@ -72,7 +72,7 @@ TEST_CASE("A Shape without appearance is unlit white, with Material lit (VRML97 
   check_vector(list.bounds.upper, {1, 1, 1});
 }
 
-TEST_CASE("Transform is T * C * R * SR * S * -SR * -C (VRML97 6.52)") {
+TEST_CASE("transforms by T * C * R * SR * S * -SR * -C (VRML97 6.52)") {
   World world("Transform { translation 10 0 0 center 1 0 0 rotation 0 0 1 1.5707963 scale 2 1 1 children " + kBox +
               "}");
   const RenderList list = world.collect();
@@ -89,7 +89,7 @@ TEST_CASE("Transform is T * C * R * SR * S * -SR * -C (VRML97 6.52)") {
   check_vector(moved(nested.collect().items[0].world_from_node, {1, 1, 1}), {3, 4, 5});
 }
 
-TEST_CASE("A rotation without an axis and numbers that are none leave things in place") {
+TEST_CASE("ignores rotations without an axis and NaN transformations") {
   World world("DEF T Transform { rotation 0 0 0 1 translation 1 0 0 children " + kBox + "}");
   check_vector(moved(world.collect().items[0].world_from_node, {1, 2, 3}), {2, 2, 3});
   world.scene->set<vrml::SFVec3f>(world.find("T"), "translation", {std::nanf(""), 0, 0});
@@ -98,18 +98,18 @@ TEST_CASE("A rotation without an axis and numbers that are none leave things in 
   check_vector(moved(world.collect().items[0].world_from_node, {1, 2, 3}), {1, 2, 3});
 }
 
-TEST_CASE("A rotation axis need not be of unit length") {
+TEST_CASE("normalises rotation axes") {
   World world("Transform { rotation 0 0 7 1.5707963 children " + kBox + "}");
   check_vector(moved(world.collect().items[0].world_from_node, {1, 0, 0}), {0, 1, 0});
 }
 
-TEST_CASE("Sums of large transformations keep small differences") {
+TEST_CASE("keeps small differences of large transformations") {
   World world("Transform { translation 4000000 0 0 children Transform { translation -3999999.75 0.125 0 children " +
               kBox + "} }");
   check_vector(moved(world.collect().items[0].world_from_node, {0, 0, 0}), {0.25f, 0.125f, 0});
 }
 
-TEST_CASE("Switch shows the chosen child or none") {
+TEST_CASE("shows the chosen child of a Switch, or none") {
   World world("DEF S Switch { choice [ Transform { translation 5 0 0 children " + kBox + "} " + kBox + "] }");
   CHECK(world.collect().items.empty());
   const vrml::NodeId id = world.find("S");
@@ -121,7 +121,7 @@ TEST_CASE("Switch shows the chosen child or none") {
   CHECK(world.collect().items[0].world_from_node[3].x == 5);
 }
 
-TEST_CASE("LOD chooses by the distance in its own space (VRML97 6.26)") {
+TEST_CASE("chooses a LOD level by the distance in its own coordinate system (VRML97 6.26)") {
   const auto level = [](const std::string& body, const glm::vec3& viewer) {
     const RenderList list = World(body).collect(viewer);
     return list.items.empty() ? -1 : static_cast<int>(std::lround(glm::length(list.items[0].world_from_node[0])));
@@ -138,7 +138,7 @@ TEST_CASE("LOD chooses by the distance in its own space (VRML97 6.26)") {
   CHECK(level("LOD { range [ 1 ] level [ ] }", {0, 0, 1000}) == -1);
 }
 
-TEST_CASE("Billboard turns its Z axis to the viewer about its axis (VRML97 6.6)") {
+TEST_CASE("turns the Z axis of a Billboard to the viewer about its axis (VRML97 6.6)") {
   const auto z_axis = [](const std::string& fields, const glm::vec3& viewer) {
     return glm::vec3(
         World("Transform { translation 0 0 -5 children Billboard { " + fields + " children " + kBox + "} }")
@@ -154,7 +154,7 @@ TEST_CASE("Billboard turns its Z axis to the viewer about its axis (VRML97 6.6)"
   check_vector(z_axis("axisOfRotation 1 0 0", {7, 2, -5}), {0, 1, 0});
 }
 
-TEST_CASE("USE shares meshes, Anchor, Collision and Group show their children, proxies are not drawn") {
+TEST_CASE("shares meshes by USE, shows children of Anchor, Collision and Group, and hides proxies") {
   World world("Group { children [ Anchor { children DEF B " + kBox +
               "} Collision { children USE B proxy Shape { geometry Sphere { } } } USE B ] }");
   const RenderList list = world.collect();
@@ -171,7 +171,7 @@ TEST_CASE("USE shares meshes, Anchor, Collision and Group show their children, p
   CHECK(world.collect().items[0].mesh != list.items[0].mesh);
 }
 
-TEST_CASE("Primitives share one mesh, whatever their measures, nodes and PROTO instances") {
+TEST_CASE("shares one mesh between primitives of any size, node and PROTO instance") {
   World world(
       "PROTO Ball [ field SFFloat r 2 ] { Shape { geometry Sphere { radius IS r } } }\n"
       "Ball { } Ball { } Ball { r 3 } Shape { geometry Sphere { radius 2 } } Shape { geometry Box { size 2 2 2 } }\n"
@@ -190,7 +190,7 @@ TEST_CASE("Primitives share one mesh, whatever their measures, nodes and PROTO i
   CHECK_FALSE(list.items[0].mesh->texture_coordinates.empty());
 }
 
-TEST_CASE("Cycles are cut") {
+TEST_CASE("cuts cycles") {
   World world("DEF A Group { children [ DEF B Transform { translation 1 0 0 } " + kBox + "] }");
   const vrml::NodeId a = world.find("A"), b = world.find("B");
   world.scene->set<vrml::MFNode>(b, "children", {a, b});
@@ -198,7 +198,7 @@ TEST_CASE("Cycles are cut") {
   CHECK(list.items.size() == 1);
 }
 
-TEST_CASE("A hostile tree of USEs ends, with a bounded number of items and visits") {
+TEST_CASE("limits items and visits of a hostile tree of USEs") {
   std::string text = "DEF N0 Group { }\n", with_shape = "DEF N0 " + kBox;
   for (int i = 1; i < 60; ++i) {
     const std::string previous = " USE N" + std::to_string(i - 1);
@@ -212,7 +212,7 @@ TEST_CASE("A hostile tree of USEs ends, with a bounded number of items and visit
   CHECK(World("Transform { scale 0 0 0 children [" + with_shape + "] }", limits).collect().items.size() <= 2'000'000);
 }
 
-TEST_CASE("Deep nesting costs no stack") {
+TEST_CASE("walks deep nesting without recursion") {
   World world("DEF Root Group { }");
   vrml::NodeId parent = world.find("Root");
   const vrml::NodeType& group = *vrml::built_in_node_type("Group");
@@ -224,7 +224,7 @@ TEST_CASE("Deep nesting costs no stack") {
   CHECK(world.collect().items.empty());
 }
 
-TEST_CASE("DirectionalLights light their siblings and what is below them, in any order (VRML97 6.16)") {
+TEST_CASE("applies DirectionalLights to their siblings and descendants, in any order (VRML97 6.16)") {
   World world("Group { children [ " + kBox + "DirectionalLight { direction 0 -1 0 } Group { children " + kBox +
               "} ] }\n" + kBox + "DirectionalLight { on FALSE }\nPointLight { }");
   const RenderList list = world.collect();
@@ -238,7 +238,7 @@ TEST_CASE("DirectionalLights light their siblings and what is below them, in any
   CHECK(list.lights[1].kind == Light::Kind::point);
 }
 
-TEST_CASE("Lights are taken to world space with their distances") {
+TEST_CASE("transforms lights and their distances to world space") {
   World world(
       "Transform { translation 10 0 0 rotation 0 1 0 1.5707963 scale 2 2 2 children [\n"
       "  SpotLight { location 0 0 -1 direction 0 0 -3 radius 5 attenuation 1 2 4 beamWidth 0.3 cutOffAngle 0.5\n"
@@ -258,7 +258,7 @@ TEST_CASE("Lights are taken to world space with their distances") {
   CHECK(light.ambient_intensity == 0.25f);
 }
 
-TEST_CASE("Viewpoints come in the order of the file, rigid, those of Inlines last") {
+TEST_CASE("lists rigid Viewpoints in file order, those of Inlines last") {
   World world(
       "Inline { }\nViewpoint { description \"one\" position 1 2 3 fieldOfView 0.5 }\n"
       "Transform { translation 5 0 0 scale 2 2 -2 rotation 0 1 0 3.14159265 children\n"
@@ -288,7 +288,7 @@ TEST_CASE("Viewpoints come in the order of the file, rigid, those of Inlines las
   CHECK(list.navigation.headlight);
 }
 
-TEST_CASE("The first NavigationInfo and the first Background count") {
+TEST_CASE("uses the first NavigationInfo and the first Background") {
   World world(
       "NavigationInfo { type [ \"EXAMINE\" \"NONE\" ] avatarSize [ 1 2 ] speed 3 visibilityLimit 4 headlight FALSE }\n"
       "NavigationInfo { speed 9 }\n"
@@ -308,7 +308,7 @@ TEST_CASE("The first NavigationInfo and the first Background count") {
   check_vector(list.background.world_from_background[1], {0, 0, 1});
 }
 
-TEST_CASE("Instances of PROTOs stand for their first node (VRML97 4.8.3)") {
+TEST_CASE("collects the first node of PROTO instances (VRML97 4.8.3)") {
   World world(
       "PROTO Place [ field SFVec3f at 1 0 0 exposedField SFColor paint 1 0 0 ] {\n"
       "  Transform { translation IS at children Shape { appearance Appearance { material Material { diffuseColor IS "
@@ -322,7 +322,7 @@ TEST_CASE("Instances of PROTOs stand for their first node (VRML97 4.8.3)") {
   CHECK(list.items[1].material.diffuse == glm::vec3(0, 1, 0));
 }
 
-TEST_CASE("PixelTextures become images, top row first, until their field changes") {
+TEST_CASE("makes images of PixelTextures, top row first, until their field changes") {
   World world(
       "Shape { appearance Appearance { texture DEF P PixelTexture { repeatS FALSE image 1 2 3 0x102030 0x405060 }\n"
       "  textureTransform TextureTransform { translation 0.5 0 scale 2 1 center 0.25 0 } } geometry Box { } }");
@@ -351,7 +351,7 @@ TEST_CASE("PixelTextures become images, top row first, until their field changes
   CHECK_FALSE(world.collect().items[0].texture.image);
 }
 
-TEST_CASE("ImageTextures show the image that was loaded for them") {
+TEST_CASE("shows the image that was loaded for an ImageTexture") {
   World world(
       "Shape { appearance Appearance { texture DEF T ImageTexture { url \"a.png\" repeatT FALSE } } geometry DEF B Box "
       "{ } }\n"
@@ -366,7 +366,7 @@ TEST_CASE("ImageTextures show the image that was loaded for them") {
   CHECK(list.items[1].mesh == list.items[0].mesh);
 }
 
-TEST_CASE("A Background has the pictures of its url fields") {
+TEST_CASE("collects the images of a Background's url fields") {
   World world("DEF B Background { topUrl \"a.png\" frontUrl \"b.png\" }");
   const vrml::Node& node = world.scene->node(world.find("B"));
   const auto fields = node.type->url_fields();
@@ -384,7 +384,7 @@ TEST_CASE("A Background has the pictures of its url fields") {
   }
 }
 
-TEST_CASE("A texture turns and scales as VRML97 6.49 prints it") {
+TEST_CASE("rotates and scales textures as in VRML97 6.49") {
   World world(
       "Shape { appearance Appearance { texture PixelTexture { image 1 1 1 0xFF }\n"
       "  textureTransform TextureTransform { rotation 1.5707963 scale 3 1 translation 1 0 } } geometry Box { } }");

@@ -142,7 +142,7 @@ std::string world_text() {
 
 }  // namespace
 
-TEST_CASE("a list has another number whenever it is another, and only then") {
+TEST_CASE("changes the number of a list exactly when the list changes") {
   World world(
       "DEF T Transform { children Shape { appearance Appearance { material DEF M Material { } } geometry Box { } } }");
   std::uint64_t before = world.list().changes;
@@ -162,7 +162,7 @@ TEST_CASE("a list has another number whenever it is another, and only then") {
   CHECK(other.list().changes != world.list().changes);
 }
 
-TEST_CASE("what has moved is moved in its place, with all that is below it") {
+TEST_CASE("moves a changed Transform's items in place") {
   World world(world_text());
   world.check();
   CHECK_FALSE(world.update());
@@ -179,7 +179,7 @@ TEST_CASE("what has moved is moved in its place, with all that is below it") {
   CHECK(world.gathered() == 1);
 }
 
-TEST_CASE("colours, textures, lights and viewpoints are renewed without gathering") {
+TEST_CASE("updates colours, textures, lights and viewpoints without collecting again") {
   World world(world_text());
   world.send("Paint.diffuseColor", vrml::SFColor{1, 0, 0});
   world.send("Paint.transparency", vrml::SFFloat{0.5f});
@@ -198,7 +198,7 @@ TEST_CASE("colours, textures, lights and viewpoints are renewed without gatherin
   CHECK(world.gathered() == 1);
 }
 
-TEST_CASE("a geometry is made again when a node that it is made of changes") {
+TEST_CASE("makes a geometry again when one of its nodes changes") {
   World world(world_text());
   world.send("Points.point", vrml::MFVec3f{{0, 0, 0}, {5, 0, 0}, {0, 5, 0}});
   CHECK(world.update());
@@ -219,7 +219,7 @@ TEST_CASE("a geometry is made again when a node that it is made of changes") {
   CHECK(empty.list().items.empty());
 }
 
-TEST_CASE("what appears or goes is gathered") {
+TEST_CASE("collects items that appear, and drops removed ones") {
   World world(world_text());
   world.send("Choice.whichChoice", vrml::SFInt32{1});
   CHECK(world.update());
@@ -241,7 +241,7 @@ TEST_CASE("what appears or goes is gathered") {
   world.check();
 }
 
-TEST_CASE("levels of detail and billboards follow the viewer (VRML97 6.26, 6.6)") {
+TEST_CASE("updates levels of detail and billboards with the viewer (VRML97 6.26, 6.6)") {
   World world(world_text());
   const std::size_t gathered = world.gathered();
   world.move_to({3, 0, 10});
@@ -254,7 +254,7 @@ TEST_CASE("levels of detail and billboards follow the viewer (VRML97 6.26, 6.6)"
   CHECK(world.gathered() == gathered + 1);
 }
 
-TEST_CASE("numbers that are too large hide what is below them until they are mended") {
+TEST_CASE("hides items below overflowing transformations until these are valid again") {
   World world("DEF A Transform { children DEF B Transform { children Shape { geometry Box { } } } }");
   world.send("A.scale", vrml::SFVec3f{1e30f, 1e30f, 1e30f});
   CHECK(world.update());
@@ -268,7 +268,7 @@ TEST_CASE("numbers that are too large hide what is below them until they are men
   world.check();
 }
 
-TEST_CASE("however events follow each other, the list is what gathering everything gives") {
+TEST_CASE("updates to the list of a full collection after any events") {
   World world(world_text());
   std::mt19937 random(7);
   const auto number = [&] { return static_cast<float>(static_cast<int>(random() % 2001) - 1000) / 100; };
@@ -325,7 +325,7 @@ TEST_CASE("however events follow each other, the list is what gathering everythi
   CHECK(world.gathered() < 150);
 }
 
-TEST_CASE("Text follows its strings, and is cut the more finely the nearer the viewer is") {
+TEST_CASE("updates Text after events, and re-tessellates it as the viewer comes near") {
   World world(R"(
     DEF Place Transform { children Shape { geometry DEF Words Text { string "Sea" } } }
     Transform { translation 0 0 -500 children Shape { geometry USE Words } }
@@ -365,7 +365,7 @@ TEST_CASE("Text follows its strings, and is cut the more finely the nearer the v
   CHECK(world.gathered() == 2);
 }
 
-TEST_CASE("The fog is that which is bound, as it is at the moment") {
+TEST_CASE("updates the bound Fog") {
   World world(R"(
     DEF Place Transform { children DEF Mist Fog { visibilityRange 30 } }
     DEF Night Fog { visibilityRange 50 color 0 0 0 } Shape { geometry Box { } })");

@@ -22,7 +22,7 @@ qnv::Cloud half_pictured() {
 
 }  // namespace
 
-TEST_CASE("what shows a picture is a mesh of its own, beside what has colours") {
+TEST_CASE("makes separate meshes of textured and coloured triangles") {
   const qnv::Cloud cloud = half_pictured();
   const auto plain = mesh_of_surface(cloud), pictured = mesh_of_surface(cloud, true);
   REQUIRE(plain->positions.size() == 3);
@@ -40,14 +40,14 @@ TEST_CASE("what shows a picture is a mesh of its own, beside what has colours") 
   CHECK(pictured->bounds.lower.z == 5);
 }
 
-TEST_CASE("a cloud without a picture is one mesh") {
+TEST_CASE("makes one mesh of a point set without a texture") {
   qnv::Cloud cloud = half_pictured();
   cloud.texture_coordinates.clear();
   CHECK(mesh_of_surface(cloud)->indices.size() == 6);
   CHECK(mesh_of_surface(cloud, true)->indices.empty());
 }
 
-TEST_CASE("how a surface shines is a part of its stream's metadata") {
+TEST_CASE("reads the shininess of a surface from the stream's metadata") {
   const Shine shine{{0.25f, 0.5f, 1}, 0.125f};
   qnv::Description description;
   description.metadata = metadata_of(shine);
@@ -63,7 +63,7 @@ TEST_CASE("how a surface shines is a part of its stream's metadata") {
   }
 }
 
-TEST_CASE("a surface that nobody gave a material has the colour of its stream and shines as that says") {
+TEST_CASE("draws a surface without a Material in the stream's colour and shininess") {
   DrawItem item;
   item.material.lit = false;
   auto cloud = std::make_shared<qnv::Cloud>(half_pictured());

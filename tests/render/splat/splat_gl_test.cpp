@@ -109,7 +109,7 @@ LayerDifference compare(const SplatLayer& a, const SplatLayer& b) {
 
 }  // namespace
 
-TEST_CASE("OpenGL draws surfaces of discs as the processor does", "[optimised]") {
+TEST_CASE("draws surfaces of splats with OpenGL as on the processor", "[optimised]") {
   check_same_picture(sphere_list(sphere(3000)), camera_at({0, 0, 3.5f}));
   // Wide discs, between which the normals follow the surface.
   check_same_picture(sphere_list(sphere(300)), camera_at({0, 0, 3.5f}));
@@ -119,14 +119,14 @@ TEST_CASE("OpenGL draws surfaces of discs as the processor does", "[optimised]")
   check_same_picture(sphere_list(sphere(300, true)), camera_at({0, 0, 3.5f}));
 }
 
-TEST_CASE("OpenGL draws discs of an octree as the processor does", "[optimised]") {
+TEST_CASE("draws octree splats with OpenGL as on the processor", "[optimised]") {
   const auto coarse = octree_sphere(500), fine = octree_sphere(8000);
   REQUIRE(!fine->cells.empty());
   check_same_picture(sphere_list(coarse), camera_at({0, 0, 3.5f}));
   check_same_picture(sphere_list(fine), camera_at({0, 0.2f, 3.5f}));
 }
 
-TEST_CASE("OpenGL keeps the sides of two-sided surfaces apart", "[optimised]") {
+TEST_CASE("keeps the sides of two-sided surfaces apart with OpenGL", "[optimised]") {
   auto cloud = sphere(3000, true);
   cloud->description.two_sided = true;
   check_same_picture(sphere_list(cloud), camera_at({0, 0, 3.5f}));
@@ -136,7 +136,7 @@ TEST_CASE("OpenGL keeps the sides of two-sided surfaces apart", "[optimised]") {
   check_same_picture(sphere_list(cells), camera_at({0, 0, 0}));
 }
 
-TEST_CASE("OpenGL draws surfaces under any scale, and partly behind the viewer", "[optimised]") {
+TEST_CASE("draws surfaces with OpenGL under any scale, and partly behind the viewer", "[optimised]") {
   const glm::mat4 turn(glm::vec4(0.8f, 0.6f, 0, 0), glm::vec4(-0.6f, 0.8f, 0, 0), glm::vec4(0, 0, 1, 0),
                        glm::vec4(0, 0, 0, 1));
   check_same_picture(sphere_list(sphere(3000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
@@ -153,14 +153,14 @@ TEST_CASE("OpenGL draws surfaces under any scale, and partly behind the viewer",
   check_same_picture(sphere_list(cloud), camera_at({0.9f, 0, 0.3f}));
 }
 
-TEST_CASE("Splats and meshes hide one another with OpenGL as well") {
+TEST_CASE("hides splats and meshes behind each other with OpenGL") {
   RenderList list = sphere_list(sphere(2000));
   add(list, glowing(square(0.5f), {1, 0, 0}, translation({0, 0, 1.2f})));
   add(list, glowing(square(0.5f), {0, 1, 0}, translation({0.5f, 0, 0})));
   check_same_picture(list, camera_at({0, 0, 4}));
 }
 
-TEST_CASE("Software OpenGL leaves splats to the processor") {
+TEST_CASE("draws splats on the processor if OpenGL is a software path") {
   Drawing drawing;
   (void)drawing.draw(sphere_list(sphere(100)));
   CHECK(drawing.statistics.splats == std::string("cpu"));
@@ -173,7 +173,7 @@ TEST_CASE("Software OpenGL leaves splats to the processor") {
   CHECK(drawing.statistics.splats == std::string("none"));
 }
 
-TEST_CASE("Records are drawn as they came, with the picture of the unpacked ones", "[optimised]") {
+TEST_CASE("draws packed records like unpacked ones", "[optimised]") {
   OpenContext open;
   SplatGl splats(open.gl);
   std::vector<qnv::Rgb8> palette;
@@ -228,7 +228,7 @@ TEST_CASE("Records are drawn as they came, with the picture of the unpacked ones
   CHECK(empty->normals == 0);
 }
 
-TEST_CASE("OpenGL draws tints and normals as colours") {
+TEST_CASE("draws tints and normals as colours with OpenGL") {
   OpenContext open;
   SplatGl splats(open.gl);
   SplatView view = view_of_sphere();
@@ -262,7 +262,7 @@ TEST_CASE("OpenGL draws tints and normals as colours") {
   CHECK(layer.colors[4 * (40 * 100 + 50) + 2] > 245);
 }
 
-TEST_CASE("Thousands of clouds are drawn with a few calls") {
+TEST_CASE("draws thousands of point sets with a few calls") {
   OpenContext open;
   SplatGl splats(open.gl);
   const auto whole = sphere(40000);
@@ -295,7 +295,7 @@ TEST_CASE("Thousands of clouds are drawn with a few calls") {
   CHECK(splats.store().reserved_bytes() == 0);
 }
 
-TEST_CASE("Pinholes are closed, and nothing that is open") {
+TEST_CASE("closes pinholes, but no real openings") {
   SplatLayer layer;
   SplatView view;
   view.width = layer.width = 9;
@@ -328,7 +328,7 @@ TEST_CASE("Pinholes are closed, and nothing that is open") {
   CHECK(closed.normals[4 * (5 * 9 + 8) + 3] == 0);
 }
 
-TEST_CASE("Pictures too large for OpenGL are left to the processor") {
+TEST_CASE("draws pictures too large for OpenGL on the processor") {
   OpenContext open;
   SplatGl splats(open.gl);
   const auto cloud = sphere(100);
@@ -348,7 +348,7 @@ TEST_CASE("Pictures too large for OpenGL are left to the processor") {
   CHECK(!take_errors(open.gl));
 }
 
-TEST_CASE("Pieces of clouds make up one surface") {
+TEST_CASE("joins pieces of point sets to one surface") {
   OpenContext open;
   SplatGl splats(open.gl);
   const auto whole = sphere(4000), other = sphere(4000, true);
@@ -370,7 +370,7 @@ TEST_CASE("Pieces of clouds make up one surface") {
   CHECK(nothing->normals == 0);
 }
 
-TEST_CASE("Clouds of any numbers do no harm") {
+TEST_CASE("survives point sets of any numbers") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 24;
   drawing.options.splats = SplatPath::gl;

@@ -47,7 +47,7 @@ constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
 
-TEST_CASE("Colour ramps go from blue to red, and chunks differ from their neighbours") {
+TEST_CASE("makes colour ramps from blue to red, and different colours for neighbouring chunks") {
   const auto same = [](const qnv::Rgb8& c, int r, int g, int b) {
     return c == qnv::Rgb8{std::uint8_t(r), std::uint8_t(g), std::uint8_t(b)};
   };
@@ -75,7 +75,7 @@ TEST_CASE("Colour ramps go from blue to red, and chunks differ from their neighb
   CHECK(octave_of(kNoLimit) <= 63);
 }
 
-TEST_CASE("A cloud without levels is drawn as a prefix, and cut where its colours change") {
+TEST_CASE("draws a prefix of a point set without levels, and cuts it where its colours change") {
   const auto cloud = sphere(10000);
   CutOptions options;
   CHECK(total(cut_cloud(cloud, from({0, 0, 3}), options)) == 10000);
@@ -118,7 +118,7 @@ TEST_CASE("A cloud without levels is drawn as a prefix, and cut where its colour
   CHECK(cut_cloud(std::make_shared<qnv::Cloud>(), from({0, 0, 3}), options).pieces.empty());
 }
 
-TEST_CASE("A stream is cut for the view, as finely as its detail asks for") {
+TEST_CASE("cuts a stream for the view at the requested detail") {
   const auto stream = bumpy_stream(60000);
   CutOptions options;
   const std::size_t near = total(cut_cloud(stream, from({0, 0, 3}), options)),
@@ -162,7 +162,7 @@ TEST_CASE("A stream is cut for the view, as finely as its detail asks for") {
   CHECK(cut_cloud(stream, broken, options).pieces.empty());
 }
 
-TEST_CASE("The budget goes where the pixels are") {
+TEST_CASE("spends the budget in proportion to pixels") {
   const BudgetView view{glm::dmat4(1), {0.5f, 0.5f}, 400, 400};
   SECTION("None: no limits") {
     const std::vector<SplatItem> items{ball_at({0, 0, -3}, 100), ball_at({0, 0, -30}, 100)};

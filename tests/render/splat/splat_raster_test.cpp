@@ -114,7 +114,7 @@ bool same(const SplatLayer& a, const SplatLayer& b) {
 
 }  // namespace
 
-TEST_CASE("The surface splatter agrees with the oracle on spheres of discs") {
+TEST_CASE("splats spheres like the reference ray caster") {
   for (const std::size_t count : {60u, 400u, 2500u}) {
     const qnv::Cloud cloud = disc_sphere(count, 1);
     for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(2, -2, 1), glm::vec3(-8, 1, 0)}) {
@@ -124,7 +124,7 @@ TEST_CASE("The surface splatter agrees with the oracle on spheres of discs") {
   }
 }
 
-TEST_CASE("The surface splatter agrees with the oracle on octrees, both sides and samples") {
+TEST_CASE("splats octrees, two-sided surfaces and several samples like the reference ray caster") {
   qnv::Cloud cloud = finely_cut_sphere(800);
   REQUIRE(cloud.size() > 300);
   REQUIRE(!cloud.cells.empty());
@@ -151,7 +151,7 @@ TEST_CASE("The surface splatter agrees with the oracle on octrees, both sides an
   }
 }
 
-TEST_CASE("The surface splatter agrees with the oracle on discs that cover many tiles") {
+TEST_CASE("splats over many tiles like the reference ray caster") {
   qnv::Cloud cloud;
   for (int i = 0; i < 3; ++i) {
     add(cloud, {0.2f * static_cast<float>(i) - 0.3f, 0.1f, -2.0f - 0.1f * static_cast<float>(i)},
@@ -163,7 +163,7 @@ TEST_CASE("The surface splatter agrees with the oracle on discs that cover many 
   check_agreement(cloud, view);
 }
 
-TEST_CASE("The surface splatter draws the same bits with every number of threads") {
+TEST_CASE("splats a surface to the same bits on any number of threads") {
   const qnv::Cloud cloud = disc_sphere(60'000, 1);
   SplatView view = view_from({1, 0, 3}, 220, 180);
   view.supersample = 2;
@@ -176,7 +176,7 @@ TEST_CASE("The surface splatter draws the same bits with every number of threads
   }
 }
 
-TEST_CASE("All kernels of the surface splatter give the same bits", "[optimised]") {
+TEST_CASE("splats a surface to the same bits in all kernels", "[optimised]") {
   const std::span<const render::SplatKernel> kernels = render::splat_kernels();
   REQUIRE(!kernels.empty());
   CHECK(kernels.front().name == render::splat_instructions());
@@ -200,7 +200,7 @@ TEST_CASE("All kernels of the surface splatter give the same bits", "[optimised]
   }
 }
 
-TEST_CASE("Pieces have their tint, and normals give colours, in place of their own") {
+TEST_CASE("draws tints of pieces and normal colours instead of stored colours") {
   const qnv::Cloud colored = disc_sphere(2500, 1);
   qnv::Cloud plain = colored;
   plain.colors.clear();
@@ -258,7 +258,7 @@ TEST_CASE("Pieces have their tint, and normals give colours, in place of their o
   }
 }
 
-TEST_CASE("Clouds that would cover too much are thinned out, the same way with every number of threads") {
+TEST_CASE("thins point sets that cover too much, equally on any number of threads") {
   qnv::Cloud cloud;
   constexpr std::size_t kDiscs = 40'000;
   for (std::size_t i = 0; i < kDiscs; ++i) add(cloud, {0, 0, -2 - 1e-5f * static_cast<float>(i)}, {0, 0, 1}, 200);
@@ -283,7 +283,7 @@ TEST_CASE("Clouds that would cover too much are thinned out, the same way with e
   }
 }
 
-TEST_CASE("A plane of discs has no holes at any distance", "[optimised]") {
+TEST_CASE("draws a plane of splats without holes at any distance", "[optimised]") {
   qnv::Cloud cloud;
   std::mt19937 random(1);
   std::uniform_real_distribution<float> shift(-0.05f, 0.05f);
@@ -321,7 +321,7 @@ TEST_CASE("A plane of discs has no holes at any distance", "[optimised]") {
   }
 }
 
-TEST_CASE("The silhouette of a sphere from an octree is within half a voxel") {
+TEST_CASE("keeps the silhouette of an octree sphere within half a voxel") {
   for (const std::size_t vectors : {600u, 6000u}) {
     const qnv::Cloud cloud = finely_cut_sphere(vectors);
     float edge = 0;
@@ -357,7 +357,7 @@ TEST_CASE("The silhouette of a sphere from an octree is within half a voxel") {
   }
 }
 
-TEST_CASE("Hostile surfaces are drawn or left out, and nothing breaks") {
+TEST_CASE("draws or skips hostile surfaces") {
   const qnv::Cloud sound = disc_sphere(300, 1);
   for (const float v : {kNaN, kInfinity, -kInfinity, 0.0f, -1.0f, 1e38f, 1e-38f}) {
     for (int what = 0; what < 5; ++what) {

@@ -35,7 +35,7 @@ std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store
 
 }  // namespace
 
-TEST_CASE("Clouds are forgotten with their last holder") {
+TEST_CASE("drops a point set with its last owner") {
   OpenContext open;
   SplatStore store(open.gl, 100000, 1000);
   auto first = sphere(1000), second = sphere(3000), third = sphere(5000);
@@ -69,7 +69,7 @@ TEST_CASE("Clouds are forgotten with their last holder") {
   CHECK(store.bytes() == 20 * cells->size());
 }
 
-TEST_CASE("Small clouds share a buffer, and large ones lie in several") {
+TEST_CASE("stores small point sets in one buffer and large ones in several") {
   OpenContext open;
   const Gl& gl = open.gl;
   SplatStore store(gl, std::size_t{1} << 20, 2000);
@@ -108,7 +108,7 @@ TEST_CASE("Small clouds share a buffer, and large ones lie in several") {
   CHECK(!take_errors(gl));
 }
 
-TEST_CASE("Where no slab has room in one piece, a cloud is cut") {
+TEST_CASE("splits a point set if no slab has enough contiguous space") {
   OpenContext open;
   SplatStore store(open.gl, 16 * 8192, 8192);
   // 8 of 1024, of which every other one goes.
@@ -124,7 +124,7 @@ TEST_CASE("Where no slab has room in one piece, a cloud is cut") {
   CHECK(store.reserved_bytes() == 16 * 8192);
 }
 
-TEST_CASE("Codes of 16 bytes keep a disc's place, normal and size") {
+TEST_CASE("stores position, normal and size of a splat in 16 bytes") {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> any(-1, 1);
   qnv::Cloud cloud;
@@ -169,7 +169,7 @@ TEST_CASE("Codes of 16 bytes keep a disc's place, normal and size") {
   }
 }
 
-TEST_CASE("The vertex shader unpacks records to the bits of unpack_records") {
+TEST_CASE("unpacks records in the vertex shader to the bits of unpack_records") {
   OpenContext open;
   const Gl& gl = open.gl;
   constexpr std::size_t kCount = 4096;

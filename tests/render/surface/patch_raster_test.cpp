@@ -60,7 +60,7 @@ std::size_t covered(const SplatLayer& layer) {
 
 }  // namespace
 
-TEST_CASE("every sample shows the nearest triangle that its ray meets, with its normal and its depth") {
+TEST_CASE("shows at each sample the nearest triangle with its normal and depth") {
   for (const int which : {0, 1}) {
     const qnv::displaced::SurfaceMesh shape = which == 0 ? mesh_of(torus(6, 4)) : mesh_of(sheet(8));
     const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(shape, 3, 3), 3);
@@ -104,7 +104,7 @@ TEST_CASE("every sample shows the nearest triangle that its ray meets, with its 
   }
 }
 
-TEST_CASE("a closed surface of mixed levels has no pinholes, and comes out the same with any number of threads") {
+TEST_CASE("draws a closed surface of mixed levels without pinholes, equally on any number of threads") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(3)), 4), 4);
   SplatView view = view_from({1.6f, 0.4f, 0.5f}, 96, 2);
   for (const float error : {24.0f, 3.0f}) {
@@ -129,7 +129,7 @@ TEST_CASE("a closed surface of mixed levels has no pinholes, and comes out the s
   }
 }
 
-TEST_CASE("all kernels of the patch rasteriser give the same bits", "[optimised]") {
+TEST_CASE("rasterises patches to the same bits in all kernels", "[optimised]") {
   const std::span<const PatchKernel> kernels = patch_kernels();
   REQUIRE(!kernels.empty());
   // Triangles of parts of a sample up to those of whole tiles, with and without colours, mirrored, cut by the near
@@ -161,7 +161,7 @@ TEST_CASE("all kernels of the patch rasteriser give the same bits", "[optimised]
   }
 }
 
-TEST_CASE("nothing is left out of a surface that fills the picture, be its triangles small or large") {
+TEST_CASE("draws every triangle of a surface that fills the picture, small or large") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 4), 4);
   for (const int size : {20, 90, 300}) {
     const SplatView inside = view_from({0.1f, 0.2f, 0.3f}, size, 1);
@@ -174,7 +174,7 @@ TEST_CASE("nothing is left out of a surface that fills the picture, be its trian
   }
 }
 
-TEST_CASE("the layer is the rectangle of tiles that something lies in") {
+TEST_CASE("limits the layer to the tiles that contain geometry") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 2), 2);
   SplatView view = view_from({40, 0, 0}, 512, 1);
   const SplatLayer layer = rasterize_patches(surface, cut_for(surface, view, 1), view, {});
@@ -187,7 +187,7 @@ TEST_CASE("the layer is the rectangle of tiles that something lies in") {
   CHECK(rasterize_patches(surface, cut_for(surface, view, 1), view, {}).empty());
 }
 
-TEST_CASE("colours of a surface come through, small triangles or large") {
+TEST_CASE("keeps the colours of a surface for small and large triangles") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 3), 3);
   const SplatView view = view_from({3, 0, 0}, 64, 2);
   for (const float error : {1.0f, 30.0f}) {
@@ -202,7 +202,7 @@ TEST_CASE("colours of a surface come through, small triangles or large") {
   }
 }
 
-TEST_CASE("the picture of a cut whose edges are a pixel is that of the whole surface", "[optimised]") {
+TEST_CASE("draws a cut with edges of a pixel like the whole surface", "[optimised]") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(torus(12, 8)), 5, 0, true), 5);
   const SplatView view = view_from({4, 1, 2}, 128, 2);
   const SplatLayer whole = rasterize_patches(surface, cut_for(surface, view, 0.001f), view, {});
@@ -214,7 +214,7 @@ TEST_CASE("the picture of a cut whose edges are a pixel is that of the whole sur
   CHECK(!whole.colors.empty());
 }
 
-TEST_CASE("a part of a picture has the samples that the whole picture has there") {
+TEST_CASE("draws a tile with the samples of the whole picture") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(torus(12, 8)), 4, 0, true), 4);
   const SplatView view = view_from({4, 1, 2}, 64, 1);
   const qnv::SurfaceCut cut = cut_for(surface, view, 4);
@@ -244,7 +244,7 @@ TEST_CASE("a part of a picture has the samples that the whole picture has there"
   CHECK(std::abs(static_cast<double>(together) - static_cast<double>(covered(whole))) < 16);
 }
 
-TEST_CASE("backs are seen of surfaces with two sides, and of no others") {
+TEST_CASE("draws the backs of two-sided surfaces only") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 2), 2);
   const SplatView inside = view_from({0.01f, 0.02f, 0.03f}, 32, 1);
   const qnv::SurfaceCut cut = cut_for(surface, inside, 8, false);
@@ -252,7 +252,7 @@ TEST_CASE("backs are seen of surfaces with two sides, and of no others") {
   CHECK(covered(rasterize_patches(surface, cut, inside, {true, {}, ColorBy::own})) == 32 * 32);
 }
 
-TEST_CASE("a picked point lies on a triangle, whose nearest corner is told") {
+TEST_CASE("picks a point on a triangle, and returns its nearest corner") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 3), 3);
   const SightLine line{{0.2, 0.1, 5}, {0, 0, -1}};
   const auto hit = pick_patches(surface, line, 0.001f);
@@ -272,7 +272,7 @@ TEST_CASE("a picked point lies on a triangle, whose nearest corner is told") {
   CHECK(!hit->color);
 }
 
-TEST_CASE("a picked point has a colour between those of the corners") {
+TEST_CASE("interpolates the colour of a picked point between the corners") {
   const auto color = [](const glm::vec3& p) { return p.z > 0 ? qnv::Rgb8{200, 100, 50} : qnv::Rgb8{0, 0, 255}; };
   const qnv::displaced::SurfaceMesh mesh = mesh_of(ball(4, color), true);
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh, 1, 0, true), 1);

@@ -55,7 +55,7 @@ double filled(const Contours& contours) {
 
 }  // namespace
 
-TEST_CASE("Contours are filled whichever way they turn") {
+TEST_CASE("fills contours of either orientation") {
   CHECK(filled({square(0, 0, 2)}) == Approx(4));
   CHECK(filled({square(0, 0, 2, true)}) == Approx(4));
   CHECK(filled({}) == 0);
@@ -63,7 +63,7 @@ TEST_CASE("Contours are filled whichever way they turn") {
   CHECK(filled({{{0, 0}, {1, 1}, {2, 2}}}) == 0);
 }
 
-TEST_CASE("Contours that turn the other way are holes, what is in them is filled again") {
+TEST_CASE("makes holes of contours of the other orientation, and fills contours inside them") {
   for (const bool turn : {false, true}) {
     CHECK(filled({square(0, 0, 10, turn), square(1, 1, 3, !turn)}) == Approx(91));
     // Holes beside, above and behind each other: cuts must not cross them.
@@ -77,12 +77,12 @@ TEST_CASE("Contours that turn the other way are holes, what is in them is filled
   }
 }
 
-TEST_CASE("What is inside of a contour that turns the same way is filled once") {  // non-zero winding
+TEST_CASE("fills the inside of a contour of equal orientation once") {  // non-zero winding
   CHECK(filled({square(0, 0, 10), square(2, 2, 3)}) == Approx(100));
   CHECK(filled({square(0, 0, 1), square(5, 0, 1)}) == Approx(2));
 }
 
-TEST_CASE("Many holes whose cuts end at the same corner") {
+TEST_CASE("connects many holes by cuts to the same corner") {
   Contours contours{{{0, 0}, {20, 5}, {0, 10}}};
   double expected = 100;
   for (int i = 0; i < 8; ++i) {
@@ -92,7 +92,7 @@ TEST_CASE("Many holes whose cuts end at the same corner") {
   CHECK(filled(contours) == Approx(expected));
 }
 
-TEST_CASE("A simplified contour stays within the tolerance, and has fewer corners") {
+TEST_CASE("simplifies a contour within the tolerance to fewer corners") {
   const auto fine = circle(0, 0, 1, 1000);
   for (const double tolerance : {0.001, 0.01, 0.1}) {
     const auto coarse = simplified(fine, tolerance);

@@ -59,7 +59,7 @@ double mean_green(const Image& image) {
 
 }  // namespace
 
-TEST_CASE("What contours enclose stands in the picture, in the place that the rectangle names") {
+TEST_CASE("draws the inside of contours into the glyph sheet, at the returned rectangle") {
   GlyphSheet sheet;
   // A square of half an em with a hole of a quarter, which turns the other way (non-zero winding).
   const Contours ring = {{{0, 0}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}},
@@ -88,7 +88,7 @@ TEST_CASE("What contours enclose stands in the picture, in the place that the re
   CHECK(int{sheet.image()->pixels[y * GlyphSheet::kSide + x]} == 128);
 }
 
-TEST_CASE("The picture of glyphs is bounded, and nothing stands in it twice") {
+TEST_CASE("limits the glyph sheet, and stores each glyph once") {
   GlyphSheet sheet;
   CHECK(sheet.add({})->triangles.empty());
   CHECK(sheet.add({{{0, 0}, {1, 0}, {0.5, 0}}})->triangles.empty());  // no area
@@ -110,7 +110,7 @@ TEST_CASE("The picture of glyphs is bounded, and nothing stands in it twice") {
   for (std::size_t i = 0; i < shapes.size(); i += 50) CHECK(inside(*image, shapes[i]) == Approx(0.81).epsilon(0.05));
 }
 
-TEST_CASE("A grey is as dense as it says, and one of all is solid") {
+TEST_CASE("fills a grey area to its density, and completely at 1") {
   GlyphSheet sheet;
   const auto image = sheet.image();
   const auto pixel_at = [&](const glm::vec2& place) {
@@ -138,7 +138,7 @@ TEST_CASE("A grey is as dense as it says, and one of all is solid") {
                               static_cast<std::size_t>(solid.x + static_cast<float>(dx))]} == 255);
 }
 
-TEST_CASE("Small text has two triangles a glyph, and is as bright as its outlines") {
+TEST_CASE("draws small text with two triangles per glyph, as bright as its outlines") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 128;
   std::string lines;
@@ -167,7 +167,7 @@ TEST_CASE("Small text has two triangles a glyph, and is as bright as its outline
   }
 }
 
-TEST_CASE("Text that is transparent, textured or in a list of its own is what it was") {
+TEST_CASE("keeps transparent, textured or singly listed text unchanged") {
   const std::string text = "geometry Text { string \"Gate\" }";
   World textured("Shape { appearance Appearance { texture PixelTexture { image 1 1 3 0xFF0000 } } " + text + " }");
   CHECK_FALSE(textured.seen_from(100, true).items[0].mesh->pictured);
@@ -186,7 +186,7 @@ TEST_CASE("Text that is transparent, textured or in a list of its own is what it
   CHECK(of_half == Approx(of_whole / 2).epsilon(0.05));
 }
 
-TEST_CASE("Text that nobody could read has a bar for each word, as bright as its letters") {
+TEST_CASE("draws unreadably small text as one bar per word, as bright as its letters") {
   World world(
       "Shape { appearance Appearance { material Material { diffuseColor 1 1 1 } } geometry Text { string "
       "\"ten thousand labels\" } }");

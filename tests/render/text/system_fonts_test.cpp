@@ -106,7 +106,7 @@ const std::string kHebrew = std::string(kAlef) + kBet + kGimel;
 
 }  // namespace
 
-TEST_CASE("Characters advance by their natural widths (VRML97 6.20.3)") {
+TEST_CASE("advances characters by their natural widths (VRML97 6.20.3)") {
   SystemFonts fonts;
   for (const FontRequest& request : kFamilies) {
     const FreeTypeFont reference(fonts.main_font(request));
@@ -120,7 +120,7 @@ TEST_CASE("Characters advance by their natural widths (VRML97 6.20.3)") {
   }
 }
 
-TEST_CASE("Glyphs cover what FreeType's rasteriser covers of them") {
+TEST_CASE("covers the area that FreeType's rasteriser covers") {
   SystemFonts fonts;
   for (const FontRequest& request : kFamilies) {
     const FreeTypeFont reference(fonts.main_font(request));
@@ -136,7 +136,7 @@ TEST_CASE("Glyphs cover what FreeType's rasteriser covers of them") {
   }
 }
 
-TEST_CASE("All of ISO 8859-1 has glyphs (VRML97 7.3.3)") {
+TEST_CASE("has glyphs for all of ISO 8859-1 (VRML97 7.3.3)") {
   SystemFonts fonts;
   for (const FontRequest& request : kFamilies) {
     const FontFile file = fonts.main_font(request);
@@ -147,7 +147,7 @@ TEST_CASE("All of ISO 8859-1 has glyphs (VRML97 7.3.3)") {
   }
 }
 
-TEST_CASE("Coarser levels have fewer triangles and the same extent") {
+TEST_CASE("makes coarser levels of fewer triangles and equal extent") {
   SystemFonts fonts;
   const std::string text = "GhostSpace & 0689";
   const ShapedText fine = fonts.shape(kFamilies[0], text, TextDirection::right, 0),
@@ -169,7 +169,7 @@ TEST_CASE("Coarser levels have fewer triangles and the same extent") {
   CHECK(area_of(coarse) == Approx(area_of(fine)).epsilon(0.15));
 }
 
-TEST_CASE("Glyphs are made once and shared") {
+TEST_CASE("makes each glyph once and shares it") {
   SystemFonts fonts;
   const ShapedText text = fonts.shape(kFamilies[1], "noon", TextDirection::right, 1);
   REQUIRE(text.glyphs.size() == 4);
@@ -179,7 +179,7 @@ TEST_CASE("Glyphs are made once and shared") {
   CHECK(fonts.shape(kFamilies[1], "n", TextDirection::right, 1).glyphs[0].shape == text.glyphs[0].shape);
 }
 
-TEST_CASE("Families are those of VRML97 6.20.2, the first that there is") {
+TEST_CASE("chooses the first available family of VRML97 6.20.2") {
   SystemFonts fonts;
   const std::string serif = fonts.main_font(family("SERIF")).path, sans = fonts.main_font(family("SANS")).path,
                     typewriter = fonts.main_font(family("TYPEWRITER")).path;
@@ -200,7 +200,7 @@ TEST_CASE("Families are those of VRML97 6.20.2, the first that there is") {
         2 * fonts.shape(family("SERIF"), "i", TextDirection::right, 1).extent);
 }
 
-TEST_CASE("Styles are bold, italic or both, also of fonts that have none such") {  // 6.20.2
+TEST_CASE("draws bold and italic styles, also of fonts without them") {  // 6.20.2
   SystemFonts fonts;
   // How far the upper half of the letter I leans to the right, and its area.
   const auto measure = [&](const char* name, bool bold, bool italic) {
@@ -231,7 +231,7 @@ TEST_CASE("Styles are bold, italic or both, also of fonts that have none such") 
   }
 }
 
-TEST_CASE("A font that has only plain letters is made bold and slanted") {
+TEST_CASE("emboldens and slants a font that has plain letters only") {
   SystemFonts fonts;
   const FontFile file = fonts.main_font(family("SANS"));
   std::vector<PlacedGlyph> plain, made;
@@ -248,7 +248,7 @@ TEST_CASE("A font that has only plain letters is made bold and slanted") {
   CHECK(box(made[0]).second.x - box(made[0]).first.x > box(plain[0]).second.x - box(plain[0]).first.x + 0.1f);
 }
 
-TEST_CASE("Hebrew runs from right to left in lines of either direction, numbers in it from left to right") {
+TEST_CASE("runs Hebrew from right to left and its numbers from left to right, in lines of either direction") {
   SystemFonts fonts;
   for (const TextDirection direction : {TextDirection::right, TextDirection::left}) {
     const ShapedText line = fonts.shape(kFamilies[1], kHebrew, direction, 1);
@@ -267,7 +267,7 @@ TEST_CASE("Hebrew runs from right to left in lines of either direction, numbers 
   CHECK(place_of(fonts, left, "z") < place_of(fonts, left, kGimel));
 }
 
-TEST_CASE("Text whose leftToRight is FALSE advances to the left (VRML97 6.20.3)") {
+TEST_CASE("advances to the left if leftToRight is FALSE (VRML97 6.20.3)") {
   SystemFonts fonts;
   const ShapedText right = fonts.shape(kFamilies[1], "abc", TextDirection::right, 1),
                    left = fonts.shape(kFamilies[1], "abc", TextDirection::left, 1);
@@ -279,7 +279,7 @@ TEST_CASE("Text whose leftToRight is FALSE advances to the left (VRML97 6.20.3)"
   CHECK(place_of(fonts, left, "c") == Approx(-left.extent));
 }
 
-TEST_CASE("Characters of vertical text stand below or above each other, centred (VRML97 6.20.3)") {
+TEST_CASE("stacks characters of vertical text, centred (VRML97 6.20.3)") {
   SystemFonts fonts;
   for (const bool down : {true, false}) {
     const ShapedText line = fonts.shape(kFamilies[1], "HIH", down ? TextDirection::down : TextDirection::up, 1);
@@ -302,7 +302,7 @@ TEST_CASE("Characters of vertical text stand below or above each other, centred 
   }
 }
 
-TEST_CASE("Characters that a font lacks come from another one") {
+TEST_CASE("takes missing characters from another font") {
   SystemFonts fonts;
   // Hebrew is not in every monospaced font, but in one of the system's.
   const ShapedText text = fonts.shape(family("TYPEWRITER"), kAlef, TextDirection::right, 1);
@@ -311,7 +311,7 @@ TEST_CASE("Characters that a font lacks come from another one") {
   CHECK((missing.glyphs.empty() || missing.glyphs[0].shape != text.glyphs[0].shape));
 }
 
-TEST_CASE("Blanks take room, controls none") {
+TEST_CASE("advances at blanks, but not at controls") {
   SystemFonts fonts;
   const double blank = fonts.shape(kFamilies[1], " ", TextDirection::right, 1).extent;
   CHECK(blank > 0);
@@ -321,7 +321,7 @@ TEST_CASE("Blanks take room, controls none") {
   CHECK(fonts.shape(kFamilies[1], "", TextDirection::right, 1).extent == 0);
 }
 
-TEST_CASE("Any bytes can be shaped, in any direction") {
+TEST_CASE("shapes any bytes in any direction") {
   SystemFonts fonts;
   std::mt19937 random(11);
   for (int round = 0; round < 60; ++round) {
@@ -344,7 +344,7 @@ TEST_CASE("Any bytes can be shaped, in any direction") {
   CHECK(runs.extent == Approx(10'000 * fonts.shape(kFamilies[2], "x", TextDirection::left, 2).extent));
 }
 
-TEST_CASE("Any number of fonts and languages can be asked for") {
+TEST_CASE("accepts any number of fonts and languages") {
   SystemFonts fonts;
   const double plain = fonts.shape({}, "nn", TextDirection::right, 1).extent;
   for (int i = 0; i < 700; ++i) {
@@ -357,7 +357,7 @@ TEST_CASE("Any number of fonts and languages can be asked for") {
   }
 }
 
-TEST_CASE("The language of a FontStyle") {  // 6.20.4
+TEST_CASE("shapes text in the language of its FontStyle") {  // 6.20.4
   CHECK(language_tag("zh_TW") == "zh-TW");
   CHECK(language_tag("en") == "en");
   CHECK(language_tag("").empty());

@@ -7,7 +7,7 @@
 
 namespace gs::render::utf8_test {
 
-TEST_CASE("Characters of UTF-8 text") {
+TEST_CASE("decodes characters of UTF-8") {
   CHECK(characters_of("").empty());
   CHECK(characters_of("Az~") == U"Az~");
   CHECK(characters_of("\xC2\xAE") == U"\u00AE");  // the example of VRML97 6.47.2
@@ -16,7 +16,7 @@ TEST_CASE("Characters of UTF-8 text") {
   CHECK(characters_of("\xF4\x8F\xBF\xBF") == U"\U0010FFFF");
 }
 
-TEST_CASE("What is no UTF-8 is replaced, a beginning of a sequence at a time") {
+TEST_CASE("replaces invalid UTF-8, one incomplete sequence at a time") {
   // Unicode 3.9, Tables 3-8 to 3-11.
   CHECK(characters_of("\xC0\xAF\xE0\x80\xBF\xF0\x81\x82\x41") == U"\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD\uFFFDA");
   CHECK(characters_of("\xED\xA0\x80\xED\xBF\xBF\xED\xAF\x41") == U"\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD\uFFFDA");
@@ -25,7 +25,7 @@ TEST_CASE("What is no UTF-8 is replaced, a beginning of a sequence at a time") {
   CHECK(characters_of("\xE2\x82") == U"\uFFFD");
 }
 
-TEST_CASE("Random bytes give characters, never more than there are bytes") {
+TEST_CASE("decodes random bytes to at most as many characters") {
   std::mt19937 random(7);
   for (int round = 0; round < 2000; ++round) {
     std::string bytes(random() % 40, '\0');

@@ -55,7 +55,7 @@ Pixels check_same(const RenderList& list, const DrawOptions& look, const glm::ve
 
 }  // namespace
 
-TEST_CASE("OpenGL draws a volume as the processor and the ray caster do", "[optimised]") {
+TEST_CASE("draws a volume with OpenGL as on the processor and by the ray caster", "[optimised]") {
   const auto cloud = shell();
   for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(3, 1, -1), glm::vec3(0.9f, 0.2f, 0.3f)}) {
     for (const VolumeSort sort : {VolumeSort::thread, VolumeSort::compute}) {
@@ -72,7 +72,7 @@ TEST_CASE("OpenGL draws a volume as the processor and the ray caster do", "[opti
   }
 }
 
-TEST_CASE("It does with many small vectors, and with few large ones", "[optimised]") {
+TEST_CASE("draws many small and few large vectors with OpenGL as on the processor", "[optimised]") {
   (void)check_same(volume_list(shell(30'000, 7, 0.02f)), {});
   (void)check_same(volume_list(shell(20, 8, 0.4f)), {});
   (void)check_same(volume_list(shell(1, 9, 0.4f)), {});
@@ -80,7 +80,7 @@ TEST_CASE("It does with many small vectors, and with few large ones", "[optimise
   (void)check_same(volume_list(shell(3000, 9, 0.01f)), {}, {0, 0, 20});
 }
 
-TEST_CASE("It does with lights, a threshold, a clipping plane, transparency and a slanted transformation") {
+TEST_CASE("draws lights, threshold, clipping plane, transparency and slant with OpenGL as on the processor") {
   RenderList list =
       volume_list(shell(700, 6, 0.15f), glm::mat4(glm::vec4(1.2f, 0.3f, 0, 0), glm::vec4(0, 0.7f, 0.2f, 0),
                                                   glm::vec4(0, 0, -1, 0), glm::vec4(0.1f, 0, 0, 1)));
@@ -108,7 +108,7 @@ TEST_CASE("It does with lights, a threshold, a clipping plane, transparency and 
   (void)check_same(list, look);
 }
 
-TEST_CASE("It does with the colours that tell vectors apart, and with colours of their own") {
+TEST_CASE("draws distinguishing and stored colours with OpenGL as on the processor") {
   auto cloud = std::make_shared<qnv::Cloud>(random_volume(9000, 4, 0.06f));
   DrawOptions look;
   const Pixels own = check_same(volume_list(cloud), look);
@@ -122,7 +122,7 @@ TEST_CASE("It does with the colours that tell vectors apart, and with colours of
   (void)check_same(volume_list(cloud), {});
 }
 
-TEST_CASE("It does with volumes that stand in one another, under one another's transformation") {
+TEST_CASE("draws nested, transformed volumes with OpenGL as on the processor") {
   RenderList list = volume_list(shell(900, 5));
   list.splats.push_back(volume_list(shell(800, 12), translation({0.4f, 0.2f, 0.5f})).splats[0]);
   list.splats.push_back(volume_list(list.splats[0].cloud, translation({-0.5f, 0, 0})).splats[0]);
@@ -135,13 +135,13 @@ TEST_CASE("It does with volumes that stand in one another, under one another's t
   (void)check_same(list, {});
 }
 
-TEST_CASE("It does with a budget") {
+TEST_CASE("draws within a budget with OpenGL as on the processor") {
   DrawOptions look;
   look.budget = 300;
   (void)check_same(volume_list(shell(5000, 3, 0.05f)), look);
 }
 
-TEST_CASE("With OpenGL a polygon in a volume hides what is behind it and is veiled by what is before it") {
+TEST_CASE("hides the volume behind a polygon and veils the polygon by the volume before it, with OpenGL") {
   const auto cloud = shell(2000, 5, 0.1f);
   const std::array<glm::vec3, 4> slanted{
       {{-0.6f, -0.7f, -2.6f}, {0.7f, -0.6f, -3}, {-0.7f, 0.6f, -3}, {0.6f, 0.7f, -3.4f}}};
@@ -162,7 +162,7 @@ TEST_CASE("With OpenGL a polygon in a volume hides what is behind it and is veil
   }
 }
 
-TEST_CASE("OpenGL's order is at most that of the picture before, and a view that stays is exact", "[optimised]") {
+TEST_CASE("sorts for OpenGL at most one picture late, and exactly for an unchanged view", "[optimised]") {
   VolumePicture picture(VolumeSort::thread), fresh(VolumeSort::thread);
   picture.options.splats = fresh.options.splats = SplatPath::gl;
   const RenderList list = volume_list(shell(30'000, 7, 0.03f));
@@ -192,7 +192,7 @@ TEST_CASE("OpenGL's order is at most that of the picture before, and a view that
   }
 }
 
-TEST_CASE("Compute shaders sort as the thread does", "[optimised]") {
+TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
   VolumePicture picture;
   if (!picture.gl.DispatchCompute) {
     WARN("no compute shaders here");
@@ -248,7 +248,7 @@ TEST_CASE("Compute shaders sort as the thread does", "[optimised]") {
   CHECK(picture.gl.GetError() == GL_NO_ERROR);
 }
 
-TEST_CASE("Volumes of any numbers do OpenGL no harm") {
+TEST_CASE("survives volumes of any numbers with OpenGL") {
   constexpr std::array<float, 9> numbers = {kNaN, kInfinity, -kInfinity, 0, -1, 1e38f, -1e38f, 1e-38f, 3e9f};
   VolumePicture picture(VolumeSort::compute, 24, 24);
   picture.options.splats = SplatPath::gl;
@@ -276,7 +276,7 @@ TEST_CASE("Volumes of any numbers do OpenGL no harm") {
   }
 }
 
-TEST_CASE("OpenGL leaves volumes to the processor that it cannot draw") {
+TEST_CASE("draws volumes on the processor that OpenGL cannot draw") {
   VolumePicture picture(VolumeSort::thread);
   VolumeGl volumes(picture.gl);
   const auto cloud = shell();

@@ -14,7 +14,7 @@ using namespace gs;
 using namespace gs::test;
 using namespace gs::render;
 
-TEST_CASE("Of a prefix the spacing is counted at powers of the square root of two") {
+TEST_CASE("counts the spacing of a prefix at powers of the square root of two") {
   CHECK(volume_prefix(1000, 0) == VolumePrefix{1000, 1000});
   CHECK(volume_prefix(1000, 1000) == VolumePrefix{1000, 1000});
   CHECK(volume_prefix(1000, 5000) == VolumePrefix{1000, 1000});
@@ -34,7 +34,7 @@ TEST_CASE("Of a prefix the spacing is counted at powers of the square root of tw
   }
 }
 
-TEST_CASE("Spacings of a prefix are those of a cloud that has no more") {
+TEST_CASE("gives a prefix the spacing of a point set that ends there") {
   const qnv::Cloud cloud = random_volume(4000, 2, 0.02f);
   const VolumeModel all = volume_model(cloud), some = volume_model(cloud, 0, 512);
   CHECK(all.spacing.size() == 4000);
@@ -52,7 +52,7 @@ TEST_CASE("Spacings of a prefix are those of a cloud that has no more") {
   for (const unsigned threads : {1u, 3u}) CHECK(volume_model(cloud, threads, 512).spacing == some.spacing);
 }
 
-TEST_CASE("A vector that stands for those in a cube reaches no further than its cell says, but in a prefix") {
+TEST_CASE("limits a vector to its octree cell, except in a prefix") {
   qnv::Cloud cloud = random_volume(4000, 2, 0.02f);
   const VolumeModel free = volume_model(cloud), some = volume_model(cloud, 0, 512);
   cloud.cells.assign(cloud.size(), {});  // each is a voxel of the lattice
@@ -69,7 +69,7 @@ TEST_CASE("A vector that stands for those in a cube reaches no further than its 
   CHECK(volume_model(cloud, 0, 512).spacing == some.spacing);
 }
 
-TEST_CASE("A transfer function is linear between its points, and its opacity a depth") {
+TEST_CASE("interpolates a transfer function linearly, and converts its opacity to depth") {
   qnv::Description about;
   about.transfer = {{0, {0, 0, 0}, 0}, {1, {255, 255, 255}, 0.5f}};
   const VolumeTransfer own = volume_transfer(about);
@@ -92,7 +92,7 @@ TEST_CASE("A transfer function is linear between its points, and its opacity a d
   }
 }
 
-TEST_CASE("A transfer function of the options stands in for the model's, for colour and opacity") {
+TEST_CASE("replaces the model's transfer function by that of the options, for colour and opacity") {
   const qnv::Cloud cloud = random_volume(100, 3, 0.1f);
   const VolumeModel model = volume_model(cloud);
   const std::array<qnv::TransferPoint, 1> green{{{0, {0, 255, 0}, 0.5f}}};
@@ -108,7 +108,7 @@ TEST_CASE("A transfer function of the options stands in for the model's, for col
   }
 }
 
-TEST_CASE("Colours that tell the vectors of a volume apart") {
+TEST_CASE("makes colours that distinguish the vectors of a volume") {
   qnv::Cloud cloud = random_volume(9000, 3, 0.1f);
   cloud.normals[1] = {0, -2, 0};
   cloud.normals[2] = glm::vec3(kNaN);

@@ -41,7 +41,7 @@ VolumeItem item_of(const qnv::Cloud& cloud, const VolumeModel& model, const glm:
 
 }  // namespace
 
-TEST_CASE("A volume is blended over what was drawn, pixel by pixel") {
+TEST_CASE("blends a volume over the picture, pixel by pixel") {
   Target target;
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f));
   const Pixels drawn = target.draw(volume_list(cloud), {0.2f, 0.4f, 0.8f}, 9);
@@ -65,7 +65,7 @@ TEST_CASE("A volume is blended over what was drawn, pixel by pixel") {
   CHECK(furthest <= 1.6f);
 }
 
-TEST_CASE("A polygon in front of a volume hides it, one behind does not") {
+TEST_CASE("hides a volume behind a polygon, and draws it over one behind it") {
   Target target;
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f));
   const glm::vec3 color(0, 0, 1);
@@ -73,7 +73,7 @@ TEST_CASE("A polygon in front of a volume hides it, one behind does not") {
   CHECK(!plain(target.draw(volume_list(cloud), color, 5), color));
 }
 
-TEST_CASE("Surfaces, empty volumes and volumes behind the camera are left alone") {
+TEST_CASE("ignores surfaces, empty volumes and volumes behind the camera") {
   Target target;
   const glm::vec3 color(0.6f, 0, 0);
   qnv::Cloud surface = random_volume(50, 1, 0.1f);
@@ -88,7 +88,7 @@ TEST_CASE("Surfaces, empty volumes and volumes behind the camera are left alone"
   CHECK(plain(target.draw(list, color, 9), color));
 }
 
-TEST_CASE("Transparency, clipping plane and threshold of a volume") {
+TEST_CASE("applies transparency, clipping plane and threshold of a volume") {
   Target target;
   const glm::vec3 color(0, 0, 0.5f);
   RenderList list = volume_list(std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)));
@@ -107,7 +107,7 @@ TEST_CASE("Transparency, clipping plane and threshold of a volume") {
   CHECK(target.statistics.vectors < 600);
 }
 
-TEST_CASE("Of two volumes the nearer one is drawn over the other") {
+TEST_CASE("draws the nearer of two volumes over the other") {
   Target target;
   const auto of_color = [](qnv::Rgb8 color) {
     auto cloud = std::make_shared<qnv::Cloud>(random_volume(4000, 3, 0.05f));
@@ -128,7 +128,7 @@ TEST_CASE("Of two volumes the nearer one is drawn over the other") {
   }
 }
 
-TEST_CASE("The lights of a volume: its directional ones, the strongest others, the headlight") {
+TEST_CASE("lights a volume by its directional lights, the strongest others and the headlight") {
   RenderList list;
   for (int i = 0; i < 7; ++i) {
     Light light;
@@ -154,7 +154,7 @@ TEST_CASE("The lights of a volume: its directional ones, the strongest others, t
   CHECK(none[0].color == glm::vec3(0));
 }
 
-TEST_CASE("Vectors of volumes that stand in one another are mixed by depth, vector by vector", "[optimised]") {
+TEST_CASE("mixes vectors of intersecting volumes by depth, vector by vector", "[optimised]") {
   const auto first = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)),
              second = std::make_shared<const qnv::Cloud>(random_volume(700, 6, 0.12f));
   const glm::mat4 place = testing::translation({0.3f, 0.1f, 0.2f}) * testing::scale({1.2f, 0.8f, 1});
@@ -186,7 +186,7 @@ TEST_CASE("Vectors of volumes that stand in one another are mixed by depth, vect
   CHECK(layered.decibels() < 35);
 }
 
-TEST_CASE("A polygon in a volume hides what lies behind it and is veiled by what lies before it", "[optimised]") {
+TEST_CASE("hides the volume behind a polygon, and veils the polygon by the volume before it", "[optimised]") {
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(1500, 5, 0.1f));
   const VolumeModel model = volume_model(*cloud);
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
@@ -219,7 +219,7 @@ TEST_CASE("A polygon in a volume hides what lies behind it and is veiled by what
   }
 }
 
-TEST_CASE("The edges of polygons in front of a volume, inside and behind it stay smooth with several samples", "[optimised]") {
+TEST_CASE("smooths polygon edges before, in and behind a volume with several samples", "[optimised]") {
   auto cloud = std::make_shared<qnv::Cloud>(random_volume(6000, 5, 0.08f));
   cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
   for (const float depth : {1.0f, 3.0f, 6.0f}) {
@@ -253,7 +253,7 @@ TEST_CASE("The edges of polygons in front of a volume, inside and behind it stay
   }
 }
 
-TEST_CASE("The budget is shared by the volumes, and what is drawn fills in for what is not") {
+TEST_CASE("shares the budget between volumes, and compensates for omitted vectors") {
   Target target;
   auto cloud = std::make_shared<qnv::Cloud>(random_volume(20'000, 3, 0.05f));
   cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
@@ -283,7 +283,7 @@ TEST_CASE("The budget is shared by the volumes, and what is drawn fills in for w
   CHECK(target.statistics.vectors <= 4050);
 }
 
-TEST_CASE("A transfer function in place of the volumes' own, and colours by where vectors come from") {
+TEST_CASE("applies a chosen transfer function to all volumes, and colours by the source of vectors") {
   Target target;
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(2000, 5, 0.1f));
   const Pixels own = target.draw(volume_list(cloud), {0, 0, 0}, 25);
@@ -300,7 +300,7 @@ TEST_CASE("A transfer function in place of the volumes' own, and colours by wher
   CHECK(target.draw(volume_list(cloud), {0, 0, 0}, 25) == own);
 }
 
-TEST_CASE("A volume fills its part of a window and leaves the rest alone") {
+TEST_CASE("draws a volume inside its viewport only") {
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     Target target(VolumeSort::automatic, kWidth, kHeight), whole(VolumeSort::automatic, 40, 30);
     target.options.splats = whole.options.splats = path;
@@ -334,7 +334,7 @@ TEST_CASE("A volume fills its part of a window and leaves the rest alone") {
   }
 }
 
-TEST_CASE("Volumes meet polygons in depth buffers of all formats, and are drawn where there is none", "[optimised]") {
+TEST_CASE("combines volumes with polygons for all depth formats, and without a depth buffer", "[optimised]") {
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(1500, 5, 0.1f));
   for (const int samples : {1, 4}) {
     Pixels wanted;

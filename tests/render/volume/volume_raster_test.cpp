@@ -51,7 +51,7 @@ bool same(const VolumeLayer& a, const VolumeLayer& b) {
 
 }  // namespace
 
-TEST_CASE("The fast picture of a volume is that of equation (1)") {
+TEST_CASE("draws a volume as equation (1) defines") {
   const qnv::Cloud cloud = random_volume(900, 5, 0.12f);
   for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(3, 1, -1), glm::vec3(-2, -2.5f, 0.5f),
                                glm::vec3(0.9f, 0.2f, 0.3f), glm::vec3(0, 12, 0)}) {
@@ -63,7 +63,7 @@ TEST_CASE("The fast picture of a volume is that of equation (1)") {
   }
 }
 
-TEST_CASE("It is with lights, a threshold, a clipping plane, a colour, and under a slanted transformation") {
+TEST_CASE("draws lights, threshold, clipping plane, colour and slant as equation (1) defines") {
   const qnv::Cloud cloud = random_volume(700, 6, 0.15f);
   SplatView view = view_from({1, 2, 2}, 70, 50);
   const std::array<render::VolumeLight, 2> lights = {
@@ -82,12 +82,12 @@ TEST_CASE("It is with lights, a threshold, a clipping plane, a colour, and under
   CHECK(against_oracle(cloud, view, options).first >= 40);
 }
 
-TEST_CASE("A volume of many small vectors agrees with the oracle", "[optimised]") {
+TEST_CASE("draws many small vectors like the reference ray caster", "[optimised]") {
   const qnv::Cloud cloud = random_volume(20'000, 7, 0.02f);
   CHECK(against_oracle(cloud, view_from({0, 1, 3}, 64, 64), {}).first >= 40);
 }
 
-TEST_CASE("The order of the vectors of a volume does not matter when they lie at different depths") {
+TEST_CASE("draws vectors at different depths equally in any order") {
   const qnv::Cloud cloud = random_volume(600, 8, 0.2f);
   std::vector<std::size_t> order(cloud.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -100,7 +100,7 @@ TEST_CASE("The order of the vectors of a volume does not matter when they lie at
   CHECK(same(drawn(cloud, view), drawn(other, view)));
 }
 
-TEST_CASE("The picture of a volume is the same for every number of threads") {
+TEST_CASE("draws the same volume on any number of threads") {
   const qnv::Cloud cloud = random_volume(60'000, 9, 0.02f);
   SplatView view = view_from({1, 1, 2}, 200, 150);
   view.threads = 1;
@@ -112,7 +112,7 @@ TEST_CASE("The picture of a volume is the same for every number of threads") {
   }
 }
 
-TEST_CASE("So is that of several volumes with stops, which is their exact one", "[optimised]") {
+TEST_CASE("draws several volumes with stops to their exact picture on any number of threads", "[optimised]") {
   const qnv::Cloud first = random_volume(30'000, 9, 0.03f), second = random_volume(600, 4, 0.2f);
   const render::VolumeModel models[2] = {render::volume_model(first), render::volume_model(second)};
   SplatView view = view_from({1, 1, 2}, 48, 36);
@@ -156,7 +156,7 @@ TEST_CASE("So is that of several volumes with stops, which is their exact one", 
   CHECK(std::all_of(hidden.pixels.begin(), hidden.pixels.end(), [](std::uint8_t p) { return p == 0; }));
 }
 
-TEST_CASE("The exact picture of one volume among several is that of the ray caster") {
+TEST_CASE("draws one of several volumes exactly like the ray caster") {
   const qnv::Cloud cloud = random_volume(300, 3, 0.2f);
   const render::VolumeModel model = render::volume_model(cloud);
   const SplatView view = view_from({1, 0.5f, 2.5f}, 30, 20);
@@ -167,7 +167,7 @@ TEST_CASE("The exact picture of one volume among several is that of the ray cast
     for (int c = 0; c < 4; ++c) REQUIRE(a.color[i][c] == Approx(b.color[i][c]).margin(1e-5));
 }
 
-TEST_CASE("A survey counts what is in view") {
+TEST_CASE("counts the vectors in view") {
   const qnv::Cloud cloud = random_volume(5000, 3, 0.05f);
   const render::VolumeModel model = render::volume_model(cloud);
   SplatView view = view_from({0, 0, 3}, 80, 60);
@@ -182,7 +182,7 @@ TEST_CASE("A survey counts what is in view") {
   CHECK(render::survey_volumes({}, view, 500).pixels == 0);
 }
 
-TEST_CASE("Both kernels of the volume splatter give the same bits") {
+TEST_CASE("splats a volume to the same bits in both kernels") {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> place(-30, 70), part(0, 1);
   std::vector<render::VolumeSplat> splats(3000);
@@ -212,7 +212,7 @@ TEST_CASE("Both kernels of the volume splatter give the same bits") {
   }
 }
 
-TEST_CASE("A boundary of a volume has no holes, however few of its vectors have arrived") {
+TEST_CASE("draws the boundary of a volume without holes from few received vectors") {
   std::mt19937 random(2);
   for (const double share : {1.0, 0.25, 0.05, 0.01}) {
     qnv::Cloud cloud = empty_volume(0.95f, 1);
@@ -234,7 +234,7 @@ TEST_CASE("A boundary of a volume has no holes, however few of its vectors have 
   }
 }
 
-TEST_CASE("The more opaque a volume, the less shows through, and colours stay premultiplied") {
+TEST_CASE("shows less through more opaque volumes, and keeps colours premultiplied") {
   const qnv::Cloud cloud = random_volume(3000, 10, 0.06f);
   const SplatView view = view_from({0, 0, 3}, 64, 64);
   double last = 0;
@@ -255,7 +255,7 @@ TEST_CASE("The more opaque a volume, the less shows through, and colours stay pr
   }
 }
 
-TEST_CASE("Hostile volumes are drawn or left out, and nothing breaks") {
+TEST_CASE("draws or skips hostile volumes") {
   const SplatView view = view_from({0, 0, 3}, 70, 40);
   const qnv::Cloud sound = random_volume(300, 11, 0.2f);
   const std::array<float, 9> values = {kNaN, kInfinity, -kInfinity, 0, -1, 1e38f, -1e38f, 1e-38f, 3e9f};
@@ -299,7 +299,7 @@ TEST_CASE("Hostile volumes are drawn or left out, and nothing breaks") {
   CHECK(drawn(sound, away).empty());  // behind the camera
 }
 
-TEST_CASE("Vectors that all stand in one place, and one vector in a huge box, take no endless time") {
+TEST_CASE("ends quickly for coincident vectors, and for one vector in a huge box") {
   qnv::Cloud cloud = empty_volume(0.01f, 100);
   for (int i = 0; i < 100'000; ++i) add(cloud, {0, 0, 0}, {0, 0, 1}, 1, 0);
   const SplatView view = view_from({0, 0, 3}, 200, 200);

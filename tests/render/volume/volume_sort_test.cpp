@@ -51,7 +51,7 @@ bool sorted(const VolumeSorter::Order& order, const VolumeSortPart& part) {
 
 }  // namespace
 
-TEST_CASE("Keys of depths ascend from the farthest to the nearest") {
+TEST_CASE("makes sort keys that ascend from the farthest to the nearest depth") {
   constexpr std::array<float, 11> depths = {kInfinity, 3e38f,   7,  2.0000002f, 2,         1e-40f,
                                             0,         -1e-40f, -1, -3e38f,     -kInfinity};
   for (std::size_t i = 1; i < depths.size(); ++i) CHECK(far_first_key(depths[i - 1]) < far_first_key(depths[i]));
@@ -61,7 +61,7 @@ TEST_CASE("Keys of depths ascend from the farthest to the nearest") {
   CHECK(far_first_key(-kInfinity) < far_first_key(kNaN));
 }
 
-TEST_CASE("Entries are sorted by key, those of one key stay in their order") {
+TEST_CASE("sorts entries by key, and keeps the order of equal keys") {
   std::mt19937 random(3);
   for (const std::size_t count : {0u, 1u, 2u, 3u, 100u, 5000u, 70'000u}) {
     for (const std::uint32_t mask : {0u, 0xFu, 0xF800000u, 0xFFFFFFFFu}) {
@@ -80,7 +80,7 @@ TEST_CASE("Entries are sorted by key, those of one key stay in their order") {
   CHECK(entries == std::vector<std::uint64_t>{entry(1, 4), entry(5, 9), entry(5, 2), entry(5, 1)});
 }
 
-TEST_CASE("The vectors of several volumes come in one order, of one depth the later one first") {
+TEST_CASE("orders the vectors of several volumes together, at one depth the later volume first") {
   auto cloud = std::make_shared<qnv::Cloud>();
   for (const float z : {0.0f, 1.0f, 0.0f, -2.0f}) add(*cloud, {0, 0, z}, {0, 0, 1}, 1);
   auto other = std::make_shared<qnv::Cloud>();
@@ -101,7 +101,7 @@ TEST_CASE("The vectors of several volumes come in one order, of one depth the la
   CHECK(sorter.order({}).exact);
 }
 
-TEST_CASE("An order is never older than the view before, and that of a view that stays is exact") {
+TEST_CASE("sorts at most one view late, and exactly for an unchanged view") {
   const auto cloud = points(50'000, 1);
   VolumeSorter sorter;
   VolumeSortPart last{cloud, cloud->size(), row(0)};
@@ -123,7 +123,7 @@ TEST_CASE("An order is never older than the view before, and that of a view that
   CHECK(order.number == number);
 }
 
-TEST_CASE("Far turns, other numbers of vectors and other clouds are waited for") {
+TEST_CASE("waits for the order after large turns, other counts and other point sets") {
   const auto cloud = points(30'000, 2), other = points(30'000, 3);
   VolumeSorter sorter;
   const std::array<VolumeSortPart, 6> views{{{cloud, 30'000, row(0)},
@@ -141,7 +141,7 @@ TEST_CASE("Far turns, other numbers of vectors and other clouds are waited for")
   CHECK(sorter.order(std::span(&broken, 1)).far_first.size() == 20'000);
 }
 
-TEST_CASE("A sorter lets go of clouds, and may end while it sorts") {
+TEST_CASE("releases point sets, and stops during a sort") {
   auto cloud = points(200'000, 4);
   const std::weak_ptr<const qnv::Cloud> watched = cloud;
   for (int i = 0; i < 5; ++i) {

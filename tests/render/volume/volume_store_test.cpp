@@ -17,7 +17,7 @@ SharedVolume shared(std::size_t count, unsigned seed, std::size_t counted = 1u <
 
 }  // namespace
 
-TEST_CASE("Codes of volumes keep positions, directions, weights, colours and classes") {
+TEST_CASE("stores positions, directions, weights, colours and classes of volumes") {
   qnv::Cloud cloud = random_volume(3000, 2, 0.1f);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     cloud.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 3});
@@ -44,7 +44,7 @@ TEST_CASE("Codes of volumes keep positions, directions, weights, colours and cla
   }
 }
 
-TEST_CASE("A cloud without an extent, and one of equal weights, are coded") {
+TEST_CASE("stores point sets without extent and with equal weights") {
   qnv::Cloud cloud = empty_volume(0.5f, 1);
   for (int i = 0; i < 4; ++i) add(cloud, {1, 2, 3}, {0, 0, -1}, 2, 9);
   const VolumeCoding coding = volume_coding(cloud, 4);
@@ -56,7 +56,7 @@ TEST_CASE("A cloud without an extent, and one of equal weights, are coded") {
   CHECK(decoded.normal.z == Approx(-1));
 }
 
-TEST_CASE("The store keeps volumes that are drawn and makes room for others") {
+TEST_CASE("keeps volumes that are drawn, and removes others to make room") {
   VolumePicture picture;
   VolumeStore store(picture.gl, 1000 * VolumeStore::kBytes);
   const std::array<SharedVolume, 2> both{shared(300, 1), shared(400, 2)};
