@@ -50,7 +50,7 @@ std::size_t lit_pixels(const render::Image& image) {
 
 }  // namespace
 
-TEST_CASE("Ten thousand kilometres from the origin a world of centimetres looks as it does at the origin") {
+TEST_CASE("draws a world of centimetres ten thousand kilometres away as at the origin") {
   Studio studio;
   for (int i = 0; i < 4; ++i) {
     // The viewer moves by a third of a millimetre.
@@ -64,7 +64,7 @@ TEST_CASE("Ten thousand kilometres from the origin a world of centimetres looks 
   }
 }
 
-TEST_CASE("A mesh whose own coordinates are large does not shake while the viewer moves") {
+TEST_CASE("keeps a mesh of large coordinates steady while the viewer moves") {
   // The same squares of an eighth of a metre in coordinates about the origin and about (2^20, 2^19, 2^20), where
   // float32 has steps of an eighth and a sixteenth, brought to the same place.
   const auto squares = [](const glm::dvec3& at, const glm::dvec3& viewer) {
@@ -95,7 +95,7 @@ TEST_CASE("A mesh whose own coordinates are large does not shake while the viewe
   }
 }
 
-TEST_CASE("Two faces a centimetre from each other are told apart where the world is as large as a planet") {
+TEST_CASE("separates two faces a centimetre apart in a world as large as a planet") {
   Studio studio;
   // The sphere is behind the viewer, but the world's box reaches from the viewer's nose to behind the faces.
   const auto seen = [&](double distance, const std::string& order) {
@@ -125,7 +125,7 @@ TEST_CASE("Two faces a centimetre from each other are told apart where the world
     }
 }
 
-TEST_CASE("Who is far from the origin moves by millimetres, and points at what he sees") {
+TEST_CASE("moves by millimetres and points exactly far from the origin") {
   Pose pose;
   pose.position = kFar;
   pose.field_of_view = 1;

@@ -27,7 +27,7 @@ const std::string kColors = "image 4 2 3 0xff4040 0x40ff40 0x4040ff 0xffff40 0xf
 
 }  // namespace
 
-TEST_CASE("lights look alike, wherever they are written (VRML97 4.6.6, 6.16, 6.35, 6.45)") {
+TEST_CASE("draws lights alike, wherever they are written (VRML97 4.6.6, 6.16, 6.35, 6.45)") {
   Studio studio;
   const std::string ball = shape(material("diffuseColor 0.9 0.7 0.5 specularColor 0.4 0.4 0.4"), "Sphere { }");
   const std::string box = shape(material("diffuseColor 0.2 0.7 0.9"));
@@ -76,7 +76,7 @@ TEST_CASE("lights look alike, wherever they are written (VRML97 4.6.6, 6.16, 6.3
         "SpotLight { location 1 2 3 direction -0.3 -0.6 -0.8 cutOffAngle 0.4 beamWidth 0.4 }" + ball);
 }
 
-TEST_CASE("the headlight looks like the light that it stands for (VRML97 6.29)") {
+TEST_CASE("draws the headlight like an equal DirectionalLight (VRML97 6.29)") {
   Studio studio;
   const std::string shapes = shape(material("diffuseColor 0.9 0.7 0.5 specularColor 0.5 0.5 0.5"), "Sphere { }");
   check_alike(studio, "along -Z", "Viewpoint { position 0 0 4 }" + shapes,
@@ -87,7 +87,7 @@ TEST_CASE("the headlight looks like the light that it stands for (VRML97 6.29)")
                   shapes);
 }
 
-TEST_CASE("colours come from where the tables say (VRML97 4.14, Tables 4.5 and 4.6)") {
+TEST_CASE("takes colours from the sources of the lighting tables (VRML97 4.14, Tables 4.5 and 4.6)") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {
     check_alike(studio, what, kLit + a, kLit + b);
@@ -143,7 +143,7 @@ TEST_CASE("colours come from where the tables say (VRML97 4.14, Tables 4.5 and 4
         shape(material(rest + "diffuseColor 0.8 0.6 0.4")));
 }
 
-TEST_CASE("textures look alike, by coordinates and by transform (VRML97 6.22, 6.33, 6.48, 6.49)") {
+TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.33, 6.48, 6.49)") {
   Studio studio;
   const std::string view = "Viewpoint { position 0 0 3 }\n";
   const auto textured = [&](const std::string& texture, const std::string& coordinates) {
@@ -213,7 +213,7 @@ TEST_CASE("textures look alike, by coordinates and by transform (VRML97 6.22, 6.
         40);
 }
 
-TEST_CASE("transparent surfaces look alike in any order, of shapes and within a mesh (VRML97 4.14)") {
+TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a mesh (VRML97 4.14)") {
   Studio studio;
   const std::string view = "NavigationInfo { headlight FALSE } Viewpoint { position 0 0 4 }\n";
   const auto square = [](double z, double x) {

@@ -25,7 +25,7 @@ std::string moved(const std::string& fields, const std::string& children) {
 
 }  // namespace
 
-TEST_CASE("groups of all kinds show what is in them (VRML97 4.6.5)") {
+TEST_CASE("draws the children of all grouping nodes (VRML97 4.6.5)") {
   Studio studio;
   const std::string plain = kView + moved("translation 0.5 0 0", kBall) + kBlock;
   const std::string ball = moved("translation 0.5 0 0", kBall);
@@ -48,7 +48,7 @@ TEST_CASE("groups of all kinds show what is in them (VRML97 4.6.5)") {
   check_alike(studio, "nothing chosen", kView + ball + nothing + kBlock, plain, 0);
 }
 
-TEST_CASE("bounding boxes are hints: wrong ones take nothing away (VRML97 4.6.4)") {
+TEST_CASE("ignores wrong bounding boxes (VRML97 4.6.4)") {
   Studio studio;
   const std::string ball = moved("translation 0.5 0 0", kBall);
   const render::Image plain = studio.picture(kView + ball + kBlock);
@@ -62,7 +62,7 @@ TEST_CASE("bounding boxes are hints: wrong ones take nothing away (VRML97 4.6.4)
     }
 }
 
-TEST_CASE("transformations look alike, joined and apart (VRML97 6.52)") {
+TEST_CASE("draws joined and separate transformations alike (VRML97 6.52)") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {
     check_alike(studio, what, kView + a, kView + b, 20);
@@ -91,7 +91,7 @@ TEST_CASE("transformations look alike, joined and apart (VRML97 6.52)") {
         wedge + "0 0 1, 0 1 0, -1 0 0, 0.4 -0.3 -0.5" + " ] } coordIndex [ 0 1 2 -1 0 3 1 -1 1 3 2 -1 2 3 0 -1 ] } }");
 }
 
-TEST_CASE("Viewpoints see the same, alone and in a group (VRML97 6.53)") {
+TEST_CASE("draws the same view from Viewpoints alone and in a group (VRML97 6.53)") {
   Studio studio;
   const std::string light = "NavigationInfo { headlight FALSE } DirectionalLight { direction -0.3 -1 -0.6 } ";
   check_alike(studio, "moved",
@@ -104,7 +104,7 @@ TEST_CASE("Viewpoints see the same, alone and in a group (VRML97 6.53)") {
               light + "Viewpoint { position 0 0 4 }" + kBlock);
 }
 
-TEST_CASE("Billboards look like what is turned by hand (VRML97 6.6)") {
+TEST_CASE("draws Billboards like shapes that are turned by hand (VRML97 6.6)") {
   Studio studio;
   const std::string light = "NavigationInfo { headlight FALSE } DirectionalLight { direction -0.3 -1 -0.6 } ";
   const std::string side = "Viewpoint { position 4 0 4 orientation 0 1 0 0.78539816 }\n";
@@ -121,7 +121,7 @@ TEST_CASE("Billboards look like what is turned by hand (VRML97 6.6)") {
               light + side + moved("rotation 0 1 0 0.78539816", kBlock));
 }
 
-TEST_CASE("USE looks like a copy (VRML97 4.6.2)") {
+TEST_CASE("draws USE like a copy (VRML97 4.6.2)") {
   Studio studio;
   const std::string material = "Material { diffuseColor 0.8 0.3 0.2 }",
                     texture = "PixelTexture { image 2 1 3 0xff4040 0x4040ff }", box = "Box { size 1 1 1 }";
@@ -145,7 +145,7 @@ TEST_CASE("USE looks like a copy (VRML97 4.6.2)") {
               kView + kBlock + kBall + moved("translation 1.3 0 0", kBlock + kBall), 0);
 }
 
-TEST_CASE("Inlines, PROTOs and EXTERNPROTOs look like what they stand for (VRML97 4.8, 4.9, 6.25)") {
+TEST_CASE("draws Inlines, PROTOs and EXTERNPROTOs like their content (VRML97 4.8, 4.9, 6.25)") {
   Studio studio;
   const std::string body = kBlock + moved("translation -1 0.5 0 rotation 0 0 1 0.4", kBall);
   const Files pasted{{"main.wrl", kView + moved("rotation 0 1 0 0.3", body)}};

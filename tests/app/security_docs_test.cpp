@@ -32,7 +32,7 @@ std::set<std::string> names_of_tests() {
 
 }  // namespace
 
-TEST_CASE("the tests that docs/security.md names are there") {
+TEST_CASE("finds the tests that docs/security.md names") {
   std::string text = text_of_file(GHOSTSPACE_TESTS "/../docs/security.md");
   REQUIRE_FALSE(text.empty());
   text = std::regex_replace(text, std::regex("\\s+"), " ");

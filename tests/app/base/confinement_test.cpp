@@ -87,7 +87,7 @@ const std::string kConfinedWorld = "#VRML V2.0 utf8\nShape { geometry Box { } }\
 
 }  // namespace
 
-TEST_CASE("confined: files of the folder are read, those of OUT's folder written, and no others") {
+TEST_CASE("reads files of the folder, writes files of OUT's folder, and no others, when confined") {
   if (confinement_support().landlock == 0) {
     WARN("skipped: this kernel has no Landlock");
     return;
@@ -153,7 +153,7 @@ TEST_CASE("confined: files of the folder are read, those of OUT's folder written
   CHECK(confine({scratch.path("nothing"), ""}).has_value());
 }
 
-TEST_CASE("confined: no sockets, no other processes, nothing that changes the machine") {
+TEST_CASE("denies sockets, other processes and changes of the machine to a confined process") {
   if (!confinement_support().seccomp) {
     WARN("skipped: this kernel has no seccomp");
     return;
@@ -256,7 +256,7 @@ TEST_CASE("passes only kept variables to a child") {
     CHECK_FALSE(is_kept_variable(name));
 }
 
-TEST_CASE("the option --confine: commands do their work, and read and write nothing beyond") {
+TEST_CASE("runs commands under --confine without reading or writing anything else") {
   const ScratchFolder scratch;
   scratch.write("in/box.wrl", kConfinedWorld + "Inline { url \"part/inner.wrl\" }\n");
   scratch.write("in/part/inner.wrl", "#VRML V2.0 utf8\nTransform { children Shape { geometry Sphere { } } }\n");
@@ -289,7 +289,7 @@ TEST_CASE("the option --confine: commands do their work, and read and write noth
   CHECK(run("check --confine " + quoted(scratch.path("none")) + " " + box).status == kFailed);
 }
 
-TEST_CASE("a child gets no more memory and no larger files than it may, and none of our descriptors") {
+TEST_CASE("limits the memory and file size of a child, and passes it no descriptors") {
   if (watched()) return;  // it takes terabytes of addresses
   const ScratchFolder scratch;
   std::stop_source stop;

@@ -61,7 +61,7 @@ std::string on_terminal(const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("texts are printable: controls and what is no UTF-8 are escaped, the rest stays") {
+TEST_CASE("escapes controls and invalid UTF-8, and keeps printable text") {
   CHECK(printable("plain, with \\ and \"") == "plain, with \\ and \"");
   CHECK(printable("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x91\xbb") ==
         "gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x91\xbb");
@@ -82,7 +82,7 @@ TEST_CASE("texts are printable: controls and what is no UTF-8 are escaped, the r
   CHECK(printable("").empty());
 }
 
-TEST_CASE("nothing of a file's name, of its content or of a URL controls the terminal") {
+TEST_CASE("keeps terminal controls out of file names, contents and URLs that it prints") {
   if (int terminal = -1, other = -1; ::openpty(&terminal, &other, nullptr, nullptr, nullptr) == 0) {
     ::close(terminal);
     ::close(other);
@@ -126,7 +126,7 @@ TEST_CASE("nothing of a file's name, of its content or of a URL controls the ter
   CHECK(on_terminal(program() + " print " + quoted(title)).find("title \"\\x1b[2J\"\n") != std::string::npos);
 }
 
-TEST_CASE("every command says that its output could not be written, and fails") {
+TEST_CASE("reports in every command that its output could not be written, and fails") {
   const ScratchFolder folder;
   const std::string world = quoted(folder.write("box.wrl", kPrintedWorld)),
                     bad = quoted(folder.write("bad.wrl", "#VRML V2.0 utf8\nShape { bogus 1 }\n")),
@@ -150,7 +150,7 @@ TEST_CASE("every command says that its output could not be written, and fails") 
   CHECK(run_shell(program() + " check " + bad + " 2>&- >&- <&-").status == kFailed);
 }
 
-TEST_CASE("a disk that is full is said, whatever is written, and leaves nothing") {
+TEST_CASE("reports a full disk for every kind of output, and leaves no file") {
   const ScratchFolder folder;
   const std::string world = quoted(folder.write("box.wrl", kPrintedWorld));
   // A file may have no byte: as on a full disk, with another reason.
@@ -171,7 +171,7 @@ TEST_CASE("a disk that is full is said, whatever is written, and leaves nothing"
   for (const char* name : {"o.qnv", "o.wrl", "o.ply", "o.glb", "o.png", "o.json"}) CHECK(folder.read(name).empty());
 }
 
-TEST_CASE("too little memory gives a line and a status, never a crash, however little it is") {
+TEST_CASE("ends with one line and a status if memory is too small, never with a crash") {
   if (gs::watched()) return;  // it takes terabytes of addresses
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\n";

@@ -4,7 +4,7 @@
 
 using namespace gs::app;
 
-TEST_CASE("Facts are printed as JSON in the order in which they were put") {
+TEST_CASE("prints facts as JSON in the order of insertion") {
   Fact facts = Fact::named({{"file", "a.wrl"}, {"bytes", std::size_t{18'446'744'073'709'551'615u}}, {"least", -3}});
   facts.put("right", true);
   facts.put("size", Fact::list({1.5, 2.0f, 7u}));
@@ -18,7 +18,7 @@ TEST_CASE("Facts are printed as JSON in the order in which they were put") {
   REQUIRE(Fact::named().json() == "{}\n");
 }
 
-TEST_CASE("Facts are lines for people, those of lists and metadata a line each") {
+TEST_CASE("prints facts as text, with lists and metadata on their own lines") {
   Fact facts = Fact::named({{"type_of_voxels", "u16be"}, {"origin", Fact::list({0.1f, 4'500'000.001})}});
   Fact levels = Fact::list();
   levels.add(Fact::named({{"level", 0}, {"bytes", 12}}));
@@ -29,7 +29,7 @@ TEST_CASE("Facts are lines for people, those of lists and metadata a line each")
                                                     "  level 0, bytes 12", "metadata", "  up: z"});
 }
 
-TEST_CASE("Facts are values: what is copied stays as it was, and an empty one says so") {
+TEST_CASE("copies facts by value, and reports an empty one") {
   Fact a = Fact::list();
   REQUIRE(a.empty());
   Fact b = a;
@@ -42,7 +42,7 @@ TEST_CASE("Facts are values: what is copied stays as it was, and an empty one sa
   REQUIRE(b.empty());
 }
 
-TEST_CASE("Only JSON by names has a name") {
+TEST_CASE("finds a name only in a valid JSON object") {
   REQUIRE(is_json_with(R"({"peak_rss_bytes": 1})", "peak_rss_bytes"));
   REQUIRE_FALSE(is_json_with(R"({"peak_rss_bytes": 1)", "peak_rss_bytes"));
   REQUIRE_FALSE(is_json_with(R"({"other": 1})", "peak_rss_bytes"));

@@ -35,7 +35,7 @@ Run measured(const ScratchFolder& folder, const std::string& command, const std:
 
 }  // namespace
 
-TEST_CASE("Worlds that unpack to gigabytes, or that PROTO and USE multiply, stay below two gigabytes", "[gigabytes]") {
+TEST_CASE("keeps gigabyte worlds and multiplying PROTO and USE below two gigabytes", "[gigabytes]") {
   const ScratchFolder folder;
   const std::size_t large = !watched() ? std::size_t{600} << 20 : std::size_t{80} << 20;
   SECTION("nodes") {
@@ -67,7 +67,7 @@ TEST_CASE("Worlds that unpack to gigabytes, or that PROTO and USE multiply, stay
   }
 }
 
-TEST_CASE("print writes deep scenes without a text that is larger than they are") {
+TEST_CASE("prints deep scenes without a text larger than they are") {
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\n", end;
   for (int i = 0; i < 900; ++i) {
@@ -83,7 +83,7 @@ TEST_CASE("print writes deep scenes without a text that is larger than they are"
   CHECK(again.output == result.output);
 }
 
-TEST_CASE("--memory is a size, and lowers and raises limits") {
+TEST_CASE("--memory takes a size, and lowers and raises the limits") {
   const ScratchFolder folder;
   std::string text = kHeader;
   for (int i = 0; i < 100'000; ++i) text += "Group { } ";

@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
-TEST_CASE("Loading ends with the time, or when it is cancelled") {
+TEST_CASE("stops loading at the time limit or on cancellation") {
   CHECK(LoadLimit(Clock::now() - std::chrono::seconds(1)).over());
   CHECK_FALSE(LoadLimit(Clock::now() + std::chrono::hours(1)).over());
   std::atomic<bool> cancelled = false;
@@ -29,7 +29,7 @@ TEST_CASE("Loading ends with the time, or when it is cancelled") {
   CHECK(limit.over());
 }
 
-TEST_CASE("Work with progress of its own hears of it") {
+TEST_CASE("stops running work at its deadline or on cancellation") {
   std::atomic<bool> cancelled = false;
   Deadline deadline(LoadLimit(Clock::now() + std::chrono::hours(1), &cancelled));
   CHECK_FALSE(deadline.progress.cancelled);
@@ -39,7 +39,7 @@ TEST_CASE("Work with progress of its own hears of it") {
   while (!late.progress.cancelled) std::this_thread::yield();
 }
 
-TEST_CASE("A world whose loading is cancelled is not read to its end") {
+TEST_CASE("stops reading a world when its loading is cancelled") {
   const ScratchFolder folder;
   const std::string blanks(std::size_t{20} << 20, '\n');  // more than is parsed at once
   const std::string path = folder.write("long.wrl", "#VRML V2.0 utf8\nGroup {}\n" + blanks + "Shape {}\n");

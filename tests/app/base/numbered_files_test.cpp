@@ -8,7 +8,7 @@
 
 namespace gs::app::numbered_files_test {
 
-TEST_CASE("A name with a place for numbers has one for each") {
+TEST_CASE("fills the number of each file into a name pattern") {
   const auto name = numbered_name("a/walk.%04d.png");
   REQUIRE(name);
   CHECK(name->at(0) == "a/walk.0000.png");
@@ -20,7 +20,7 @@ TEST_CASE("A name with a place for numbers has one for each") {
     CHECK_FALSE(numbered_name(wrong));
 }
 
-TEST_CASE("The files of a series come in the order of their numbers") {
+TEST_CASE("sorts the files of a series by their numbers") {
   const ScratchFolder folder;
   for (const char* name :
        {"run.10.vti", "run.9.vti", "run.0100.vti", "run.x.vti", "run..vti", "run.1.vtk", "other.1.vti", "run.-1.vti"})
@@ -36,7 +36,7 @@ TEST_CASE("The files of a series come in the order of their numbers") {
   CHECK_FALSE(file_series("http://host/run.%d.vti"));
 }
 
-TEST_CASE("At a time the file of a series shows that has begun, and the last one stays") {
+TEST_CASE("shows the file of a series that began last, and keeps the final one") {
   CHECK(series_place(0, 10, 5) == 0);
   CHECK(series_place(0.1, 10, 5) == 1);
   CHECK(series_place(0.3, 10, 5) == 3);  // 0.3 * 10 is less than 3, rounded

@@ -4,7 +4,7 @@
 
 namespace gs::app::text_test {
 
-TEST_CASE("Sizes are told in the unit that suits them, parts in that of the whole if they have any of it") {
+TEST_CASE("prints sizes in a suitable unit, and parts in the unit of the whole") {
   CHECK(readable_size(999) == "999 B");
   CHECK(readable_size(1'000'000) == "1.0 MB");
   CHECK(readable_part(0, 183'000) == "0 of 183 kB");
@@ -17,7 +17,7 @@ TEST_CASE("Sizes are told in the unit that suits them, parts in that of the whol
   CHECK(readable_part(999'960'000, 1'000'000'000'000) == "1.0 GB of 1.0 TB");
 }
 
-TEST_CASE("Names are cut between characters, and control nothing") {
+TEST_CASE("cuts names between characters, and removes their controls") {
   CHECK(shortened("abc", 3) == "abc");
   CHECK(shortened("abcd", 3) == "abc...");
   CHECK(shortened("a\nb", 9) == "a b");

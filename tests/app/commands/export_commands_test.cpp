@@ -7,7 +7,7 @@
 using namespace gs::app;
 using namespace gs::test;
 
-TEST_CASE("export: every format of the table, and what we read comes back") {
+TEST_CASE("export: writes every format of the table, and reads it back") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
   REQUIRE(run("encode --vectors 3000 " + quoted(world) + " " + quoted(stream)).status == kDone);
@@ -35,7 +35,7 @@ TEST_CASE("export: every format of the table, and what we read comes back") {
   CHECK(run("check " + quoted(folder.path("world.wrl"))).output.empty());
 }
 
-TEST_CASE("encode and export write over nothing but what they write") {
+TEST_CASE("encode and export overwrite only files of their own kind") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
   REQUIRE(run("encode --vectors 4000 " + quoted(world) + " " + quoted(stream)).status == kDone);
@@ -67,7 +67,7 @@ TEST_CASE("encode and export write over nothing but what they write") {
   CHECK(info(cut)["problems"].size() == 1);
 }
 
-TEST_CASE("snapshot: budgets, losses and prefixes of a stream, drawn either way") {
+TEST_CASE("snapshot: draws with budgets, losses and prefixes of a stream, on both paths") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
   REQUIRE(run("encode --vectors 20000 " + quoted(world) + " " + quoted(stream)).status == kDone);

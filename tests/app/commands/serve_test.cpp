@@ -58,7 +58,7 @@ Got fetch_made(std::uint16_t port, const std::string& target) {
 
 }  // namespace
 
-TEST_CASE("Served types are those of our table and of the web") {
+TEST_CASE("serves the types of its table and of the web") {
   CHECK(served_type_of("a.WRL").mime == "model/vrml");
   CHECK(served_type_of("a.wrl").compress);
   CHECK_FALSE(served_type_of("a.wrz").compress);
@@ -76,7 +76,7 @@ TEST_CASE("Served types are those of our table and of the web") {
   CHECK_FALSE(can_be_encoded(""));
 }
 
-TEST_CASE("An index shows names as text, whatever is in them") {
+TEST_CASE("shows file names in an index as text") {
   net::FolderListing listing;
   listing.path = "/<b>/";
   listing.entries = {{"sub", true, 0, 0},
@@ -99,7 +99,7 @@ TEST_CASE("An index shows names as text, whatever is in them") {
   CHECK(archive_index(listing, {}, false).body.find("thumbnail") == std::string::npos);
 }
 
-TEST_CASE("An index is searched and sorted by the server, without a script") {
+TEST_CASE("searches and sorts an index on the server, without scripts") {
   net::FolderListing listing;
   listing.path = "/a b/c/";
   listing.entries = {
@@ -132,7 +132,7 @@ TEST_CASE("An index is searched and sorted by the server, without a script") {
   CHECK(archive_index(listing, {}, false).body.find("href=\"./x.stl.gslink\"") != std::string::npos);
 }
 
-TEST_CASE("A link names the scene as the client knows the server") {
+TEST_CASE("links the scene under the server name that the client uses") {
   const net::FolderRequest request{false, {}, "http://example.org:8080/a%20b/"};
   const auto text = [&](const std::string& name, bool made = true) {
     const auto page = scene_link_page(name, request, made);
@@ -147,7 +147,7 @@ TEST_CASE("A link names the scene as the client knows the server") {
   CHECK(served_type_of("a.gslink").mime == "application/x-ghostspace-link");
 }
 
-TEST_CASE("A child program is limited, stopped, and says what went wrong") {
+TEST_CASE("limits and stops a child program, and reports its failure") {
   std::stop_source stop;
   CHECK_FALSE(run_child("/bin/sh", {"-c", "exit 0"}, {}, stop.get_token()));
   CHECK(run_child("/bin/sh", {"-c", "echo first >&2; echo last >&2; exit 1"}, {}, stop.get_token())->message == "last");
@@ -159,7 +159,7 @@ TEST_CASE("A child program is limited, stopped, and says what went wrong") {
   CHECK(run_child("/bin/sh", {"-c", "sleep 1000"}, {}, stop.get_token())->message == "was stopped");
 }
 
-TEST_CASE("serve: a folder with thumbnails and streams that are made") {
+TEST_CASE("serve: lists a folder with generated thumbnails and streams") {
   const ScratchFolder folder, cache;
   folder.write("ball.wrl", kWorld);
   folder.write("bad.stl", "this is no mesh");
@@ -199,7 +199,7 @@ TEST_CASE("serve: a folder with thumbnails and streams that are made") {
   CHECK(cache.read("log").find("\"GET /ball.wrl.qnv HTTP/1.1\" 206 7 ") != std::string::npos);
 }
 
-TEST_CASE("serve: what is made discloses nothing beyond the folder, and asks nobody") {
+TEST_CASE("serve: keeps files outside the folder and the network out of generated files") {
   const ScratchFolder folder, cache, elsewhere;
   std::string voxels(std::size_t{24} * 24 * 24, '\0');
   for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<char>((i % 24) * 10);
@@ -235,7 +235,7 @@ TEST_CASE("serve: what is made discloses nothing beyond the folder, and asks nob
   CHECK(cache.read("log").find("asked.wrl") == std::string::npos);
 }
 
-TEST_CASE("serve: what is made may use all of the served folder") {
+TEST_CASE("serve: reads the whole served folder for a generated file") {
   const ScratchFolder folder, cache, elsewhere;
   folder.write("ball.wrl", kWorld);
   folder.write("deep/up.wrl", "#VRML V2.0 utf8\nInline { url \"../ball.wrl\" }\n");
@@ -253,7 +253,7 @@ TEST_CASE("serve: what is made may use all of the served folder") {
   CHECK(fetch_made(port, "/deep/out.wrl.qnv").status == 422);
 }
 
-TEST_CASE("serve: after a full disk it is made again") {
+TEST_CASE("serve: generates a file again after the disk was full") {
   const ScratchFolder folder, cache;
   folder.write("ball.wrl", kWorld);
   ArchiveOptions options = options_for(folder, cache);
@@ -275,7 +275,7 @@ TEST_CASE("serve: after a full disk it is made again") {
     CHECK_FALSE(entry.path().filename().string().starts_with("making"));
 }
 
-TEST_CASE("serve: options of names, pages and proxies") {
+TEST_CASE("serve: accepts options for host names, pages and proxies") {
   const ScratchFolder folder, cache;
   folder.write("a.txt", "a");
   ArchiveOptions options = options_for(folder, cache);
@@ -292,7 +292,7 @@ TEST_CASE("serve: options of names, pages and proxies") {
   CHECK(fetch(*open->http_port(), "/a.txt", {"Host: any.example"}).headers.at("access-control-allow-origin") == "*");
 }
 
-TEST_CASE("serve: what cannot be served is said") {
+TEST_CASE("serve: reports files that cannot be served") {
   const ScratchFolder folder, cache;
   ArchiveOptions options = options_for(folder, cache);
   options.folder = folder.path("nothing");
@@ -305,7 +305,7 @@ TEST_CASE("serve: what cannot be served is said") {
   CHECK(std::holds_alternative<std::string>(Archive::start(options)));
 }
 
-TEST_CASE("serve: streams as cells, packed and of records") {
+TEST_CASE("serve: sends streams as cells, as octrees and as records") {
   const ScratchFolder folder, cache;
   folder.write("ball.wrl", kWorld);
   ArchiveOptions options = options_for(folder, cache);

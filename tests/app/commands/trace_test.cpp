@@ -47,7 +47,7 @@ std::string pointed(const std::string& world, const std::string& arguments, cons
 
 }  // namespace
 
-TEST_CASE("lines of --input are read, and what is wrong with them is told with its place") {
+TEST_CASE("reads the lines of --input, and reports errors with their positions") {
   vrml::Diagnostics diagnostics;
   const auto rows = read_input_rows(
       "{\"t\":0,\"viewpoint\":\"Back\"}\n\n{\"t\":1.5,\"set\":\"A.b.set_x\",\"value\":\"1 0 0\"}\r\n"
@@ -101,7 +101,7 @@ TEST_CASE("lines of --input are read, and what is wrong with them is told with i
   CHECK(complaint("{\"t\":1,\"set\":\"A.b\"}").find("expected \"value\"") != std::string::npos);
 }
 
-TEST_CASE("trace prints each event with its timestamp, the same every time") {
+TEST_CASE("trace prints each event with its timestamp, equally each time") {
   const ScratchFolder folder;
   const std::string world = folder.write("world.wrl", kWorld);
   const Run first = run("trace " + quoted(world) + " --until 0.2");
@@ -116,7 +116,7 @@ TEST_CASE("trace prints each event with its timestamp, the same every time") {
   CHECK(run("trace --until 1 nowhere.wrl").status == kFailed);
 }
 
-TEST_CASE("trace does what --input says") {
+TEST_CASE("trace performs the input of --input") {
   const ScratchFolder folder;
   const std::string world = folder.write("world.wrl", kWorld);
   const std::string input = folder.write("in.jsonl",
@@ -167,7 +167,7 @@ TEST_CASE("trace clicks on a TouchSensor by pixels (6.51)") {
         std::string::npos);
 }
 
-TEST_CASE("only the geometry nearest to the viewer has the pointer (4.6.7.3)") {
+TEST_CASE("gives the pointer only to the geometry nearest to the viewer (4.6.7.3)") {
   // The sensor's box lies behind another one, and beside it on the right.
   const std::string world = R"(#VRML V2.0 utf8
 Viewpoint { }
@@ -178,7 +178,7 @@ Shape { geometry Box { } })";
             .starts_with("946684800.3 T.isOver TRUE\n"));
 }
 
-TEST_CASE("trace drags drag sensors by pixels, and an Anchor has no events (4.6.7.4, 6.2)") {
+TEST_CASE("trace drags sensors by pixels, and prints no events of an Anchor (4.6.7.4, 6.2)") {
   CHECK(pointed(kSensors, "--size 100x100",
                 "{\"t\":0.1,\"press\":[30,50]}\n{\"t\":0.2,\"move\":[70,20]}\n{\"t\":0.3,\"release\":[70,20]}") ==
         "946684800.1 P.isActive TRUE\n946684800.2 P.trackPoint_changed 7.6 5.3999996 1\n946684800.2 "
@@ -197,7 +197,7 @@ TEST_CASE("trace drags drag sensors by pixels, and an Anchor has no events (4.6.
   CHECK(pointed(kSensors, "--size 100x100", "{\"t\":0.1,\"press\":[50,75]}\n{\"t\":0.2,\"release\":[50,75]}").empty());
 }
 
-TEST_CASE("a sensor is pressed by its name, whatever lies before it (4.6.7.3)") {
+TEST_CASE("presses a sensor by its name, whatever hides it (4.6.7.3)") {
   const std::string world = R"(#VRML V2.0 utf8
 Viewpoint { }
 Shape { geometry Box { size 9 9 1 } }
@@ -241,7 +241,7 @@ DEF G Group { })";
   CHECK(wrong("{\"t\":0.1,\"press\":\"N\"}\n").find("no node 'N'") != std::string::npos);
 }
 
-TEST_CASE("--press-sensors presses each sensor and visits each place, and says how many (4.6.7)") {
+TEST_CASE("--press-sensors presses each sensor, visits each proximity box, and counts them (4.6.7)") {
   const ScratchFolder folder;
   const std::string world = folder.write("world.wrl", kSensors + R"(
 Transform { translation 100 0 0 children DEF Near ProximitySensor { center 0 5 0 size 1 1 1 } }
@@ -264,14 +264,14 @@ ROUTE T.touchTime TO Open.go)");
   CHECK(run("--press-sensors " + quoted(world)).status == kUsage);
 }
 
-TEST_CASE("a row of --input takes the viewer somewhere (6.38)") {
+TEST_CASE("moves the viewer to the position in a row of --input (6.38)") {
   const std::string world = "#VRML V2.0 utf8\nViewpoint { }\nDEF P ProximitySensor { center 50 0 0 size 2 2 2 }";
   const std::string lines = pointed(world, "", "{\"t\":0.5,\"viewer\":[50,0.5,0]}");
   CHECK(lines.find(" P.isActive TRUE\n") != std::string::npos);
   CHECK(lines.find(" P.position_changed 50 0.5 0\n") != std::string::npos);
 }
 
-TEST_CASE("without a Viewpoint the pointer points at the whole of the world, as --snapshot frames it") {
+TEST_CASE("frames the whole world for the pointer like --snapshot if there is no Viewpoint") {
   const std::string world =
       "#VRML V2.0 utf8\nDEF M Transform { translation 700 0 0 children [ Shape { geometry Sphere { radius 30 } } "
       "DEF T PlaneSensor { } ] } ROUTE T.translation_changed TO M.translation";
@@ -283,7 +283,7 @@ TEST_CASE("without a Viewpoint the pointer points at the whole of the world, as 
   CHECK(lines.find("946684800.3 T.translation_changed 0 0 0\n") != std::string::npos);
 }
 
-TEST_CASE("a snapshot shows what clicks have led to") {
+TEST_CASE("shows the result of clicks in a snapshot") {
   const ScratchFolder folder;
   const std::string world = folder.write("world.wrl", R"(#VRML V2.0 utf8
 Viewpoint { } DEF M Transform { children [ Shape { geometry Box { } } DEF T PlaneSensor { maxPosition 2 0 } ] }
@@ -302,7 +302,7 @@ Viewpoint { } Transform { translation 2 0 0 children [ Shape { geometry Box { } 
   CHECK(dragged != picture("3.png", quoted(world)));
 }
 
-TEST_CASE("a snapshot with --time is the picture after so much simulated time") {
+TEST_CASE("draws the picture at the simulated time of --time") {
   const ScratchFolder folder;
   const std::string world = folder.write("world.wrl", kWorld), still = folder.write("still.wrl", R"(#VRML V2.0 utf8
 Viewpoint { } Transform { translation 2 0 0 children
@@ -325,7 +325,7 @@ Viewpoint { } Transform { translation 2 0 0 children
   CHECK(run("--time soon" + size + "a.png " + quoted(world)).status == kUsage);
 }
 
-TEST_CASE("the demo world moves, and its gate and lantern do their part after a click") {
+TEST_CASE("animates the demo world, with its gate and lantern after a click") {
   const ScratchFolder folder;
   const std::string world = quoted(GHOSTSPACE_TESTS "/../assets/worlds/demo.wrl");
   const Run checked = run("check " + world);
@@ -360,7 +360,7 @@ TEST_CASE("the demo world moves, and its gate and lantern do their part after a 
   ends("PierLight.intensity_changed ", "0.8");
 }
 
-TEST_CASE("a QNV node tells how much of its stream has come, and when it was all") {
+TEST_CASE("reports the received part of a QNV node's stream, and its completion") {
   const ScratchFolder folder;
   const std::string box = folder.write("box.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
   REQUIRE(run("encode " + quoted(box) + " " + quoted(folder.path("box.qnv")) + " --vectors 500").status == kDone);
@@ -376,7 +376,7 @@ TEST_CASE("a QNV node tells how much of its stream has come, and when it was all
         "946684800 T.translation_changed 5 0 0\n");
 }
 
-TEST_CASE("A trace begins at the Viewpoint that the fragment of the world's name names (VRML97 4.5.2)") {
+TEST_CASE("starts a trace at the Viewpoint that the fragment of the world's URL names (VRML97 4.5.2)") {
   const ScratchFolder folder;
   const std::string file = folder.write("world.wrl", kWorld);
   const auto bound = [&](const std::string& name) {

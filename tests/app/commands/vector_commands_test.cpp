@@ -22,7 +22,7 @@
 using namespace gs::app;
 using namespace gs::test;
 
-TEST_CASE("encode: a world becomes a stream of its area, title and source, and info tells of it") {
+TEST_CASE("encode: makes a stream with the area, title and source of a world, and info prints them") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall), out = folder.path("ball.qnv");
   const Run result = run("encode --vectors 20000 " + quoted(world) + " " + quoted(out));
@@ -54,7 +54,7 @@ TEST_CASE("encode: a world becomes a stream of its area, title and source, and i
   CHECK(run("info " + quoted(out)).output.find("title: The ball") != std::string::npos);
 }
 
-TEST_CASE("encode and info say which properties of splats are discarded") {
+TEST_CASE("encode and info report which properties of splats are discarded") {
   const ScratchFolder folder;
   const std::string note = "splats are drawn as opaque discs, without their opacity";
   std::string opaque;
@@ -77,7 +77,7 @@ TEST_CASE("encode and info say which properties of splats are discarded") {
   CHECK(info(out)["metadata"]["splats drawn as"] == "opaque discs, without their opacity");
 }
 
-TEST_CASE("a command removes unfinished files of killed processes beside its output") {
+TEST_CASE("removes unfinished files of killed processes beside the output of a command") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall), broken = folder.write("broken.stl", "");
   std::filesystem::create_directory(folder.path("out"));
@@ -98,7 +98,7 @@ TEST_CASE("a command removes unfinished files of killed processes beside its out
   CHECK(removed());
 }
 
-TEST_CASE("encode: --exact brings the mesh itself, and export writes it") {
+TEST_CASE("encode: adds the mesh itself with --exact, and export writes it") {
   const ScratchFolder folder;
   // With 2^11 places along 2047 units every one of them is a whole number.
   const std::string mesh = folder.write(
@@ -137,7 +137,7 @@ TEST_CASE("encode: --exact brings the mesh itself, and export writes it") {
             .status == kFailed);
 }
 
-TEST_CASE("encode: a smooth surface ends with the mesh itself, but for --exact=none, and info tells how much has come") {
+TEST_CASE("encode: ends a smooth surface with the mesh itself unless --exact=none, and info prints its progress") {
   const ScratchFolder folder;
   std::string text;
   constexpr int kSide = 60;
@@ -168,7 +168,7 @@ TEST_CASE("encode: a smooth surface ends with the mesh itself, but for --exact=n
   CHECK(info(out)["triangles"] != facts["exact"]["triangles"]);
 }
 
-TEST_CASE("encode: a mesh that is larger than memory is read out of its file, and thinned") {
+TEST_CASE("encode: reads a mesh that exceeds the memory from its file, and thins it") {
   const ScratchFolder folder;
   // A sheet with waves, as binary STL.
   constexpr int kSide = 160;
@@ -207,7 +207,7 @@ TEST_CASE("encode: a mesh that is larger than memory is read out of its file, an
   CHECK(run("encode --outlines" + small + quoted(mesh) + " " + quoted(folder.path("o.qnv"))).status == kFailed);
 }
 
-TEST_CASE("encode: points become records, or an octree in a fraction of the bytes, and stand as their file does") {
+TEST_CASE("encode: makes records or a smaller octree of points, in the orientation of their file") {
   const ScratchFolder folder;
   std::string text;
   for (int i = 0; i < 60; ++i)
@@ -224,7 +224,7 @@ TEST_CASE("encode: points become records, or an octree in a fraction of the byte
   CHECK(run("encode --displaced " + quoted(points) + " " + quoted(out)).status == kFailed);
 }
 
-TEST_CASE("encode: the same bytes for the same seed, others for another") {
+TEST_CASE("encode: writes the same bytes for the same seed, and others for another") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall);
   const auto encode = [&](const std::string& options, const std::string& name) {
@@ -243,7 +243,7 @@ TEST_CASE("encode: the same bytes for the same seed, others for another") {
   CHECK(facts["vectors"] <= 3000);
 }
 
-TEST_CASE("encode: --max-bytes is kept, and said when it cannot be") {
+TEST_CASE("encode: keeps --max-bytes, or reports that it cannot") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall), out = folder.path("ball.qnv");
   for (const char* payload : {"--packed", "--records"})
@@ -266,7 +266,7 @@ TEST_CASE("encode: --max-bytes is kept, and said when it cannot be") {
   CHECK(folder.read("ball.qnv") == before);
 }
 
-TEST_CASE("encode: volumes, with and without a header, and their isosurfaces") {
+TEST_CASE("encode: encodes volumes with and without a header, and their isosurfaces") {
   const ScratchFolder folder;
   const std::string raw = folder.write("ball.raw", raw_ball()), out = folder.path("ball.qnv");
   const std::string how = " --dims 32x32x32 --type u8 --spacing 0.5,0.5,0.5 ";
@@ -311,7 +311,7 @@ TEST_CASE("encode: volumes, with and without a header, and their isosurfaces") {
   CHECK(run("encode " + quoted(raw) + " " + quoted(out)).output.find("--dims") != std::string::npos);
 }
 
-TEST_CASE("encode, info and export: wrong usage gives one line and status 2") {
+TEST_CASE("encode, info and export: report wrong usage in one line with status 2") {
   for (const char* arguments : {"encode a.wrl",
                                 "encode a.wrl b.qnv c.qnv",
                                 "encode a.wrl b.wrl",
@@ -344,7 +344,7 @@ TEST_CASE("encode, info and export: wrong usage gives one line and status 2") {
   CHECK(run("export a.qnv b.nothing").output.find(".3dgs.ply") != std::string::npos);
 }
 
-TEST_CASE("encode: an interrupt cancels every kind of work") {
+TEST_CASE("encode: cancels every kind of work on an interrupt") {
   const ScratchFolder folder;
   Options options;
   for (const std::string& file : {folder.write("ball.wrl", kBall), folder.write("ball.raw", raw_ball()),

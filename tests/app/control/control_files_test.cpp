@@ -76,7 +76,7 @@ TEST_CASE("createVrmlFromURL sends the nodes of a file to an eventIn, in a world
   CHECK(site.until([](const Json& one) { return one.value("id", 0) == 3; })["result"]["type"] == "Transform");
 }
 
-TEST_CASE("loadURL goes to another world, whose coming is told, and opens no page (14772-2)") {
+TEST_CASE("loadURL changes the world and reports its arrival, and opens no page (14772-2)") {
   Site site;
   put(site.load, "world.wrl", kHeader + "DEF Old Group {}");
   put(site.load, "next.wrl", kHeader + "DEF New Transform {}");
@@ -96,7 +96,7 @@ TEST_CASE("loadURL goes to another world, whose coming is told, and opens no pag
   CHECK(site.until([](const Json& one) { return one.value("id", 0) == 2; })["result"]["type"] == "Transform");
 }
 
-TEST_CASE("loadURL of a client opens no file outside of the world's folder without --allow") {
+TEST_CASE("loadURL of a client opens no file outside the world's folder without --allow") {
   const ScratchFolder folder;
   folder.write("world/world.wrl", kHeader + "DEF Old Group {}");
   folder.write("world/sub/next.wrl", kHeader + "DEF New Transform {}");

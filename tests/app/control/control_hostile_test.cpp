@@ -28,7 +28,7 @@ int code_of(World& world, const std::string& message) { return only(world, messa
 
 }  // namespace
 
-TEST_CASE("What is no call is answered by the errors of JSON-RPC 2.0") {
+TEST_CASE("answers invalid calls with the errors of JSON-RPC 2.0") {
   World world(kBox);
   CHECK(code_of(world, "hello") == -32700);
   CHECK(only(world, "{\"id\":1,")["error"]["message"] == "this is no JSON: expected the name of a member (byte 9)");
@@ -47,7 +47,7 @@ TEST_CASE("What is no call is answered by the errors of JSON-RPC 2.0") {
   CHECK(unknown["error"] == Json{{"code", -32601}, {"message", "there is no service 'noSuch'; see getServices"}});
 }
 
-TEST_CASE("Parameters that lack, are unknown, or too many are said by name") {
+TEST_CASE("names missing, unknown and surplus parameters") {
   World world(kBox);
   CHECK(world.problem("getNode") ==
         "expected parameter 'node': string: a DEF name, or `Type#number` as `trace` has it");
@@ -63,7 +63,7 @@ TEST_CASE("Parameters that lack, are unknown, or too many are said by name") {
         "parameter 'watch': expected a whole number from 1 to 2147483647");
 }
 
-TEST_CASE("Every service refuses parameters of every wrong kind, and none of them ends the program") {
+TEST_CASE("rejects parameters of every wrong type in every service, without a crash") {
   World world(kBox);
   const Json kinds[] = {nullptr,       true, -1, 1e300, "", "Box", Json::array(), Json::array({1, "x", nullptr}),
                         Json::object()};
@@ -81,7 +81,7 @@ TEST_CASE("Every service refuses parameters of every wrong kind, and none of the
   CHECK_FALSE(world.control.wants_to_end());
 }
 
-TEST_CASE("Calls of a list are answered by a list, and who wants no answer gets none but for problems") {
+TEST_CASE("answers a list of calls by a list, and notifications only if they fail") {
   World world(kBox);
   const Json answers = only(world, R"([{"id":1,"method":"getName"},{"method":"getName"},7,{"id":2,"method":"none"}])");
   REQUIRE(answers.size() == 3);
@@ -98,7 +98,7 @@ TEST_CASE("Calls of a list are answered by a list, and who wants no answer gets 
   CHECK(world.take().empty());
 }
 
-TEST_CASE("A client that reads slowly is told the last value of each eventOut, and how many it missed") {
+TEST_CASE("sends a slow client the last value of each eventOut, and the number that it missed") {
   World world(kBox + "DEF A Transform {}");
   world.call("advise", {{"node", "Box"}, {"event", "translation"}});
   world.call("advise", {{"node", "A"}, {"event", "translation"}});
@@ -118,7 +118,7 @@ TEST_CASE("A client that reads slowly is told the last value of each eventOut, a
   CHECK_FALSE(world.told("event", 1).at(0).contains("missed"));
 }
 
-TEST_CASE("Of a step's events that are more than can wait the last of each eventOut is told") {
+TEST_CASE("sends the last value of each eventOut if a step has too many events to queue") {
   // A thousand eventOuts, told of to forty clients.
   std::string body = "DEF T TimeSensor { startTime 1000 cycleInterval 10 } ";
   for (int i = 0; i < 1000; ++i) {
@@ -137,7 +137,7 @@ TEST_CASE("Of a step's events that are more than can wait the last of each event
   CHECK(told == 40'000);
 }
 
-TEST_CASE("A client that never stops leaves the rest of its messages to the next step") {
+TEST_CASE("postpones messages of a client that never stops to the next step") {
   World world(kBox, std::chrono::seconds(0));
   for (int i = 0; i < 20; ++i)
     world.channel.news.push_back(
@@ -152,7 +152,7 @@ TEST_CASE("A client that never stops leaves the rest of its messages to the next
   CHECK(world.call("getValue", {{"node", "Box"}, {"event", "translation"}}) == Json{19, 0, 0});
 }
 
-TEST_CASE("An update without end is refused before it fills memory") {
+TEST_CASE("refuses an endless update before it fills memory") {
   World world("DEF I CoordinateInterpolator {}");
   world.call("beginUpdate");
   std::string message = R"({"id":1,"method":"setValue","params":["I","keyValue",[0)";
@@ -163,7 +163,7 @@ TEST_CASE("An update without end is refused before it fills memory") {
   CHECK(refused);
 }
 
-TEST_CASE("A client that goes in the middle of things leaves nothing behind") {
+TEST_CASE("cleans up after a client that disconnects at any time") {
   World world("DEF T TimeSensor { loop TRUE }" + kBox);
   world.call("advise", {{"node", "T"}, {"event", "time"}});
   world.call("beginUpdate");
@@ -177,7 +177,7 @@ TEST_CASE("A client that goes in the middle of things leaves nothing behind") {
   world.leave(77);  // nobody
 }
 
-TEST_CASE("docs/control.md has the table of services as the program has it") {
+TEST_CASE("lists in docs/control.md the services of the program") {
   std::ifstream file(GHOSTSPACE_TESTS "/../docs/control.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   INFO(services_as_markdown());

@@ -34,7 +34,7 @@ std::string world() { return "#VRML V2.0 utf8\nDEF Ground Shape { geometry Box {
 
 }  // namespace
 
-TEST_CASE("The example in Python of docs/control.md does what it says, and the program ends when told to") {
+TEST_CASE("runs the Python example of docs/control.md, and ends on request") {
   if (!has("python3")) {
     WARN("python3 is not installed; skipped");
     return;
@@ -56,7 +56,7 @@ TEST_CASE("The example in Python of docs/control.md does what it says, and the p
   CHECK_FALSE(fs::exists(folder.path("socket")));
 }
 
-TEST_CASE("The example in JavaScript of docs/control.md does what it says") {
+TEST_CASE("runs the JavaScript example of docs/control.md") {
   if (!has("node")) {
     WARN("node is not installed; skipped");
     return;
@@ -69,7 +69,7 @@ TEST_CASE("The example in JavaScript of docs/control.md does what it says") {
   CHECK(run.output.find("browser: GhostSpace\ntranslation: [5,0,0]\nseen: 5\nproblem: parameter 'node': ") == 0);
 }
 
-TEST_CASE("A client ends the program, the token is told, and what lacks or is wrong has one line") {
+TEST_CASE("ends for a client, prints the token, and reports wrong options in one line") {
   const ScratchFolder folder;
   (void)folder.write("world.wrl", world());
   const std::string at = "cd " + quoted(folder.path("")) + "; ";
@@ -99,7 +99,7 @@ TEST_CASE("A client ends the program, the token is told, and what lacks or is wr
   CHECK(quit.output.find("ended 0\n") != std::string::npos);
 }
 
-TEST_CASE("docs/control.md shows the files that the tests run") {
+TEST_CASE("shows in docs/control.md the files that the tests run") {
   std::ifstream file(GHOSTSPACE_TESTS "/../docs/control.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   for (const char* name : {"ghostspace_control.py", "control.js", "control.html"}) {

@@ -13,7 +13,7 @@ const std::string kBox = "DEF Box Transform { children Shape { geometry Box {} }
 
 }  // namespace
 
-TEST_CASE("A node is found by its DEF name, has a number, and tells its type and interface (14772-2 getNode)") {
+TEST_CASE("finds a node by its DEF name, with number, type and interface (14772-2 getNode)") {
   World world(kBox + "DEF T TimeSensor {}");
   const Json box = world.call("getNode", {{"node", "Box"}});
   CHECK(box["type"] == "Transform");
@@ -34,7 +34,7 @@ TEST_CASE("A node is found by its DEF name, has a number, and tells its type and
   CHECK(world.problem("getNode", {{"node", true}}) == "parameter 'node': expected a node: its number, or its DEF name");
 }
 
-TEST_CASE("An eventIn is sent, an exposedField read, and ROUTEs are followed (14772-2 setValue, getValue)") {
+TEST_CASE("sends an eventIn, reads an exposedField, and follows ROUTEs (14772-2 setValue, getValue)") {
   World world(kBox + "DEF Other Transform {} ROUTE Box.translation TO Other.set_translation");
   const Json box = world.call("getNode", {{"node", "Box"}})["node"];
   world.call("setValue", {{"node", box}, {"event", "set_translation"}, {"value", {1, 2, 3}}});
@@ -52,7 +52,7 @@ TEST_CASE("An eventIn is sent, an exposedField read, and ROUTEs are followed (14
         "parameter 'event': Transform has no eventOut 'bboxSize'");
 }
 
-TEST_CASE("A TimeSensor that a client makes in a world at rest has a step to begin in") {
+TEST_CASE("starts a TimeSensor that a client creates in a resting world in its own step") {
   World world(kBox);
   CHECK_FALSE(world.step(1).next_life);
   const Frame frame = world.say(
@@ -63,7 +63,7 @@ TEST_CASE("A TimeSensor that a client makes in a world at rest has a step to beg
   CHECK_FALSE(world.told("event").empty());
 }
 
-TEST_CASE("What an eventOut sent last is read, and a field of nodes gives their numbers (14772-2 getValue)") {
+TEST_CASE("reads the last value of an eventOut, and nodes as their numbers (14772-2 getValue)") {
   World world("DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 10 ] } DEF G Group { children " + kBox + "}");
   CHECK(world.call("getValue", {{"node", "I"}, {"event", "value_changed"}}) == 0);
   world.call("setValue", {{"node", "I"}, {"event", "set_fraction"}, {"value", 0.5}});
@@ -73,7 +73,7 @@ TEST_CASE("What an eventOut sent last is read, and a field of nodes gives their 
   CHECK(world.call("getNode", {{"node", "Box"}})["node"] == children[0]);
 }
 
-TEST_CASE("An eventOut that is watched tells time and value, until it is no longer (14772-2 advise)") {
+TEST_CASE("sends time and value of a watched eventOut until the watch ends (14772-2 advise)") {
   World world("DEF T TimeSensor { cycleInterval 10 startTime 1000 }" + kBox);
   const Json watch = world.call("advise", {{"node", "T"}, {"event", "fraction_changed"}})["watch"];
   const Json other = world.call("advise", {{"node", "Box"}, {"event", "translation"}})["watch"];
@@ -96,7 +96,7 @@ TEST_CASE("An eventOut that is watched tells time and value, until it is no long
   CHECK(world.problem("unadvise", {{"watch", watch}}) == "nothing is watched by this number");
 }
 
-TEST_CASE("Events that follow from a call are told before its answer") {
+TEST_CASE("sends the events that follow from a call before its answer") {
   World world(kBox);
   world.call("advise", {{"node", "Box"}, {"event", "translation"}});
   world.say(R"({"jsonrpc":"2.0","id":"x","method":"setValue","params":["Box","translation",[1,2,3]]})");
@@ -106,7 +106,7 @@ TEST_CASE("Events that follow from a call are told before its answer") {
   CHECK(sent[1]["id"] == "x");
 }
 
-TEST_CASE("Events of a list have one timestamp, and none is sent where one is wrong (14772-2 beginUpdate)") {
+TEST_CASE("gives the events of a list one timestamp, and sends none if one is wrong (14772-2 beginUpdate)") {
   World world(kBox + "DEF A Transform {} DEF B Transform {}");
   for (const char* name : {"A", "B", "Box"}) world.call("advise", {{"node", name}, {"event", "translation"}});
   world.call("setValues", {{"events", {{"A", "translation", {1, 0, 0}}, {"B", "set_translation", {2, 0, 0}}}}});
@@ -126,7 +126,7 @@ TEST_CASE("Events of a list have one timestamp, and none is sent where one is wr
           "parameter 'events': event 1: expected [node, eventIn, value]; none was sent");
 }
 
-TEST_CASE("Between beginUpdate and endUpdate events wait, and then have one timestamp (14772-2)") {
+TEST_CASE("holds events between beginUpdate and endUpdate, and gives them one timestamp (14772-2)") {
   World world(kBox + "DEF A Transform {} DEF B Transform {}");
   for (const char* name : {"A", "B"}) world.call("advise", {{"node", name}, {"event", "translation"}});
   world.call("beginUpdate");
@@ -145,7 +145,7 @@ TEST_CASE("Between beginUpdate and endUpdate events wait, and then have one time
   CHECK(world.told("event").size() == 1);
 }
 
-TEST_CASE("Each update has a timestamp of its own, so that eventOuts send each time (VRML97 4.10.4)") {
+TEST_CASE("gives each update its own timestamp, so that eventOuts send each time (VRML97 4.10.4)") {
   World world(kBox + "DEF Other Transform {} ROUTE Box.translation TO Other.set_translation");
   world.call("advise", {{"node", "Other"}, {"event", "translation"}});
   std::string message;
@@ -163,7 +163,7 @@ TEST_CASE("Each update has a timestamp of its own, so that eventOuts send each t
   CHECK(world.call("getBrowser")["time"] == 1001.0);
 }
 
-TEST_CASE("Nodes are made of a string, put into the world and taken out (14772-2 createVrmlFromString)") {
+TEST_CASE("creates nodes of a string, adds them to the world and removes them (14772-2 createVrmlFromString)") {
   World world("DEF G Group {}");
   const Json made = world.call("createVrmlFromString",
                                {{"text", "DEF New Transform { translation 1 2 3 } Shape { geometry Box {} }"}});
@@ -183,7 +183,7 @@ TEST_CASE("Nodes are made of a string, put into the world and taken out (14772-2
   CHECK(none["messages"][0] == "control:1:1: error: expected a node, found 'VRML'");
 }
 
-TEST_CASE("A Script that a client makes runs (14772-2 createVrmlFromString, VRML97 4.12)") {
+TEST_CASE("runs a Script that a client creates (14772-2 createVrmlFromString, VRML97 4.12)") {
   World world("DEF G Group {} DEF Box Transform {}");
   const Json made = world.call(
       "createVrmlFromString",
@@ -198,7 +198,7 @@ TEST_CASE("A Script that a client makes runs (14772-2 createVrmlFromString, VRML
   CHECK(world.call("getValue", {{"node", "Box"}, {"event", "translation"}}) == Json{3, 6, 0});
 }
 
-TEST_CASE("ROUTEs are added and deleted (14772-2 addRoute, deleteRoute)") {
+TEST_CASE("adds and deletes ROUTEs (14772-2 addRoute, deleteRoute)") {
   World world(kBox + "DEF Other Transform {}");
   const Json route = {{"from", "Box"}, {"eventOut", "translation"}, {"to", "Other"}, {"eventIn", "translation"}};
   CHECK(world.call("addRoute", route)["changed"] == true);
@@ -216,7 +216,7 @@ TEST_CASE("ROUTEs are added and deleted (14772-2 addRoute, deleteRoute)") {
   CHECK(world.problem("addRoute", wrong) == "no eventIn 'none'");
 }
 
-TEST_CASE("A world is replaced, and what a client holds of the old one lives on (14772-2 replaceWorld)") {
+TEST_CASE("replaces a world, and keeps old nodes that a client holds (14772-2 replaceWorld)") {
   World world(kBox + "DEF Gone Transform {}");
   const Json box = world.call("getNode", {{"node", "Box"}})["node"];
   const Json made = world.call("createVrmlFromString", {{"text", "DEF New Group {}"}});
@@ -229,7 +229,7 @@ TEST_CASE("A world is replaced, and what a client holds of the old one lives on 
   CHECK(world.call("getValue", {{"node", "New"}, {"event", "children"}}) == Json::array({box}));
 }
 
-TEST_CASE("Nodes that only a client holds are there until it disposes of them, or goes (14772-2)") {
+TEST_CASE("keeps nodes that only a client holds until it disposes of them or disconnects (14772-2)") {
   World world("DEF G Group {}");
   vrml::Execution& execution = world.document->living->execution();
   const Json made =
@@ -244,7 +244,7 @@ TEST_CASE("Nodes that only a client holds are there until it disposes of them, o
   CHECK(execution.remove_unheld() == 1);
 }
 
-TEST_CASE("A watch on a node that goes tells nothing, and a number of a node that went says so") {
+TEST_CASE("ends the watch of a removed node, and rejects the number of a removed node") {
   World world("DEF G Group { children DEF Box Transform {} }");
   const Json made = world.call("createVrmlFromString", {{"text", "Transform {}"}})["nodes"][0];
   world.call("advise", {{"node", made}, {"event", "translation"}});
@@ -255,7 +255,7 @@ TEST_CASE("A watch on a node that goes tells nothing, and a number of a node tha
   CHECK(world.told("event").empty());
 }
 
-TEST_CASE("The browser tells its name, version, time, world, and description (14772-2 getBrowser)") {
+TEST_CASE("reports name, version, time, world and description of the browser (14772-2 getBrowser)") {
   World world("WorldInfo { title \"A title\" }");
   const Json browser = world.call("getBrowser");
   CHECK(browser["name"] == "GhostSpace");
@@ -273,7 +273,7 @@ TEST_CASE("The browser tells its name, version, time, world, and description (14
   CHECK(frame.notices[0].text == "hello");
 }
 
-TEST_CASE("Viewpoints are listed and bound, and the viewer is put anywhere") {
+TEST_CASE("lists and binds Viewpoints, and moves the viewer to any position") {
   World world(
       "DEF A Viewpoint { position 0 0 5 description \"First\" } DEF B Viewpoint { position 3 0 0 "
       "orientation 0 1 0 1.5707964 description \"Second\" }");
@@ -302,7 +302,7 @@ TEST_CASE("Viewpoints are listed and bound, and the viewer is put anywhere") {
   CHECK(world.problem("setViewer", {{"position", {0, 0}}}) == "parameter 'position': expected a list of 3 numbers");
 }
 
-TEST_CASE("A picture is painted of what the viewer sees, as it is after the events before") {
+TEST_CASE("draws a picture from the viewer's position, after all earlier events") {
   World world(kBox);
   CHECK(world.problem("snapshot") == "this program draws no pictures");
   int painted = 0;
@@ -323,7 +323,7 @@ TEST_CASE("A picture is painted of what the viewer sees, as it is after the even
   CHECK(painted == 2);
 }
 
-TEST_CASE("What a client does is to be seen in the same step, and time goes on for what follows from it") {
+TEST_CASE("shows changes of a client in the same step, and lets time pass for their consequences") {
   World world(kBox);
   CHECK_FALSE(world.step(0.1).changed);
   CHECK(world.say(R"({"method":"setValue","params":["Box","translation",[1,0,0]]})").changed);
@@ -331,7 +331,7 @@ TEST_CASE("What a client does is to be seen in the same step, and time goes on f
   CHECK_FALSE(world.say(R"({"method":"getBrowser","id":1})").changed);
 }
 
-TEST_CASE("A session is controlled in each of its viewports, and a world that goes takes its nodes with it") {
+TEST_CASE("controls a session in each viewport, and drops the nodes of a closed world") {
   World world;
   world.say(R"({"jsonrpc":"2.0","id":5,"method":"awaitWorld"})");
   CHECK(world.take().empty());

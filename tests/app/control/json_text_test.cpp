@@ -62,7 +62,7 @@ const std::string kText =
 
 }  // namespace
 
-TEST_CASE("JSON is read as RFC 8259 has it") {
+TEST_CASE("parses JSON as RFC 8259 defines") {
   CHECK(again(kText) ==
         "{\"a\":[1,-2500,0,0.05,true,false,null],\"A\\u000a\":{},\"c\":\"x\\\"\\\\/"
         "\xf0\x9f\x98\x80\",\"d\":[[],[{}],\"\"]}");
@@ -76,7 +76,7 @@ TEST_CASE("JSON is read as RFC 8259 has it") {
   CHECK(again("0." + std::string(400, '0') + "1") == "0");
 }
 
-TEST_CASE("What is no JSON is refused where it begins to be wrong, and every beginning of a text is") {
+TEST_CASE("rejects invalid JSON at its first wrong byte, and every incomplete text") {
   CHECK(wrong_at("") == 0);
   CHECK(wrong_at("[1,]") == 3);
   CHECK(wrong_at("[,1]") == 1);
@@ -99,13 +99,13 @@ TEST_CASE("What is no JSON is refused where it begins to be wrong, and every beg
   CHECK_FALSE(check_json(text));
 }
 
-TEST_CASE("Lists lie 64 deep in each other and no deeper, and a million brackets take no stack") {
+TEST_CASE("parses lists nested 64 deep but no deeper, without recursion for a million brackets") {
   CHECK_FALSE(check_json(std::string(64, '[') + std::string(64, ']')));
   CHECK(wrong_at(std::string(65, '[') + std::string(65, ']')) == 64);
   CHECK(check_json(std::string(1'000'000, '[')));
 }
 
-TEST_CASE("A value that nobody wants is passed over, and its text is known") {
+TEST_CASE("skips an unneeded value, and returns its text") {
   JsonCursor json(kText);
   std::string made;
   json.open();
@@ -118,7 +118,7 @@ TEST_CASE("A value that nobody wants is passed over, and its text is known") {
                                           "\"x\\\"\\\\\\/\\ud83d\\ude00\"", "[[],[{}],\"\"]"});
 }
 
-TEST_CASE("What is written is JSON whatever the bytes and numbers are") {
+TEST_CASE("writes valid JSON for any bytes and numbers") {
   const auto string = [](std::string_view text) {
     std::string out;
     append_json_string(out, text);

@@ -52,7 +52,7 @@ std::string problem_of(std::string_view text, FieldType type) {
 
 }  // namespace
 
-TEST_CASE("Values of all twenty field types go through JSON and back") {
+TEST_CASE("converts values of all twenty field types to JSON and back") {
   const std::pair<FieldType, const char*> values[] = {
       {FieldType::SFBool, "true"},
       {FieldType::SFColor, "[0.25,0.5,1]"},
@@ -85,7 +85,7 @@ TEST_CASE("Values of all twenty field types go through JSON and back") {
   CHECK(again("[0,0,0]", FieldType::SFImage) == "[0,0,0]");
 }
 
-TEST_CASE("Lists of vectors, colours and rotations may be flat") {
+TEST_CASE("accepts flat lists of vectors, colours and rotations") {
   CHECK(again("[1,2,3,4,5,6]", FieldType::MFVec3f) == "[[1,2,3],[4,5,6]]");
   CHECK(again("[1,2,3,4]", FieldType::MFVec2f) == "[[1,2],[3,4]]");
   CHECK(again("[1,2,3,4]", FieldType::MFRotation) == "[[1,2,3,4]]");
@@ -95,7 +95,7 @@ TEST_CASE("Lists of vectors, colours and rotations may be flat") {
   CHECK(problem_of("[[1,2,3],4,5,6]", FieldType::MFVec3f) == "expected a list of 3 numbers");
 }
 
-TEST_CASE("Values of other types, and numbers that are none, are refused by what was expected") {
+TEST_CASE("refuses values of other types and invalid numbers, and names the expected type") {
   CHECK(problem_of("1", FieldType::SFBool) == "expected true or false");
   CHECK(problem_of("\"1\"", FieldType::SFFloat) == "expected a number");
   CHECK(problem_of("\"NaN\"", FieldType::SFTime) == "expected a number");
@@ -114,7 +114,7 @@ TEST_CASE("Values of other types, and numbers that are none, are refused by what
   CHECK(problem_of("[1,\"a\"]", FieldType::MFNode) == "expected a node");
 }
 
-TEST_CASE("An image has as many pixels as it says, in as many bytes (VRML97 5.5)") {
+TEST_CASE("requires as many pixels as an image claims, in as many bytes (VRML97 5.5)") {
   CHECK(problem_of("[2,1,1,5]", FieldType::SFImage) == "expected width, height, components and a number a pixel");
   CHECK(problem_of("[1,1,1,5,6]", FieldType::SFImage) == "expected a number a pixel");
   CHECK(problem_of("[1,1,5,6]", FieldType::SFImage) == "expected 0 to 4 components");
@@ -125,7 +125,7 @@ TEST_CASE("An image has as many pixels as it says, in as many bytes (VRML97 5.5)
   CHECK(again("[1,1,4,4294967295]", FieldType::SFImage) == "[1,1,4,4294967295]");
 }
 
-TEST_CASE("What JSON has no numbers for is written as strings") {
+TEST_CASE("writes numbers that JSON lacks as strings") {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   CHECK(written(FieldValue(vrml::SFVec3f(nan, infinity, -infinity))) == "[\"NaN\",\"Infinity\",\"-Infinity\"]");
   CHECK(written(FieldValue(vrml::SFString("\xff"))) == "\"\xef\xbf\xbd\"");

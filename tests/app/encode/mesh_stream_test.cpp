@@ -115,7 +115,7 @@ std::string binary_ply(bool big, bool wide, const std::string& more = {}) {
 
 }  // namespace
 
-TEST_CASE("Triangles of a binary STL are those of its world") {
+TEST_CASE("returns the triangles of a binary STL as in its world") {
   for (const int colors : {0, 1, 2}) {
     INFO(colors);
     const std::string text = binary_stl(9000, colors);
@@ -135,7 +135,7 @@ TEST_CASE("Triangles of a binary STL are those of its world") {
   CHECK(given == 200);
 }
 
-TEST_CASE("Triangles of a binary PLY are those of its world") {
+TEST_CASE("returns the triangles of a binary PLY as in its world") {
   for (const bool big : {false, true}) {
     const std::string text = binary_ply(big, false);
     const MeshTriangles triangles = triangles_of_stream(text);
@@ -158,7 +158,7 @@ TEST_CASE("Triangles of a binary PLY are those of its world") {
   }
 }
 
-TEST_CASE("What is no mesh of triangles in order is no stream of them") {
+TEST_CASE("rejects files that are no mesh of ordered triangles") {
   CHECK_FALSE(open_mesh_stream({}));
   CHECK_FALSE(open_mesh_stream(mesh_bytes("solid a\nfacet normal 0 0 1\nendsolid")));
   CHECK_FALSE(open_mesh_stream(mesh_bytes("ply\nformat ascii 1.0\nelement vertex 0\nend_header\n")));

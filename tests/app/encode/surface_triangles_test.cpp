@@ -96,7 +96,7 @@ std::vector<glm::vec2> random_texture_coordinates(unsigned seed, float size) {
 
 }  // namespace
 
-TEST_CASE("a textured surface stays closed, however much of the texture its triangles have") {
+TEST_CASE("keeps a textured surface closed, whatever part of the texture its triangles use") {
   for (unsigned seed = 0; seed < 6; ++seed)
     for (const bool round : {false, true}) {
       std::vector<glm::vec2> coordinates = random_texture_coordinates(seed, 0.6f);
@@ -108,7 +108,7 @@ TEST_CASE("a textured surface stays closed, however much of the texture its tria
     }
 }
 
-TEST_CASE("a flat face is divided within itself, one whose normals turn as they say") {
+TEST_CASE("divides a flat face inside itself, and bends one by its normals") {
   const std::vector<glm::vec2> coordinates = random_texture_coordinates(7, 0.9f);
   const std::vector<qnv::Triangle> flat = triangles_of(octahedron(coordinates, false));
   CHECK(area_of(flat) == Approx(8 * std::sqrt(3.0) / 2).epsilon(1e-5));
@@ -117,7 +117,7 @@ TEST_CASE("a flat face is divided within itself, one whose normals turn as they 
       REQUIRE_EACH(std::abs(std::abs(p.x) + std::abs(p.y) + std::abs(p.z) - 1) < 1e-5f);
 }
 
-TEST_CASE("normals that turn less than sixty degrees along an edge bend it") {
+TEST_CASE("bends an edge if its normals turn by less than sixty degrees") {
   // A quarter of a pipe, of four strips.
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::vec2> coordinates;

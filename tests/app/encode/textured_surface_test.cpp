@@ -76,7 +76,7 @@ const std::vector<glm::vec3> kPlaces{{0.6f, 0.2f, 0.2f}, {0.2f, 0.6f, 0.2f}, {0.
 
 }  // namespace
 
-TEST_CASE("one texture stays what it is, with coordinates as they are") {
+TEST_CASE("keeps a single texture and its coordinates unchanged") {
   render::RenderList list;
   const auto image = wave(256, {1, 0.5f, 0.2f});
   render::DrawItem& item = add_square(list, 0, image, {-1, 0}, {2, 1.5f});
@@ -103,7 +103,7 @@ TEST_CASE("one texture stays what it is, with coordinates as they are") {
   }
 }
 
-TEST_CASE("a transform of a texture is a part of its coordinates") {
+TEST_CASE("applies a texture transform to the coordinates") {
   render::RenderList list;
   render::DrawItem& item = add_square(list, 0, wave(64, glm::vec3(1)));
   item.texture.transform = glm::mat3(2, 0, 0, 0, 3, 0, 0.5f, 0.25f, 1);
@@ -112,7 +112,7 @@ TEST_CASE("a transform of a texture is a part of its coordinates") {
   CHECK(surface->coordinates[0][2] == glm::vec2(2.5f, 3.25f));
 }
 
-TEST_CASE("several textures, and colours without one, lie side by side in one picture") {
+TEST_CASE("arranges several textures, and colours without one, side by side in one texture") {
   render::RenderList list;
   const auto red = wave(64, {1, 0.1f, 0.1f}), green = wave(96, {0.1f, 1, 0.1f}), grey = wave(32, glm::vec3(1), 1);
   add_square(list, 0, red);
@@ -157,7 +157,7 @@ TEST_CASE("several textures, and colours without one, lie side by side in one pi
     }
 }
 
-TEST_CASE("where a picture cannot stand for all, there is none") {
+TEST_CASE("makes no texture if one cannot represent all") {
   const auto red = wave(64, {1, 0.1f, 0.1f});
   render::RenderList list;
   CHECK(!textured_surface(list, glm::dvec3(0)));
@@ -188,7 +188,7 @@ TEST_CASE("where a picture cannot stand for all, there is none") {
   }
 }
 
-TEST_CASE("a texture of few colours is a PNG file, which is what it was") {
+TEST_CASE("writes a texture of few colours as a lossless PNG") {
   auto image = std::make_shared<Image>();
   image->width = image->height = 256;
   image->components = 3;

@@ -43,7 +43,7 @@ double signed_volume(const Imported& result) {
   return total;
 }
 
-TEST_CASE("UCD cells show their outer faces, outwards") {
+TEST_CASE("shows the outer faces of UCD cells, facing outwards") {
   const std::string nodes = kCube;
   const Imported hexahedron = ucd("# comment\n8 1 0 0 0\n" + nodes + "1 1 hex 1 2 3 4 5 6 7 8\n");
   CHECK(hexahedron.messages().empty());
@@ -65,7 +65,7 @@ TEST_CASE("UCD cells show their outer faces, outwards") {
   CHECK(ucd("8 2 0 0 0\n" + nodes + "1 1 tri 1 2 3\n2 1 tri 3 2 1\n").corners().size() == 8);
 }
 
-TEST_CASE("UCD data becomes colours from blue to red") {
+TEST_CASE("maps UCD data to colours from blue to red") {
   const std::string nodes = "10 0 0 0\n7 1 0 0\n-3 1 1 0\n";
   // A vector first: the first component of one number is shown. Rows name their nodes.
   const Imported result = ucd("3 1 4 0 0\n" + nodes + "1 1 tri 10 7 -3\n2 3 1\nflow, m/s\nheat, K\n" +
@@ -93,7 +93,7 @@ TEST_CASE("UCD data becomes colours from blue to red") {
         std::vector<Color>{kMiddle, kMiddle, {0.5f, 0.5f, 0.5f}});
 }
 
-TEST_CASE("UCD with steps, edges' nodes and mistakes") {
+TEST_CASE("reads UCD with steps and mid-edge nodes, and reports mistakes") {
   const std::string nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 9 9 9\n5 9 9 9\n6 9 9 9\n";
   const Imported steps = ucd("2\ndata_geom\nstep1 first\n6 1\n" + nodes +
                              "1 1 tri2 1 2 3 4 5 6\n1 0\n1 1\nt, K\n1 0\n2 1\n3 2\n4 0\n5 0\n6 0\nstep2\n");
@@ -140,7 +140,7 @@ Bytes avs_binary(Put&& put_word) {
   return bytes;
 }
 
-TEST_CASE("binary UCD of both byte orders") {
+TEST_CASE("reads binary UCD of both byte orders") {
   const Bytes little = avs_binary([](Bytes& to, std::uint32_t word) { put(to, word); });
   const Bytes big = avs_binary([](Bytes& to, std::uint32_t word) { put_big(to, word); });
   for (const Bytes& bytes : {little, big}) {
@@ -162,7 +162,7 @@ TEST_CASE("binary UCD of both byte orders") {
   CHECK(imported(import_ucd, longer).corners().size() == 2 * 4 + 4 * 4 + 5);
 }
 
-TEST_CASE("UCD text survives what is done to it") {
+TEST_CASE("survives random changes of UCD text") {
   const std::string text =
       "5 2 1 1 0\n1 0 0 1\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 9 9 9\n1 1 pyr 1 2 3 4 5\n2 1 quad 2 3 4 5\n" +
       std::string("1 1\nt, K\n1 0\n2 1\n3 2\n4 3\n5 4\n1 1\np, Pa\n1 0\n2 1\n");
@@ -170,7 +170,7 @@ TEST_CASE("UCD text survives what is done to it") {
   check_prefixes_and_flips(import_ucd, bytes_of(text));
 }
 
-TEST_CASE("UCD files of other programs") {
+TEST_CASE("reads UCD files of other programs") {
   const auto folder = shared_folder() / "data/meshes/avs";
   if (!std::filesystem::exists(folder / "UCD_00000.inp")) {
     WARN("no " << folder);
@@ -210,7 +210,7 @@ constexpr const char* kMgf =
     "disjoint line\nedges\nvertex\n4\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
     "polyline\nway\ncolor\n3\n0 0 0 1 0 0\n1 0 0 0 1 0\n1 1 0 0 0 1\n";
 
-TEST_CASE("AVS text geometry") {
+TEST_CASE("reads AVS text geometry") {
   const Imported result = avs(kMgf);
   CHECK(result.diagnostics.errors() == 0);
   CHECK(result.messages().find("sphere are left out") != std::string::npos);
@@ -237,7 +237,7 @@ TEST_CASE("AVS text geometry") {
   check_prefixes_and_flips(import_avs_geometry, bytes_of(kMgf));
 }
 
-TEST_CASE("AVS text geometry with steps and mistakes") {
+TEST_CASE("reads AVS text geometry with steps, and reports mistakes") {
   const Imported steps =
       avs("# Micro AVS Geom:2.00\n2\nstep1 start\npolytri\na\nvertex\n3\n0 0 0\n1 0 0\n0 1 0\nstep2\npolytri\n" +
           std::string("a\nvertex\n3\n5 0 0\n6 0 0\n5 1 0\n"));

@@ -28,7 +28,7 @@ Import with_files(void (*import)(std::span<const std::byte>, gs::vrml::SceneGrap
 };
 }
 
-TEST_CASE("meshes from elsewhere are read whole") {
+TEST_CASE("reads meshes of other programs completely") {
   const fs::path folder = shared_folder() / "data" / "meshes";
   if (!fs::is_directory(folder)) {
     WARN("skipped: no shared data (set GHOSTSPACE_SHARED)");
@@ -69,7 +69,7 @@ TEST_CASE("meshes from elsewhere are read whole") {
   }
 }
 
-TEST_CASE("cut and damaged files from elsewhere are survived") {
+TEST_CASE("survives truncated and damaged files of other programs") {
   const fs::path folder = shared_folder() / "data" / "meshes";
   if (!fs::is_directory(folder)) {
     WARN("skipped: no shared data (set GHOSTSPACE_SHARED)");

@@ -71,7 +71,7 @@ Cloud volume_cloud() {
   return cloud;
 }
 
-TEST_CASE("the table of export formats") {
+TEST_CASE("lists each export format with its extension") {
   CHECK(export_format_of("a.ply")->name == "ply");
   CHECK(export_format_of("dir.spz/a.3DGS.PLY")->name == "3dgs-ply");
   CHECK(export_format_of("a.glb")->name == "glb");
@@ -90,7 +90,7 @@ TEST_CASE("the table of export formats") {
   CHECK(export_format_named("nothing") == nullptr);
 }
 
-TEST_CASE("PLY points come back bit for bit") {
+TEST_CASE("restores PLY points bit for bit") {
   const Cloud cloud = model();
   const Bytes bytes = written(cloud, export_points_ply);
   CHECK(is_points_ply(bytes));
@@ -104,7 +104,7 @@ TEST_CASE("PLY points come back bit for bit") {
   check_hostile(import_points_ply, short_one, 31);
 }
 
-TEST_CASE("vectors with triangles between them become a PLY mesh") {
+TEST_CASE("writes vectors with triangles as a PLY mesh") {
   Cloud cloud = sphere(4);
   cloud.triangles = {0, 1, 2, 2, 1, 3};
   const Bytes bytes = written(cloud, export_points_ply);
@@ -116,7 +116,7 @@ TEST_CASE("vectors with triangles between them become a PLY mesh") {
         std::vector<int>{3, 0, 1, 2, 3, 2, 1, 3});
 }
 
-TEST_CASE("3DGS PLY comes back") {
+TEST_CASE("restores 3DGS PLY") {
   const Cloud cloud = model();
   const Bytes bytes = written(cloud, export_splats_ply);
   CHECK(is_splats_ply(bytes));
@@ -127,7 +127,7 @@ TEST_CASE("3DGS PLY comes back") {
   CHECK(metadata(back, "splats not discs").empty());
 }
 
-TEST_CASE("SPZ comes back within its steps") {
+TEST_CASE("restores SPZ within its quantisation steps") {
   const Cloud cloud = model();
   for (auto* write : {export_spz, export_spz3}) {
     const Bytes bytes = written(cloud, write);
@@ -144,7 +144,7 @@ TEST_CASE("SPZ comes back within its steps") {
   CHECK(std::holds_alternative<std::string>(export_spz3(Cloud(), {})));
 }
 
-TEST_CASE("SPZ fits its fixed point to the coordinates") {
+TEST_CASE("adapts the fixed point of SPZ to the coordinates") {
   for (const float size : {1e-3f, 1.0f, 1e5f, 1e9f}) {
     const Cloud cloud = sphere(50, size);
     const Cloud back = cloud_of(import_splats_spz, written(cloud, export_spz));
@@ -181,7 +181,7 @@ Glb read_glb(const Bytes& bytes) {
   return glb;
 }
 
-TEST_CASE("GLB with KHR_gaussian_splatting") {
+TEST_CASE("writes GLB with KHR_gaussian_splatting") {
   const Cloud cloud = model();
   const Bytes bytes = written(cloud, export_glb, {"b\xffll \"1\"", {}});
   const Glb glb = read_glb(bytes);
@@ -233,7 +233,7 @@ TEST_CASE("GLB with KHR_gaussian_splatting") {
   }
 }
 
-TEST_CASE("our own glTF reader shows the points of the GLB") {
+TEST_CASE("shows the points of the GLB by its own glTF reader") {
   const Cloud cloud = model();
   const Bytes bytes = written(cloud, export_glb);
   const Imported result =
@@ -254,7 +254,7 @@ Imported parsed(const std::string& text) {
   return result;
 }
 
-TEST_CASE("VRML97 points for any browser") {
+TEST_CASE("writes VRML97 points for any browser") {
   const Cloud cloud = model();
   const std::string text = string_of(written(cloud, export_vrml97_points, {"a \"title\"\n\\", "ball.qnv"}));
   CHECK(text.starts_with("#VRML V2.0 utf8"));
@@ -277,7 +277,7 @@ TEST_CASE("VRML97 points for any browser") {
   for (std::size_t i = 0; i < cloud.size(); ++i) REQUIRE(std::lround(color[i].g * 255) == cloud.colors[i].g);
 }
 
-TEST_CASE("VRML97 points of one colour are shaded, since nothing else would light them") {
+TEST_CASE("writes shaded colours for points of one colour, which browsers do not light") {
   Cloud cloud = sphere(100);
   cloud.colors.clear();
   cloud.color = {200, 200, 200};
@@ -293,7 +293,7 @@ TEST_CASE("VRML97 points of one colour are shaded, since nothing else would ligh
   CHECK(least < 0.4f);
 }
 
-TEST_CASE("VRML97 patches have the areas and sides of the discs") {
+TEST_CASE("writes VRML97 patches with the areas and sides of the splats") {
   const Cloud cloud = model();
   const Imported world = parsed(string_of(written(cloud, export_vrml97_patches)));
   CHECK(world.messages().empty());
@@ -314,7 +314,7 @@ TEST_CASE("VRML97 patches have the areas and sides of the discs") {
   }
 }
 
-TEST_CASE("volumes become balls with the colours of their transfer function") {
+TEST_CASE("exports volumes as balls in the colours of their transfer function") {
   const Cloud cloud = volume_cloud();
   const Cloud points = cloud_of(import_points_ply, written(cloud, export_points_ply));
   REQUIRE(points.size() == 10);
@@ -330,7 +330,7 @@ TEST_CASE("volumes become balls with the colours of their transfer function") {
     CHECK(parsed(string_of(written(cloud, write))).messages().empty());
 }
 
-TEST_CASE("clouds with broken numbers are exported without them") {
+TEST_CASE("leaves out vectors with invalid numbers in exports") {
   Cloud cloud = sphere(6);
   cloud.positions[0].x = NAN;
   cloud.weights[1] = INFINITY;
@@ -350,7 +350,7 @@ TEST_CASE("clouds with broken numbers are exported without them") {
   }
 }
 
-TEST_CASE("the PROTO that stands in for the QNV node") {
+TEST_CASE("exports the PROTO that replaces the QNV node") {
   const Bytes file = file_bytes(std::filesystem::path(GHOSTSPACE_TESTS).parent_path() / "assets/protos/QNV.wrl");
   REQUIRE_FALSE(file.empty());
   const Imported world =

@@ -63,7 +63,7 @@ Bytes exported(const Cloud& cloud, Exported (*write)(const Cloud&, const ExportO
 
 constexpr double kMicrometre = 1e-6;
 
-TEST_CASE("points far from 0 are read without loss, from text and binary") {
+TEST_CASE("reads distant points without loss, from text and binary files") {
   const auto places = far_places(200);
   const Cloud cloud = cloud_of(import_points_ply, far_points(places));
   CHECK(farthest(cloud, places) < 0.1 * kMicrometre);
@@ -76,7 +76,7 @@ TEST_CASE("points far from 0 are read without loss, from text and binary") {
         glm::dvec3(0));
 }
 
-TEST_CASE("points far from 0 are written as they were read") {
+TEST_CASE("writes distant points as they were read") {
   const auto places = far_places(200);
   const Cloud cloud = cloud_of(import_points_ply, far_points(places));
   CHECK(farthest(cloud_of(import_points_ply, exported(cloud, export_points_ply)), places) < 0.1 * kMicrometre);
@@ -97,7 +97,7 @@ TEST_CASE("points far from 0 are written as they were read") {
   CHECK(std::holds_alternative<std::string>(export_spz(cloud, {})));
 }
 
-TEST_CASE("a stream of records keeps where its vectors are") {
+TEST_CASE("keeps the positions of vectors in a stream of records") {
   const auto places = far_places(300);
   const Cloud cloud = cloud_of(import_points_ply, far_points(places));
   const auto made = gs::qnv::encode_cloud(cloud, {});
@@ -119,7 +119,7 @@ TEST_CASE("a stream of records keeps where its vectors are") {
   CHECK(most < 0.6e-3);  // half a step of a record: of a box of a metre, 1/2048
 }
 
-TEST_CASE("triangles of a world far from 0 are encoded from an origin, and come back from there") {
+TEST_CASE("encodes distant triangles relative to an origin, and restores their positions") {
   gs::vrml::SceneGraph scene("far.wrl");
   gs::vrml::Diagnostics diagnostics;
   (void)gs::vrml::parse(
@@ -165,7 +165,7 @@ TEST_CASE("triangles of a world far from 0 are encoded from an origin, and come 
   CHECK(box.size().z == 0.01f);
 }
 
-TEST_CASE("a volume far from 0 is read with its place in double") {
+TEST_CASE("reads the position of a distant volume in double precision") {
   std::string vti =
       "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 3 0 3 0 3\" Origin=\"" + text_of(kFarPlace) +
       "\" Spacing=\"0.01 0.01 0.01\"><Piece Extent=\"0 3 0 3 0 3\"><PointData Scalars=\"v\"><DataArray type=\"UInt8\" "

@@ -36,7 +36,7 @@ struct Files {
 
 }  // namespace
 
-TEST_CASE("Headers of FITS files that claim impossible axes are refused by what is wrong") {
+TEST_CASE("refuses FITS headers with impossible axes, and names the error") {
   const Files files;
   const Bytes data = voxels<std::uint8_t>(true);
   const auto refused = [&](const Cards& more, const std::string& what) {
@@ -64,7 +64,7 @@ TEST_CASE("Headers of FITS files that claim impossible axes are refused by what 
   refused({"BITPIX  "}, "BITPIX is missing");
 }
 
-TEST_CASE("FITS files with a hundred axes open when only three are longer than 1") {
+TEST_CASE("opens FITS files of a hundred axes if only three are longer than 1") {
   const Files files;
   for (const int count : {100, 999}) {
     Cards cards = byte_cube({"NAXIS   = " + std::to_string(count)});
@@ -79,7 +79,7 @@ TEST_CASE("FITS files with a hundred axes open when only three are longer than 1
   }
 }
 
-TEST_CASE("FITS headers without END, and cards that are none, do no harm") {
+TEST_CASE("survives FITS headers without END and with invalid cards") {
   const Files files;
   std::string whole = fits(byte_cube(), voxels<std::uint8_t>(true));
   whole.replace(whole.find("END "), 3, "XND");
@@ -100,7 +100,7 @@ TEST_CASE("FITS headers without END, and cards that are none, do no harm") {
   check_values(files.open(fits(twice, voxels<std::uint8_t>(true))), 2);
 }
 
-TEST_CASE("Values of FITS cards are read as the standard writes them") {
+TEST_CASE("parses values of FITS cards as the standard defines") {
   const Files files;
   const auto scaled = [&](const std::string& value) {
     return files.open(fits(byte_cube({"BSCALE  =" + value}), voxels<std::uint8_t>(true))).layout.slope;
@@ -125,7 +125,7 @@ TEST_CASE("Values of FITS cards are read as the standard writes them") {
   CHECK(title({"OBJECT  = 'R&D&'"}) == "R&D&");
 }
 
-TEST_CASE("Unsigned and scaled FITS integers have their values") {
+TEST_CASE("reads unsigned and scaled FITS integers") {
   const Files files;
   const auto first_values = [&](int bits, const Bytes& data, const Cards& more) {
     Cards cards = byte_cube({"BITPIX  = " + std::to_string(bits)});
@@ -156,7 +156,7 @@ TEST_CASE("Unsigned and scaled FITS integers have their values") {
   CHECK((values[0] == -9 && values[1] == 9));
 }
 
-TEST_CASE("What stands in front of the first FITS image is passed over") {
+TEST_CASE("skips data before the first FITS image") {
   const Files files;
   const Bytes data = voxels<std::uint8_t>(true);
   const std::string image = fits(extension("IMAGE   "), data);
@@ -186,7 +186,7 @@ TEST_CASE("What stands in front of the first FITS image is passed over") {
   CHECK(files.problem(fits(kNoData, {}) + std::string(2880, 'x')).find("no image") != std::string::npos);
 }
 
-TEST_CASE("FITS units that lead nowhere come to an end") {
+TEST_CASE("ends on FITS units that lead nowhere") {
   const Files files;
   const std::string none = fits(kNoData, {});
   const auto refused = [&](const std::string& content, const std::string& what) {
@@ -215,7 +215,7 @@ TEST_CASE("FITS units that lead nowhere come to an end") {
   refused(longer, "no END among");
 }
 
-TEST_CASE("No prefix of a FITS file with several units does harm") {
+TEST_CASE("survives every prefix of a FITS file with several units") {
   const Files files;
   const std::string whole = fits(kNoData, {}) + fits(extension("BINTABLE", {"PCOUNT  = 3000"}), Bytes(3012)) +
                             fits(extension("IMAGE   ", {"BITPIX  = 16"}), voxels<std::int16_t>(true));

@@ -121,7 +121,7 @@ TEST_CASE("names what Gaussian splats of a glTF lose, once") {
   CHECK(messages(translucent + harmonics, splats) == note + "opacity and spherical harmonics up to degree 2\n");
 }
 
-TEST_CASE("a glTF with embedded data and the same GLB") {
+TEST_CASE("reads a glTF with embedded data like the same GLB") {
   const Asset asset = square_asset();
   for (const Bytes& bytes : {bytes_of(asset.json(scene_of(kSquarePrimitive))), asset.glb(scene_of(kSquarePrimitive))}) {
     const Imported result = gltf(bytes);
@@ -134,7 +134,7 @@ TEST_CASE("a glTF with embedded data and the same GLB") {
   }
 }
 
-TEST_CASE("external buffers come through the callback and from nowhere else") {
+TEST_CASE("reads external buffers through the callback only") {
   const Asset asset = square_asset();
   std::string json = asset.json(scene_of(kSquarePrimitive), false);
   json.replace(json.find("\"byteLength\""), 0, R"("uri":"my%20data.bin",)");
@@ -150,7 +150,7 @@ TEST_CASE("external buffers come through the callback and from nowhere else") {
   CHECK(gltf(json, [](const std::string&) -> gs::app::BytesResult { return "it is gone"; }).diagnostics.errors() == 1);
 }
 
-TEST_CASE("nodes become Transforms") {
+TEST_CASE("converts nodes to Transforms") {
   const Asset asset = square_asset();
   const Imported result = gltf(asset.json(
       R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[)"
@@ -181,7 +181,7 @@ TEST_CASE("nodes become Transforms") {
   CHECK(result.values<MFNode>(children[0], "children") == result.values<MFNode>(children[1], "children"));
 }
 
-TEST_CASE("all modes of primitives") {
+TEST_CASE("reads all modes of primitives") {
   Asset asset = square_asset();
   const auto indices = [&](int mode) {
     const Imported result = gltf(asset.json(scene_of(R"("attributes":{"POSITION":0},"mode":)" + std::to_string(mode))));
@@ -203,7 +203,7 @@ TEST_CASE("all modes of primitives") {
   CHECK(gltf(asset.json(scene_of(R"("attributes":{"POSITION":0},"mode":7)"))).diagnostics.errors() == 1);
 }
 
-TEST_CASE("normalised, strided and sparse accessors") {
+TEST_CASE("reads normalised, strided and sparse accessors") {
   Asset asset = square_asset();
   // Colours as bytes with an alpha, eight bytes apart.
   const int colors =
@@ -237,7 +237,7 @@ TEST_CASE("normalised, strided and sparse accessors") {
   CHECK(points[2].x == Approx(16384.0 / 32767));
 }
 
-TEST_CASE("materials become the nearest ones of VRML97") {
+TEST_CASE("converts materials to the nearest ones of VRML97") {
   Asset asset = square_asset();
   const std::string primitive = kSquarePrimitive + R"(,"material":0)";
   const auto with = [&](const std::string& material) {
@@ -269,7 +269,7 @@ TEST_CASE("materials become the nearest ones of VRML97") {
   CHECK(result.scene->get<Color>(result.only("Material"), "emissiveColor") == Color{1, 0, 0});
 }
 
-TEST_CASE("textures: by name, as a data URL, from a buffer") {
+TEST_CASE("reads textures by name, from a data URL and from a buffer") {
   Asset asset = square_asset();
   const int uv = asset.accessor(bytes_of_values<float>({0, 0, 1, 0, 1, 0.25f, 0, 1}), 5126, 4, "VEC2");
   const int picture = asset.view(bytes_of("\x89PNG"));
@@ -302,7 +302,7 @@ TEST_CASE("textures: by name, as a data URL, from a buffer") {
   CHECK(with(R"("bufferView":99)").diagnostics.errors() == 1);
 }
 
-TEST_CASE("cameras become Viewpoints") {
+TEST_CASE("converts cameras to Viewpoints") {
   const Imported result = gltf(
       R"({"asset":{"version":"2.0"},"nodes":[{"camera":0,"translation":[0,0,5]},{"camera":1},{"camera":2},{"camera":9}],)"
       R"("cameras":[{"name":"Front","type":"perspective","perspective":{"yfov":1,"znear":0.1,"aspectRatio":2}},)"
@@ -319,7 +319,7 @@ TEST_CASE("cameras become Viewpoints") {
   CHECK(result.diagnostics.errors() == 1);
 }
 
-TEST_CASE("a skinned mesh stands where its joints are") {
+TEST_CASE("places a skinned mesh by its joints") {
   Asset asset = square_asset();
   const int joints =
       asset.accessor(bytes_of_values<std::uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}), 5121, 4, "VEC4");
@@ -341,7 +341,7 @@ TEST_CASE("a skinned mesh stands where its joints are") {
   CHECK(result.scene->roots()[0] == result.only("Shape"));
 }
 
-TEST_CASE("Draco is an error of its primitive only") {
+TEST_CASE("reports Draco as an error of its primitive only") {
   const Asset asset = square_asset();
   const std::string rest =
       R"("extensionsUsed":["KHR_draco_mesh_compression"],"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
@@ -359,7 +359,7 @@ TEST_CASE("Draco is an error of its primitive only") {
   }
 }
 
-TEST_CASE("what reaches beyond its buffer is an error of its primitive") {
+TEST_CASE("reports data beyond a buffer as an error of its primitive") {
   const auto with = [](const std::string& accessor, const std::string& primitive) {
     Asset asset = square_asset();
     asset.accessor_text(accessor);
@@ -392,7 +392,7 @@ TEST_CASE("what reaches beyond its buffer is an error of its primitive") {
             .diagnostics.errors() == 1);
 }
 
-TEST_CASE("trees that are none are cut, and depth is bounded") {
+TEST_CASE("cuts cyclic node trees, and limits their depth") {
   const Asset asset = square_asset();
   const std::string mesh = R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}])";
   const Imported loop = gltf(asset.json(
@@ -408,7 +408,7 @@ TEST_CASE("trees that are none are cut, and depth is bounded") {
   CHECK(deep.all("Transform").size() == deep.scene->limits().nesting);
 }
 
-TEST_CASE("hostile JSON is refused before tinygltf sees it") {
+TEST_CASE("refuses hostile JSON before tinygltf reads it") {
   const std::string deep = R"({"asset":{"version":"2.0"},"extras":)" + std::string(100'000, '[');
   CHECK(gltf(deep).messages() == "test: error: glTF: nested deeper than 200 levels\n");
   std::string many = R"({"asset":{"version":"2.0"},"materials":[)";
@@ -423,7 +423,7 @@ TEST_CASE("hostile JSON is refused before tinygltf sees it") {
   CHECK(gltf(std::string(R"({"asset":{"version":"2.0"},"extensionsRequired":["EXT_x"]})")).diagnostics.errors() == 1);
 }
 
-TEST_CASE("using the same data very often is refused") {
+TEST_CASE("refuses data that are referenced very often") {
   Asset asset;
   Bytes corners;
   for (int i = 0; i < 30'000; ++i) put(corners, float{1});
@@ -437,7 +437,7 @@ TEST_CASE("using the same data very often is refused") {
   CHECK(result.all("Shape").size() > 100);
 }
 
-TEST_CASE("no part of a glTF and no changed byte breaks the importer") {
+TEST_CASE("survives every truncation and every changed byte of a glTF") {
   Asset asset = square_asset();
   const std::string rest = scene_of(
       R"("attributes":{"POSITION":0},"indices":1,"material":0)",

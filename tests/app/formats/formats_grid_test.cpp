@@ -100,7 +100,7 @@ double volume_within(const Imported& result) {
   return sum;
 }
 
-TEST_CASE("A grid shows the faces that one cell alone has, from outside") {
+TEST_CASE("shows the faces of a grid that belong to one cell only, from outside") {
   const std::string scalars = "POINT_DATA 12\nSCALARS heat float\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7 8 9 10 11\n";
   for (const Imported& result :
        {imported(import_vtk_legacy, bytes_of(legacy(kBoxPoints, kBoxes, scalars))),
@@ -120,7 +120,7 @@ TEST_CASE("A grid shows the faces that one cell alone has, from outside") {
   }
 }
 
-TEST_CASE("Every solid cell of VTK is closed, and its faces look outwards") {
+TEST_CASE("closes every solid VTK cell by faces that look outwards") {
   const std::vector<glm::vec3> points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                          {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
   const struct {
@@ -150,7 +150,7 @@ TEST_CASE("Every solid cell of VTK is closed, and its faces look outwards") {
   }
 }
 
-TEST_CASE("A grid of flat cells, lines and vertices, in colours of its cells, whatever their order") {
+TEST_CASE("reads a grid of flat cells, lines and vertices in any order, with cell colours") {
   const std::vector<Cell> cells = {{8, {0, 1, 3, 2}}, {1, {4}},           {5, {4, 5, 6}},   {3, {0, 6}},
                                    {7, {4, 5, 6, 7}}, {10, {0, 1, 3, 4}}, {9, {1, 2, 6, 5}}};
   const Imported result = imported(
@@ -172,7 +172,7 @@ TEST_CASE("A grid of flat cells, lines and vertices, in colours of its cells, wh
   CHECK(colors_of("PointSet") == std::vector{key.color_of(1)});
 }
 
-TEST_CASE("Pieces of a grid stand together, packed and appended, with data of cells") {
+TEST_CASE("joins the pieces of a grid, packed and appended, with cell data") {
   // Raw and packed, as ParaView writes them.
   std::string appended;
   const auto array = [&](const std::string& type, const std::string& name, const Bytes& values, int components = 1) {
@@ -250,7 +250,7 @@ std::string numbered_faces() {
          array_of("Int64", "polyhedron_offsets", joined({6, 6, 11}));
 }
 
-TEST_CASE("Polyhedra show their outer faces, as each version of VTK writes them") {
+TEST_CASE("shows the outer faces of polyhedra as each version of VTK writes them") {
   const std::vector<Cell> streams = {{42, stream_of(kHouse[0])}, kHouseCells[1], {42, stream_of(kHouse[1])}};
   const std::string old = piece(kHousePoints, kHouseCells, {}, old_faces());
   for (const Imported& result :
@@ -266,7 +266,7 @@ TEST_CASE("Polyhedra show their outer faces, as each version of VTK writes them"
   CHECK(volume_within(two) == Approx(12 + 10));
 }
 
-TEST_CASE("A hexahedron of which corners are one meets the faces of its neighbours") {
+TEST_CASE("matches the faces of a hexahedron with coincident corners with its neighbours") {
   // A wedge as a hexahedron, on whose triangle a tetrahedron stands.
   const Imported result = imported(
       import_vtk_legacy, bytes_of(legacy({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0, 0, 2}},
@@ -276,7 +276,7 @@ TEST_CASE("A hexahedron of which corners are one meets the faces of its neighbou
   CHECK(volume_within(result) == Approx(3 + 1));
 }
 
-TEST_CASE("What is wrong with a grid is said, and what is there shows") {
+TEST_CASE("reports errors in a grid, and shows the rest") {
   const auto told = [](const Import& import, const std::string& text, const std::string& said) {
     INFO(text);
     const Imported result = imported(import, bytes_of(text));
@@ -321,7 +321,7 @@ TEST_CASE("What is wrong with a grid is said, and what is there shows") {
   }
 }
 
-TEST_CASE("Grids: no prefix and no flipped bit does harm") {
+TEST_CASE("survives every prefix and every flipped bit of a grid") {
   const std::vector<glm::vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const std::vector<Cell> cells = {{10, {0, 1, 2, 3}}, {5, {0, 1, 2}}, {1, {3}}};
   check_prefixes_and_flips(
@@ -336,7 +336,7 @@ TEST_CASE("Grids: no prefix and no flipped bit does harm") {
                          array_of("Int8", "faces", joined(faces)) + array_of("Int8", "faceoffsets", joined({17}))))));
 }
 
-TEST_CASE("Grids of VTK are known by what they say") {
+TEST_CASE("detects VTK grids by their content") {
   CHECK(content_type_of("a", bytes_of("<VTKFile type=\"UnstructuredGrid\">")).name == "VTK UnstructuredGrid");
   CHECK(content_type_of("a.vtu", {}).name == "VTK UnstructuredGrid");
 }

@@ -35,7 +35,7 @@ constexpr const char* kObjSquare =
     "f 1/1/1 2/2/1 3/3/1\n"
     "f -4/-4/-1 -2/-2/-1 \\\n  -1/-1/-1  # the other half\n";
 
-TEST_CASE("faces with texture coordinates and normals") {
+TEST_CASE("reads faces with texture coordinates and normals") {
   const Imported result = obj(kObjSquare);
   CHECK(result.messages().empty());
   CHECK(result.points() == std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
@@ -49,7 +49,7 @@ TEST_CASE("faces with texture coordinates and normals") {
   CHECK(gs::vrml::tessellate(*result.scene, faces).indices.size() == 6);
 }
 
-TEST_CASE("all forms of corners, each form stands in its own Shape") {
+TEST_CASE("reads all forms of corners, each into its own Shape") {
   const Imported result =
       obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n"
           "f 1 2 3 4\nf 1//1 2//1 3//1\nf 1/1 2/1 3/1\n");
@@ -64,7 +64,7 @@ TEST_CASE("all forms of corners, each form stands in its own Shape") {
   CHECK(result.scene->get<SFNode>(faces[2], "texCoord"));
 }
 
-TEST_CASE("groups and materials are Shapes with their own points") {
+TEST_CASE("makes Shapes with their own points of groups and materials") {
   const Imported result = obj(
       "mtllib lib/a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 5 5\nv 6 5 5\nv 6 6 5\n"
       "o left part\nusemtl red\nf 1 2 3\no right\nusemtl glass\nf 4 5 6\no left part\nusemtl red\nf 3 2 1\n",
@@ -93,7 +93,7 @@ TEST_CASE("groups and materials are Shapes with their own points") {
   CHECK(result.scene->get<gs::vrml::MFString>(result.only("ImageTexture"), "url")[0] == "lib/my wood.png");
 }
 
-TEST_CASE("libraries that cannot be read are said so") {
+TEST_CASE("reports material libraries that cannot be read") {
   const char* text = "mtllib a b.mtl\nmtllib c.mtl\nmtllib a b.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
   CHECK(obj_material_libraries(bytes_of(text)) == std::vector<std::string>{"a b.mtl", "c.mtl"});
   const Imported silent = obj(text);
@@ -107,13 +107,13 @@ TEST_CASE("libraries that cannot be read are said so") {
   CHECK(missing.corners().size() == 4);
 }
 
-TEST_CASE("colours behind the coordinates") {
+TEST_CASE("reads colours after the coordinates") {
   const Imported result = obj("v 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0 1 0 0 1\nv 2 2 2 0.5\nf 1 2 3\n");
   CHECK(result.colors() == std::vector<Color>{{1, 0, 0}, {1, 1, 1}, {0, 0, 1}, {1, 1, 1}});
   CHECK(result.scene->get<bool>(result.only("IndexedFaceSet"), "colorPerVertex"));
 }
 
-TEST_CASE("lines, points and bare vertices") {
+TEST_CASE("reads lines, points and bare vertices") {
   const Imported result = obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nl 1/1 2/1 3/1\np 3 1\n");
   CHECK(result.messages().empty());
   CHECK(result.values<MFInt32>(result.only("IndexedLineSet"), "coordIndex") == std::vector<std::int32_t>{0, 1, 2, -1});
@@ -125,7 +125,7 @@ TEST_CASE("lines, points and bare vertices") {
   CHECK(obj("# nothing\n").messages() == "test: warning: no vertices in the file\n");
 }
 
-TEST_CASE("smoothing is the crease angle") {
+TEST_CASE("converts smoothing to a crease angle") {
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
   const auto crease = [](const Imported& result) {
     return result.scene->get<float>(result.only("IndexedFaceSet"), "creaseAngle");
@@ -135,7 +135,7 @@ TEST_CASE("smoothing is the crease angle") {
   CHECK(crease(obj(triangle + "f 1 2 3\n")) == Approx(3.14159265 / 3));
 }
 
-TEST_CASE("broken lines lose their face and nothing else, with their place") {
+TEST_CASE("drops only the face of a broken line, and reports its position") {
   const Imported result =
       obj("v 0 0 0\nv 1 x 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\n  f 1 2\nf 1 2 b\nf 0 1 2\nf 1 2 9\nf 1/2/3/4 2 3\nblah 1 2\n"
           "blah\nf 1 3 4 # end\n");
@@ -149,7 +149,7 @@ TEST_CASE("broken lines lose their face and nothing else, with their place") {
         "test: error: 2 faces left out: they use vertices that the file does not have; expected indices below 4\n");
 }
 
-TEST_CASE("numbers that cannot be indices do no harm") {
+TEST_CASE("survives numbers that cannot be indices") {
   const Imported result =
       obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 99999999999999999999999\nf -9999999999999999999 1 2\nf 2147483647 "
           "2147483648 1\n"
@@ -158,7 +158,7 @@ TEST_CASE("numbers that cannot be indices do no harm") {
   CHECK(result.diagnostics.errors() > 0);
 }
 
-TEST_CASE("very many groups are put together in the end", "[optimised]") {
+TEST_CASE("joins very many groups into fewer Shapes", "[optimised]") {
   std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
   for (int i = 0; i < 100'010; ++i) text += "g g" + std::to_string(i) + "\nf 1 2 3\n";
   const Imported result = obj(text);
@@ -166,7 +166,7 @@ TEST_CASE("very many groups are put together in the end", "[optimised]") {
   CHECK(result.diagnostics.warnings() == 1);
 }
 
-TEST_CASE("no part of an OBJ and no changed byte breaks the importer") {
+TEST_CASE("survives every truncation and every changed byte of an OBJ") {
   const ReadFile library = files({{"a.mtl", "newmtl m\nKd 1 0 0\nmap_Kd -o 1 2 x.png\nTr 0.5\nNs 10\n"}});
   const auto import = [&](auto bytes, auto& scene, auto& diagnostics) {
     import_obj(bytes, scene, diagnostics, library);

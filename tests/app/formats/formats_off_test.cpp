@@ -11,7 +11,7 @@ using gs::vrml::Color;
 constexpr const char* kOffSquare =
     "OFF # a comment\n4 2 0\n\n0 0 0\n1 0 0\n# between\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3 # behind\n";
 
-TEST_CASE("OFF: points and faces, wherever lines end") {
+TEST_CASE("OFF: reads points and faces with any line ends") {
   for (const char* text : {kOffSquare, "OFF 4 2 0 0 0 0 1 0 0 1 1 0 0 1 0 3 0 1 2\n3 0 2 3"}) {
     const Imported result = imported(import_off, bytes_of(text));
     CHECK(result.messages().empty());
@@ -21,7 +21,7 @@ TEST_CASE("OFF: points and faces, wherever lines end") {
   }
 }
 
-TEST_CASE("OFF: polygons, colours of faces, and what is no face") {
+TEST_CASE("OFF: reads polygons and face colours, and skips invalid faces") {
   const Imported result = imported(
       import_off, bytes_of("OFF\n4 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3  255 0 51\n3 0 1 2  0.5 0.25 1.0 1.0\n"
                            "2 0 1\n3 0 1 3\n"));
@@ -37,7 +37,7 @@ TEST_CASE("OFF: polygons, colours of faces, and what is no face") {
   CHECK(result.messages().find("1 faces of fewer than three corners are left out") != std::string::npos);
 }
 
-TEST_CASE("OFF: normals and colours of corners") {
+TEST_CASE("OFF: reads normals and colours of corners") {
   const Imported result =
       imported(import_off, bytes_of("CNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 0 255 0 255\n"
                                     "0 1 0 0 0 1 0 0 255 255\n3 0 1 2\n"));
@@ -49,7 +49,7 @@ TEST_CASE("OFF: normals and colours of corners") {
   CHECK(result.scene->get<bool>(result.only("IndexedFaceSet"), "colorPerVertex"));
 }
 
-TEST_CASE("OFF: what is wrong is said, and what is there shows") {
+TEST_CASE("OFF: reports errors, and shows the rest") {
   const std::string whole = kOffSquare;
   const Imported cut = imported(import_off, bytes_of(whole.substr(0, whole.find("3 0 2 3") + 4)));
   CHECK(cut.corners() == std::vector<std::int32_t>{0, 1, 2, -1});
@@ -65,7 +65,7 @@ TEST_CASE("OFF: what is wrong is said, and what is there shows") {
     (void)imported(import_off, bytes_of(whole.substr(0, length)));
 }
 
-TEST_CASE("OFF is known by its first word, and SOG is refused by its name") {
+TEST_CASE("detects OFF by its first word, and refuses SOG by name") {
   CHECK(content_type_of("x", bytes_of(kOffSquare)).name == "OFF");
   CHECK(content_type_of("x", bytes_of("COFF\n1 1 1\n")).name == "OFF");
   CHECK(content_type_of("x", bytes_of("OFFICE")).name == "VRML97");

@@ -17,7 +17,7 @@ constexpr const char* kPlySquare =
 
 Imported ply(std::string_view text) { return imported(import_ply, bytes_of(text)); }
 
-TEST_CASE("an ascii PLY becomes an IndexedFaceSet") {
+TEST_CASE("reads an ASCII PLY as IndexedFaceSet") {
   const Imported result = ply(kPlySquare);
   CHECK(result.messages().empty());
   CHECK(result.points() == std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5f}, {0, 1, 0}});
@@ -31,7 +31,7 @@ TEST_CASE("an ascii PLY becomes an IndexedFaceSet") {
   CHECK(gs::vrml::tessellate(*result.scene, faces).indices.size() == 9);
 }
 
-TEST_CASE("numbers at the vertices of a PLY become colours, and the scene says what they stand for") {
+TEST_CASE("converts vertex values of a PLY to colours, and stores their meaning") {
   const auto square = [](const std::string& properties, const std::string& rows, const std::string& before = "") {
     return ply("ply\nformat ascii 1.0\n" + before + "element vertex 3\nproperty float x\nproperty float y\n" +
                "property float z\n" + properties +
@@ -66,7 +66,7 @@ TEST_CASE("numbers at the vertices of a PLY become colours, and the scene says w
   CHECK_FALSE(gs::app::color_key_of(*scan.scene));
 }
 
-TEST_CASE("line ends of all kinds do") {
+TEST_CASE("accepts all kinds of line ends") {
   for (const std::string end : {"\r\n", "\r"}) {
     std::string text;
     for (const char c : std::string(kPlySquare)) text += c == '\n' ? end : std::string(1, c);
@@ -108,7 +108,7 @@ Bytes binary_square() {
   return bytes;
 }
 
-TEST_CASE("binary PLY of both byte orders, any order of properties, strange elements skipped") {
+TEST_CASE("reads binary PLY of both byte orders and any property order, and skips unknown elements") {
   for (const Bytes& bytes : {binary_square<false>(), binary_square<true>()}) {
     const Imported result = imported(import_ply, bytes);
     CHECK(result.messages().empty());
@@ -122,7 +122,7 @@ TEST_CASE("binary PLY of both byte orders, any order of properties, strange elem
   }
 }
 
-TEST_CASE("rows of one size are read as a table") {
+TEST_CASE("reads rows of one size as a table") {
   Bytes bytes = bytes_of(
       "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
       "property float nx\nproperty float ny\nproperty float nz\nproperty ushort red\nproperty ushort green\n"
@@ -140,7 +140,7 @@ TEST_CASE("rows of one size are read as a table") {
   CHECK(result.all("Normal").empty());
 }
 
-TEST_CASE("points without colours glow, so that they can be seen") {
+TEST_CASE("makes points without colours emissive") {
   const Imported result =
       ply("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
           "1 2 3\n4 5 6\n");
@@ -148,7 +148,7 @@ TEST_CASE("points without colours glow, so that they can be seen") {
   CHECK(result.scene->get<Color>(result.only("Material"), "emissiveColor") == Color{0.8f, 0.8f, 0.8f});
 }
 
-TEST_CASE("points that are not finite are left out") {
+TEST_CASE("leaves out points that are not finite") {
   const Imported result =
       ply("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
           "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
@@ -158,7 +158,7 @@ TEST_CASE("points that are not finite are left out") {
   CHECK(result.messages() == "test: warning: 1 points left out: their coordinates are not finite numbers\n");
 }
 
-TEST_CASE("normals, texture coordinates and the texture come along") {
+TEST_CASE("reads normals, texture coordinates and the texture") {
   const Imported result = ply(
       "ply\nformat ascii 1.0\ncomment TextureFile my wood.png\nelement vertex 3\nproperty float x\nproperty float y\n"
       "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n"
@@ -170,7 +170,7 @@ TEST_CASE("normals, texture coordinates and the texture come along") {
   CHECK(result.scene->get<gs::vrml::MFString>(result.only("ImageTexture"), "url")[0] == "my wood.png");
 }
 
-TEST_CASE("faces may have colours and texture coordinates of their own") {
+TEST_CASE("reads colours and texture coordinates of faces") {
   const Imported result =
       ply("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
           "element face 3\nproperty list uchar float texcoord\nproperty list uchar int vertex_indices\n"
@@ -188,7 +188,7 @@ TEST_CASE("faces may have colours and texture coordinates of their own") {
         "test: error: 1 faces left out: they use vertices that the file does not have; expected indices below 4\n");
 }
 
-TEST_CASE("strips become triangles and edges lines") {
+TEST_CASE("converts strips to triangles, and edges to lines") {
   const std::string vertices = "property float x\nproperty float y\nproperty float z\n";
   const Imported strips = ply("ply\nformat ascii 1.0\nelement vertex 5\n" + vertices +
                               "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
@@ -201,7 +201,7 @@ TEST_CASE("strips become triangles and edges lines") {
         std::vector<std::int32_t>{0, 1, -1});
 }
 
-TEST_CASE("3D Gaussian splats are points of their base colour") {
+TEST_CASE("reads 3D Gaussian splats as points of their base colour") {
   const Imported result =
       ply("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
           "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\nend_header\n"
@@ -214,7 +214,7 @@ TEST_CASE("3D Gaussian splats are points of their base colour") {
   CHECK(result.diagnostics.errors() == 0);
 }
 
-TEST_CASE("broken headers are said with their place and what was expected") {
+TEST_CASE("reports broken headers with their position and the expected text") {
   CHECK(ply("").messages() == "test:1:1: error: not a PLY file: expected 'ply' as the first line\n");
   CHECK(ply("ply\n" + std::string(65536, '\0')).messages() ==
         "test:2:1: error: a header line of more than 64 KiB; expected end_header\n");
@@ -232,7 +232,7 @@ TEST_CASE("broken headers are said with their place and what was expected") {
         "test: warning: no vertices in the file\n");
 }
 
-TEST_CASE("counts that the file cannot hold cost nothing") {
+TEST_CASE("allocates nothing for counts that the file cannot hold") {
   const std::string header =
       "element vertex 4000000000000\nproperty float x\nproperty float y\nproperty float z\nelement face 99999999999\n"
       "property list uint int vertex_indices\nend_header\n";
@@ -247,7 +247,7 @@ TEST_CASE("counts that the file cannot hold cost nothing") {
   CHECK(ply(list).diagnostics.errors() == 1);
 }
 
-TEST_CASE("a broken row ends an ascii PLY, with its place") {
+TEST_CASE("ends an ASCII PLY at a broken row, and reports its position") {
   const Imported result =
       ply("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
           "0 0 0\n1 abc 0\n0 1 0\n");
@@ -256,7 +256,7 @@ TEST_CASE("a broken row ends an ascii PLY, with its place") {
         "test:9:3: error: element vertex: row 2 of 3 is missing or broken; the rest of the file is not read\n");
 }
 
-TEST_CASE("no part of a PLY and no changed byte breaks the importer") {
+TEST_CASE("survives every truncation and every changed byte of a PLY") {
   check_prefixes_and_flips(import_ply, bytes_of(kPlySquare));
   check_prefixes_and_flips(import_ply, binary_square<false>());
   check_prefixes_and_flips(import_ply, binary_square<true>());

@@ -17,7 +17,7 @@ bool near(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) { ret
 
 }  // namespace
 
-TEST_CASE("areas of points are those of their neighbours' disc") {
+TEST_CASE("estimates the areas of points from their neighbours") {
   const Cloud ball = sphere(2000, 3);
   const auto areas = point_areas(ball.positions);
   double total = 0;
@@ -51,7 +51,7 @@ TEST_CASE("areas of points are those of their neighbours' disc") {
   CHECK(point_areas(std::vector<glm::vec3>(5000)) == std::vector<float>(5000, 0));
 }
 
-TEST_CASE("points with normals") {
+TEST_CASE("reads points with normals") {
   const char* const ply =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float "
       "nx\n"
@@ -75,7 +75,7 @@ TEST_CASE("points with normals") {
   check_hostile(import_points_xyz, bytes_of(xyz));
 }
 
-TEST_CASE("scans of points") {
+TEST_CASE("reads scanned points") {
   const auto folder = shared_folder() / "data/meshes/cgal";
   if (!std::filesystem::exists(folder / "kitten.xyz")) {
     WARN("no " << folder);

@@ -29,7 +29,7 @@ SplatModel one_splat(glm::vec3 position, glm::vec3 scale, glm::vec4 rotation) {
   return model;
 }
 
-TEST_CASE("a splat becomes the disc across its smallest axis") {
+TEST_CASE("converts a splat to the disc across its smallest axis") {
   SplatModel model = one_splat({1, 2, 3}, {2, 3, 0.02f}, kNoTurn);
   model.dc[0] = {0, 0.5f / kSphericalHarmonic0, -9};
   Cloud cloud = cloud_of_splats(model);
@@ -55,7 +55,7 @@ TEST_CASE("a splat becomes the disc across its smallest axis") {
   CHECK(cloud.positions[0] == glm::vec3(0, -5, -7));
 }
 
-TEST_CASE("the sides of splats") {
+TEST_CASE("orients splats away from the middle of the box unless they have normals") {
   // Round ones look away from the middle of the box, flat ones keep their z axis, known normals win.
   SplatModel model = one_splat({0, 0, -1}, {1, 1, 0.1f}, kNoTurn);
   model.resize(2);
@@ -72,7 +72,7 @@ TEST_CASE("the sides of splats") {
   CHECK(near(cloud_of_splats(model).normals[1], {0, 0, 1}));
 }
 
-TEST_CASE("splats that cannot be discs are counted") {
+TEST_CASE("counts splats that cannot be discs") {
   SplatModel model;
   model.format = "test";
   model.announced = 12;
@@ -129,7 +129,7 @@ constexpr const char* k2dgs =
     "1 2 3 0 0 0 0 0 0 1 0 0 0\n"
     "4 5 6 1.7724539 0 -1.7724539 10 0.6931472 0 0 1 0 0\n";
 
-TEST_CASE("2DGS PLY") {
+TEST_CASE("reads 2DGS PLY") {
   CHECK(is_splats_ply(bytes_of(k2dgs)));
   CHECK_FALSE(is_splats_compressed_ply(bytes_of(k2dgs)));
   const Cloud cloud = cloud_of(import_splats_ply, bytes_of(k2dgs));
@@ -163,7 +163,7 @@ TEST_CASE("finds the degree of the harmonics in a PLY file") {
   }
 }
 
-TEST_CASE("3DGS PLY of a trained scene") {
+TEST_CASE("reads 3DGS PLY of a trained scene") {
   const auto path = shared_folder() / "data/splats/train-1000.ply";
   if (!std::filesystem::exists(path)) {
     WARN("no " << path);
@@ -199,7 +199,7 @@ void put_antimatter(Bytes& to, glm::vec3 p, glm::vec3 s, std::initializer_list<i
   for (const int b : color_and_rotation) to.push_back(static_cast<std::byte>(b));
 }
 
-TEST_CASE("antimatter .splat, of which every prefix is a scene") {
+TEST_CASE("reads antimatter .splat, and every prefix as a scene") {
   Bytes bytes;
   put_antimatter(bytes, {1, 2, 3}, {0.5f, 0.25f, 0.001f}, {255, 0, 51, 255, 255, 128, 128, 128});
   // (0, 1, 1, 0) as w x y z: half a turn around the diagonal leads z to -z; x and y change places.
@@ -254,7 +254,7 @@ struct Ksplat {
   }
 };
 
-TEST_CASE(".ksplat with floats") {
+TEST_CASE("reads .ksplat with floats") {
   Ksplat made;
   made.count = 2;
   made.degree = 1;
@@ -280,7 +280,7 @@ TEST_CASE(".ksplat with floats") {
   CHECK(problem_of(import_splats_ksplat, wrong).find("too early") != std::string::npos);
 }
 
-TEST_CASE(".ksplat with buckets") {
+TEST_CASE("reads .ksplat with buckets") {
   for (const std::uint16_t mode : {1, 2}) {
     Ksplat made;
     made.mode = mode;
@@ -365,7 +365,7 @@ glm::vec3 first_place(const Cloud& cloud) {
   return glm::vec3(cloud.description.origin + glm::dvec3(cloud.positions[0]));
 }
 
-TEST_CASE("SPZ versions 1 to 3") {
+TEST_CASE("reads SPZ versions 1 to 3") {
   for (const std::uint32_t version : {1u, 2u, 3u}) {
     const Bytes bytes = gzip(spz(version));
     const Cloud cloud = cloud_of(import_splats_spz, bytes);
@@ -398,7 +398,7 @@ TEST_CASE("SPZ versions 1 to 3") {
   CHECK_FALSE(problem_of(import_splats_spz, bytes_of("hello, world")).empty());
 }
 
-TEST_CASE("SPZ counts that the file cannot hold take no memory") {
+TEST_CASE("allocates nothing for SPZ counts that the file cannot hold") {
   Bytes bytes = spz(4);
   bytes.resize(32);
   const std::uint32_t count = 60'000'000;
@@ -408,7 +408,7 @@ TEST_CASE("SPZ counts that the file cannot hold take no memory") {
   CHECK(problem_of(import_splats_spz, gzip(bytes)).find("cannot hold") != std::string::npos);
 }
 
-TEST_CASE("the same scene as SPZ version 4 and as compressed PLY") {
+TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
   const auto folder = shared_folder() / "data/splats";
   if (!std::filesystem::exists(folder / "biker.spz")) {
     WARN("no " << folder);

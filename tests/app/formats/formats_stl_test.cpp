@@ -41,21 +41,21 @@ void check_square(const Imported& result) {
   CHECK(result.all("Normal").empty());
 }
 
-TEST_CASE("text and binary STL give the same mesh, with equal corners welded") {
+TEST_CASE("reads text and binary STL as the same mesh, with equal corners welded") {
   const Imported text = imported(import_stl, bytes_of(kText));
   check_square(text);
   CHECK(text.scene->node(text.only("Shape")).name == "my_part");
   check_square(imported(import_stl, stl_binary("made by hand")));
 }
 
-TEST_CASE("a binary STL may begin with solid") {
+TEST_CASE("accepts a binary STL that begins with solid") {
   check_square(imported(import_stl, stl_binary("solid something")));
   Bytes longer = stl_binary("solid something");
   longer.resize(longer.size() + 7);
   check_square(imported(import_stl, longer));
 }
 
-TEST_CASE("a truncated STL keeps its facets") {
+TEST_CASE("keeps the facets of a truncated STL") {
   Bytes bytes = stl_binary("solid x");
   bytes.resize(bytes.size() - 20);
   const Imported part = imported(import_stl, bytes);
@@ -69,13 +69,13 @@ TEST_CASE("a truncated STL keeps its facets") {
   CHECK(imported(import_stl, bytes_of("abc")).diagnostics.errors() == 1);
 }
 
-TEST_CASE("a count that the file cannot hold costs nothing") {
+TEST_CASE("allocates nothing for a count that the file cannot hold") {
   Bytes bytes = stl_binary("x");
   for (std::size_t i = 80; i < 84; ++i) bytes[i] = std::byte{0xff};
   CHECK(imported(import_stl, bytes).corners().size() == 8);
 }
 
-TEST_CASE("colours of facets") {
+TEST_CASE("reads colours of facets") {
   // Bit 15, red 31, green 0, blue 31.
   const Imported visual = imported(import_stl, stl_binary("x", 0x8000 | 31 << 10 | 31));
   CHECK(visual.colors() == std::vector<Color>(2, Color{1, 0, 1}));
@@ -88,7 +88,7 @@ TEST_CASE("colours of facets") {
   CHECK(magics.scene->get<Color>(magics.only("Material"), "diffuseColor") == Color{1, 0, 0});
 }
 
-TEST_CASE("broken lines of a text STL are said with their place") {
+TEST_CASE("reports broken lines of a text STL with their position") {
   const Imported result = imported(
       import_stl, bytes_of("solid\nfacet normal 0 0 1\nouter loop\nvertex 1 x 3\nvertex 0 0 0\nvertex 1 0 0\n"
                            "vertex 0 1 0\nendloop\nendfacet\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\n"
@@ -99,7 +99,7 @@ TEST_CASE("broken lines of a text STL are said with their place") {
         "test:4:1: error: a facet of 0 corners; expected three\ntest: warning: no facets in the file\n");
 }
 
-TEST_CASE("corners that are not finite are left out") {
+TEST_CASE("leaves out corners that are not finite") {
   Bytes bytes = stl_binary("x");
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::memcpy(bytes.data() + 84 + 12, &nan, 4);
@@ -109,7 +109,7 @@ TEST_CASE("corners that are not finite are left out") {
   check_sound(result);
 }
 
-TEST_CASE("many corners are welded by their bits") {
+TEST_CASE("welds many corners by their bits") {
   Bytes bytes(80);
   constexpr std::uint32_t kCount = 3000;
   put(bytes, kCount);
@@ -124,7 +124,7 @@ TEST_CASE("many corners are welded by their bits") {
   CHECK(result.corners()[4 * 2999] == 2999);
 }
 
-TEST_CASE("no part of an STL and no changed byte breaks the importer") {
+TEST_CASE("survives every truncation and every changed byte of an STL") {
   check_prefixes_and_flips(import_stl, bytes_of(kText));
   check_prefixes_and_flips(import_stl, stl_binary("solid", 0xffff));
 }

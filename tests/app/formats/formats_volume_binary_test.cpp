@@ -43,7 +43,7 @@ void check_vti(const ScratchFolder& folder, const Bytes& data, const char* type,
 
 }  // namespace
 
-TEST_CASE("VTI arrays say their unit, before their values or behind them") {
+TEST_CASE("reads the unit of VTI arrays before or after their values") {
   ScratchFolder folder;
   const auto with = [](const std::string& before, const std::string& behind) {
     return "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 1 0 1\"><Piece Extent=\"0 1 0 1 0 "
@@ -68,7 +68,7 @@ TEST_CASE("VTI arrays say their unit, before their values or behind them") {
   CHECK(plain.layout.metadata.size() == 1);
 }
 
-TEST_CASE("NIfTI files of every type and byte order open") {
+TEST_CASE("opens NIfTI files of every type and byte order") {
   ScratchFolder folder;
   const std::map<std::string, std::int16_t> codes = {{"UInt8", 2},    {"Int16", 4},    {"Int32", 8},    {"Float32", 16},
                                                      {"Float64", 64}, {"Int8", 256},   {"UInt16", 512}, {"UInt32", 768},
@@ -96,7 +96,7 @@ TEST_CASE("NIfTI files of every type and byte order open") {
   });
 }
 
-TEST_CASE("NIfTI places are taken from the sform, else the qform") {
+TEST_CASE("takes NIfTI positions from the sform, else from the qform") {
   ScratchFolder folder;
   const Bytes data = voxels<std::uint8_t>(false);
   Nifti1 header(false, 2, 8, "n+1", 352);
@@ -136,7 +136,7 @@ TEST_CASE("NIfTI places are taken from the sform, else the qform") {
   CHECK(problem_of(folder.path("lonely.hdr")).find("lonely.img") != std::string::npos);
 }
 
-TEST_CASE("A NIfTI header of a version that there is not is one of ANALYZE") {
+TEST_CASE("reads a NIfTI header of unknown version as ANALYZE") {
   ScratchFolder folder;
   for (const char* magic : {"n+5", "ni9", "n+2", "n-1"})
     for (const bool big_endian : {false, true}) {
@@ -148,7 +148,7 @@ TEST_CASE("A NIfTI header of a version that there is not is one of ANALYZE") {
     }
 }
 
-TEST_CASE("NIfTI-2 files open") {
+TEST_CASE("opens NIfTI-2 files") {
   ScratchFolder folder;
   for (const bool big_endian : {false, true}) {
     Nifti1 header(big_endian, 0, 0, "n+2", 0);
@@ -168,7 +168,7 @@ TEST_CASE("NIfTI-2 files open") {
   }
 }
 
-TEST_CASE("FITS cubes of every type open") {
+TEST_CASE("opens FITS cubes of every type") {
   ScratchFolder folder;
   const auto cube = [&](int bits, const Bytes& data, const std::vector<std::string>& more = {}) {
     std::vector<std::string> cards = {"SIMPLE  =                    T", "BITPIX  = " + std::to_string(bits),
@@ -236,7 +236,7 @@ TEST_CASE("FITS cubes of every type open") {
   }
 }
 
-TEST_CASE("VTI files of every type, byte order and encoding open") {
+TEST_CASE("opens VTI files of every type, byte order and encoding") {
   ScratchFolder folder;
   for_all_types([&](auto kind, const auto& names) {
     for (const bool big_endian : {false, true}) {
@@ -257,7 +257,7 @@ TEST_CASE("VTI files of every type, byte order and encoding open") {
   CHECK(source.layout.metadata == std::vector<std::pair<std::string, std::string>>{{"array", "s"}});
 }
 
-TEST_CASE("VTI values of cells stand at their centres") {
+TEST_CASE("places VTI cell values at the cell centres") {
   ScratchFolder folder;
   const qnv::VolumeSource source = opened(folder.write(
       "c.vti",
@@ -270,7 +270,7 @@ TEST_CASE("VTI values of cells stand at their centres") {
   CHECK(source.layout.origin == glm::dvec3(-1, 1, 1));
 }
 
-TEST_CASE("VTI files that are something else are told") {
+TEST_CASE("reports VTI files of another content") {
   ScratchFolder folder;
   const std::string array = "<DataArray type=\"UInt8\" Name=\"s\" format=\"appended\" offset=\"0\"/>";
   const auto problem = [&](const std::string& content) { return problem_of(folder.write("p.vti", content)); };

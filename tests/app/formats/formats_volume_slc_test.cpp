@@ -21,7 +21,7 @@ std::string packed_slice(std::size_t z) {
   return std::to_string(packed.size()) + " X" + packed;
 }
 
-TEST_CASE("SLC: plain and run-length encoded slices") {
+TEST_CASE("SLC: reads plain and run-length encoded slices") {
   const ScratchFolder folder;
   for (const std::string& text : {slc(0, raw_slice(0) + raw_slice(1)), slc(1, packed_slice(0) + packed_slice(1))}) {
     const qnv::VolumeSource source = opened(folder.write("x.data", text));
@@ -32,7 +32,7 @@ TEST_CASE("SLC: plain and run-length encoded slices") {
   }
 }
 
-TEST_CASE("SLC: runs of one value") {
+TEST_CASE("SLC: reads runs of one value") {
   const ScratchFolder folder;
   const std::string run("\x06\x07\x00", 3);
   const qnv::VolumeSource source = opened(folder.write("a.slc", slc(1, "3 X" + run + "3 X" + run)));
@@ -41,7 +41,7 @@ TEST_CASE("SLC: runs of one value") {
   CHECK(slice == std::vector<std::byte>(6, std::byte{7}));
 }
 
-TEST_CASE("SLC: what is wrong is said") {
+TEST_CASE("SLC: reports errors") {
   const ScratchFolder folder;
   const std::string whole = slc(1, packed_slice(0) + packed_slice(1));
   for (std::size_t length = 5; length + 1 < whole.size(); ++length)
@@ -56,7 +56,7 @@ TEST_CASE("SLC: what is wrong is said") {
       problem_of(folder.write("a.slc", "11111\n4294967295 4294967295 4294967295 8\n1 1 1\n2 5 0 1\n0 0 X")).empty());
 }
 
-TEST_CASE("The content of a NRRD file is its title where it is one, and not where it is a history") {
+TEST_CASE("takes the title of a NRRD file from its content unless that is a history") {
   const ScratchFolder folder;
   const auto metadata = [&](const std::string& content) {
     return opened(folder.write("a.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 2\nencoding: raw\ncontent: " +

@@ -3,7 +3,7 @@
 using namespace gs;
 using namespace gs::test;
 
-TEST_CASE("Sizes and types of raw voxels are read from the command line") {
+TEST_CASE("reads sizes and types of raw voxels from the command line") {
   app::RawVolume raw;
   CHECK(app::read_dimensions("256x255X113", raw));
   CHECK(raw.dimensions == std::array<std::uint32_t, 3>{256, 255, 113});
@@ -18,7 +18,7 @@ TEST_CASE("Sizes and types of raw voxels are read from the command line") {
   for (const char* bad : {"", "u", "u7", "u16xe", "float", "u161"}) CHECK_FALSE(app::read_voxel_type(bad, raw));
 }
 
-TEST_CASE("Raw voxels of every type open") {
+TEST_CASE("opens raw voxels of every type") {
   ScratchFolder folder;
   app::RawVolume raw;
   raw.dimensions = {3, 2, 2};
@@ -43,7 +43,7 @@ TEST_CASE("Raw voxels of every type open") {
   CHECK_FALSE(problem_of(folder.path("none.raw"), raw).empty());
 }
 
-TEST_CASE("Volumes are known by their first bytes, else by their names") {
+TEST_CASE("detects volumes by their first bytes, else by their names") {
   CHECK(app::is_volume("x", bytes_of("NRRD0005\n")));
   CHECK(app::is_volume("x", bytes_of("# AVS field file\n")));
   CHECK(app::is_volume("x", bytes_of("ObjectType = Image\n")));
@@ -64,7 +64,7 @@ TEST_CASE("Volumes are known by their first bytes, else by their names") {
   CHECK(problem_of(folder.write("a.nrrd", "")).find("empty") != std::string::npos);
 }
 
-TEST_CASE("No prefix and no changed byte of a volume file does harm") {
+TEST_CASE("survives every prefix and every changed byte of a volume file") {
   ScratchFolder folder;
   const Bytes data = voxels<std::int16_t>(false);
   const std::string nrrd = "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 2 2\nspacings: 1 2 3\nendian: little\n";
@@ -100,7 +100,7 @@ TEST_CASE("No prefix and no changed byte of a volume file does harm") {
                                         "", "")));
 }
 
-TEST_CASE("No prefix and no changed byte of a FITS file does harm") {
+TEST_CASE("survives every prefix and every changed byte of a FITS file") {
   ScratchFolder folder;
   const std::string whole =
       fits({"SIMPLE  =                    T", "BITPIX  =                   16", "NAXIS   =                    3",
@@ -117,7 +117,7 @@ TEST_CASE("No prefix and no changed byte of a FITS file does harm") {
   }
 }
 
-TEST_CASE("Real volumes open as their sources say") {
+TEST_CASE("opens real volumes with the values that their sources publish") {
   const auto folder = test::shared_folder() / "data" / "volumes";
   if (!std::filesystem::is_directory(folder)) {
     WARN("no volumes in ../shared/data");

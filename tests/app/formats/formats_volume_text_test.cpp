@@ -3,7 +3,7 @@
 using namespace gs;
 using namespace gs::test;
 
-TEST_CASE("NRRD files of every type, byte order and encoding open") {
+TEST_CASE("opens NRRD files of every type, byte order and encoding") {
   ScratchFolder folder;
   for_all_types([&](auto kind, const auto& names) {
     for (const bool big_endian : {false, true}) {
@@ -57,7 +57,7 @@ TEST_CASE("NRRD files of every type, byte order and encoding open") {
   CHECK(problem_of(folder.write("t.nrrd", ascii + "0 1 2\n3 40 5\n6 77 8 9 100")).find("numbers") != std::string::npos);
 }
 
-TEST_CASE("NRRD axes and components are taken as they are meant") {
+TEST_CASE("interprets NRRD axes and components") {
   ScratchFolder folder;
   const std::string start = "NRRD0005\ntype: uchar\nencoding: raw\n";
   Bytes pairs;
@@ -99,7 +99,7 @@ TEST_CASE("NRRD axes and components are taken as they are meant") {
         std::string::npos);
 }
 
-TEST_CASE("MetaImage files of every type and byte order open") {
+TEST_CASE("opens MetaImage files of every type and byte order") {
   ScratchFolder folder;
   for_all_types([&](auto kind, const auto& names) {
     for (const bool big_endian : {false, true}) {
@@ -134,7 +134,7 @@ TEST_CASE("MetaImage files of every type and byte order open") {
   CHECK(problem_of(folder.write("p.mhd", header + "ElementDataFile = LOCAL\nabc")).find("need") != std::string::npos);
 }
 
-TEST_CASE("AVS fields open") {
+TEST_CASE("opens AVS fields") {
   ScratchFolder folder;
   const auto field = [&](const std::string& type, const Bytes& data) {
     return opened(folder.write("a.fld", kAvs + type + "\n\f\f" + string_of(data)));

@@ -127,7 +127,7 @@ void check_square(const Imported& result) {
   CHECK(scene.get<vrml::MFVec3f>(scene.get<vrml::NodeId>(faces, "normal"), "vector").size() == 4);
 }
 
-TEST_CASE("VTP: every way in which arrays are written") {
+TEST_CASE("VTP: reads every encoding of arrays") {
   using Way = VtpWriter::Way;
   check_square(imported(import_vtp, bytes_of(square_file({Way::ascii}))));
   for (const Way way : {Way::base64_inside, Way::appended_raw, Way::appended_base64})
@@ -139,7 +139,7 @@ TEST_CASE("VTP: every way in which arrays are written") {
         }
 }
 
-TEST_CASE("VTP: values of cells, lengths of vectors, colours in bytes, and points alone") {
+TEST_CASE("VTP: reads cell values, vector lengths, byte colours, and points alone") {
   VtpWriter writer;
   const Imported cells =
       imported(import_vtp,
@@ -178,7 +178,7 @@ TEST_CASE("VTP: values of cells, lengths of vectors, colours in bytes, and point
   CHECK(alone.points().size() == 4);
 }
 
-TEST_CASE("VTP: pieces stand together, and those that lack an array are grey") {
+TEST_CASE("VTP: joins pieces, and makes those without an array grey") {
   VtpWriter writer;
   const std::string piece = square_piece(writer, ""),
                     with = square_piece(writer, "<PointData Scalars=\"t\">" +
@@ -195,7 +195,7 @@ TEST_CASE("VTP: pieces stand together, and those that lack an array are grey") {
   CHECK(colors[4] == viridis_colors().front());
 }
 
-TEST_CASE("VTP: what is wrong is said, and what is there shows") {
+TEST_CASE("VTP: reports errors, and shows the rest") {
   const auto told = [](const std::string& text, const std::string& said) {
     INFO(text);
     const Imported result = imported(import_vtp, bytes_of(text));
@@ -225,7 +225,7 @@ TEST_CASE("VTP: what is wrong is said, and what is there shows") {
   CHECK(told(changed("<Points>", "<Punkte>"), "") == 0);
 }
 
-TEST_CASE("VTP: no prefix and no flipped bit does harm") {
+TEST_CASE("VTP: survives every prefix and every flipped bit") {
   using Way = VtpWriter::Way;
   VtpWriter small{Way::ascii};
   const auto make = [](VtpWriter writer) {
@@ -250,7 +250,7 @@ const std::string kLegacyData =
     "POINT_DATA 4\nSCALARS temperature double\nLOOKUP_TABLE default\n-20 30 80 80\n"
     "NORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\n";
 
-TEST_CASE("legacy VTK: text, of old and new versions") {
+TEST_CASE("legacy VTK: reads text of old and new versions") {
   check_square(imported(import_vtk_legacy, bytes_of(kLegacy + kLegacyCells + kLegacyData)));
   const auto cells = [](const std::string& name, const std::string& corners, int count) {
     return name + " 2 " + std::to_string(count) + "\nOFFSETS vtktypeint64\n0 " + std::to_string(count) +
@@ -265,7 +265,7 @@ TEST_CASE("legacy VTK: text, of old and new versions") {
                                  "NORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\nMETADATA\nNAME x\n\n")));
 }
 
-TEST_CASE("legacy VTK: binary, which is big-endian") {
+TEST_CASE("legacy VTK: reads big-endian binary files") {
   Bytes file = bytes_of("# vtk DataFile Version 4.2\na square\nBINARY\nDATASET POLYDATA\nPOINTS 4 float\n");
   for (const float value : kSquare) put_big(file, value);
   const auto cells = [&](const std::string& line, const std::vector<std::int32_t>& values) {
@@ -287,7 +287,7 @@ TEST_CASE("legacy VTK: binary, which is big-endian") {
   check_square(imported(import_vtk_legacy, colored));
 }
 
-TEST_CASE("legacy VTK: what is wrong is said, and what is there shows") {
+TEST_CASE("legacy VTK: reports errors, and shows the rest") {
   const auto told = [](const std::string& text, const std::string& said) {
     INFO(text);
     const Imported result = imported(import_vtk_legacy, bytes_of(text));
@@ -309,7 +309,7 @@ TEST_CASE("legacy VTK: what is wrong is said, and what is there shows") {
   CHECK(told(kLegacy + "POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 4\nSCALARS s bit\n", "bit") == 1);
 }
 
-TEST_CASE("legacy VTK: no prefix and no flipped bit does harm") {
+TEST_CASE("legacy VTK: survives every prefix and every flipped bit") {
   check_prefixes_and_flips(import_vtk_legacy, bytes_of(kLegacy + kLegacyCells + kLegacyData));
   Bytes binary = bytes_of("# vtk DataFile Version 5.1\nb\nBINARY\nDATASET POLYDATA\nPOINTS 3 float\n");
   for (const float value : {0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f}) put_big(binary, value);
@@ -321,7 +321,7 @@ TEST_CASE("legacy VTK: no prefix and no flipped bit does harm") {
   check_prefixes_and_flips(import_vtk_legacy, binary);
 }
 
-TEST_CASE("Files of VTK are known by what they say") {
+TEST_CASE("detects VTK files by their content") {
   CHECK(content_type_of("a", bytes_of("<VTKFile type=\"PolyData\">")).name == "VTK PolyData");
   CHECK(content_type_of("a", bytes_of("<?xml?><VTKFile type='ImageData'>")).name == "VTK ImageData");
   CHECK(content_type_of("a", bytes_of(kLegacy)).name == "legacy VTK");

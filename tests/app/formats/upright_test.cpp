@@ -15,7 +15,7 @@ namespace gs::app::upright_test {
 
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
-TEST_CASE("Each axis that is up has a front at right angles, and the right hand stays a right one") {
+TEST_CASE("gives each up axis a perpendicular front in a right-handed system") {
   for (const UpAxisRow& row : up_axes()) {
     INFO(row.name);
     const Upright upright = upright_of(row.axis);
@@ -33,7 +33,7 @@ TEST_CASE("Each axis that is up has a front at right angles, and the right hand 
   CHECK(std::abs(glm::dot(upright_along(slanted).front, slanted)) < 1e-6f);
 }
 
-TEST_CASE("Formats say what is up where their files do not") {
+TEST_CASE("assumes the up axis of the format if a file names none") {
   const auto up_of = [](const char* name) { return content_type_of(name, {}).up; };
   CHECK(up_of("a.wrl") == UpRule::y);
   CHECK(up_of("a.glb") == UpRule::y);
@@ -55,7 +55,7 @@ TEST_CASE("Formats say what is up where their files do not") {
   CHECK(upright_of(UpRule::survey, {1, 2, 1}) == Upright{});
 }
 
-TEST_CASE("A file that says itself what is up is believed, if it makes sense") {
+TEST_CASE("accepts the up axis that a file names, if it is valid") {
   CHECK_FALSE(stated_upright(Metadata{}));
   CHECK_FALSE(stated_upright(Metadata{{"title", "up"}, {"up", "there"}, {"space", "3D-right-handed"}}));
   CHECK(stated_upright(Metadata{{"up", "z"}}) == upright_of(UpAxis::z));
@@ -71,7 +71,7 @@ TEST_CASE("A file that says itself what is up is believed, if it makes sense") {
   CHECK(stated_upright(Metadata{{"space", "LPS"}, {"up", "x"}}) == upright_of(UpAxis::x));
 }
 
-TEST_CASE("What a stream says of it reads back, and nothing is said of what stands as in VRML97") {
+TEST_CASE("restores the up axis of a stream, and omits the default of VRML97") {
   CHECK(metadata_of(Upright{}).empty());
   for (const UpRule rule : {UpRule::z, UpRule::slices, UpRule::patient_s, UpRule::patient_r}) {
     const Upright upright = upright_of(rule, glm::vec3(1));

@@ -50,7 +50,7 @@ std::string words_of(const qnv::RecordFields& fields) {
 
 }  // namespace
 
-TEST_CASE("a QNV stream opens as a shape, whole, cut and gzip'd") {
+TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   const ScratchFolder folder;
   const std::string bytes = ball_stream(3000), file = folder.write("ball.qnv", bytes);
   const OpenedWorld world = load_world(file);
@@ -91,7 +91,7 @@ TEST_CASE("a QNV stream opens as a shape, whole, cut and gzip'd") {
   CHECK(none.diagnostics.errors() == 1);
 }
 
-TEST_CASE("damage in a stream costs a chunk and is told with its place") {
+TEST_CASE("loses one chunk to damage in a stream, and reports its position") {
   const ScratchFolder folder;
   std::string bytes = ball_stream(3000);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
@@ -103,7 +103,7 @@ TEST_CASE("damage in a stream costs a chunk and is told with its place") {
   CHECK(world.diagnostics.errors() == 0);
 }
 
-TEST_CASE("QNV nodes get their vectors in the main scene, in Inlines and in PROTO instances") {
+TEST_CASE("loads vectors of QNV nodes in the main scene, in Inlines and in PROTO instances") {
   const ScratchFolder folder;
   folder.write("ball.qnv", ball_stream(500));
   folder.write("inner.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url [ \"missing.qnv\" \"ball.qnv\" ] } }\n");
@@ -126,7 +126,7 @@ TEST_CASE("QNV nodes get their vectors in the main scene, in Inlines and in PROT
   CHECK(said(world).find("QNV: cannot find 'nowhere.qnv'") != std::string::npos);
 }
 
-TEST_CASE("the fallback PROTO of a QNV node gives way to its stream") {
+TEST_CASE("replaces the fallback PROTO of a QNV node by its stream") {
   const ScratchFolder folder;
   folder.write("ball.qnv", ball_stream(500));
   const std::string text =
@@ -144,7 +144,7 @@ TEST_CASE("the fallback PROTO of a QNV node gives way to its stream") {
   CHECK(fallback.scene->node(fallback.scene->resolve(kept)).type->name == "PointSet");
 }
 
-TEST_CASE("records inside a QNV node lie in its bounding box") {
+TEST_CASE("places records inside a QNV node in its bounding box") {
   const ScratchFolder folder;
   const std::string words = words_of({0, 512, 1023, 16, 0, 32767, 255}) + words_of({1023, 0, 0, 0, 0, 1, 0});
   const auto node = [&](const std::string& fields) {
@@ -173,7 +173,7 @@ TEST_CASE("records inside a QNV node lie in its bounding box") {
   }
 }
 
-TEST_CASE("splats, points and volumes open as shapes of vectors") {
+TEST_CASE("opens splats, points and volumes as shapes of vectors") {
   const ScratchFolder folder;
   const OpenedWorld points = load_world(folder.write("p.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n"));
   CHECK(only_cloud(points).size() == 4);
@@ -211,7 +211,7 @@ TEST_CASE("splats, points and volumes open as shapes of vectors") {
   }
 }
 
-TEST_CASE("a world of translucent splats has a note on how they are drawn") {
+TEST_CASE("adds a note to a world of translucent splats about how they are drawn") {
   const ScratchFolder folder;
   std::string splat;
   for (const float f : {1.0f, 2.0f, 3.0f, 0.5f, 0.25f, 0.001f}) splat.append(reinterpret_cast<const char*>(&f), 4);

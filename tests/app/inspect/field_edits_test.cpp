@@ -31,7 +31,7 @@ struct Editor {
 };
 
 // VRML97 4.7.
-TEST_CASE("What an event can set is changed by it, and nothing else") {
+TEST_CASE("edits exactly the fields that an event can set") {
   const auto setter = [](const char* type, const char* field) {
     const vrml::NodeType& of = *vrml::built_in_node_type(type);
     const vrml::InterfaceDeclaration* const found = setter_of(of, *of.find(field));
@@ -46,7 +46,7 @@ TEST_CASE("What an event can set is changed by it, and nothing else") {
   CHECK(why_not_set(*box.find("size")).find("no event sets it") != std::string::npos);
 }
 
-TEST_CASE("A text becomes a value of the field's type, or says why not") {
+TEST_CASE("parses a text to a value of the field's type, or reports why not") {
   Editor editor;
   CHECK(editor.edit("Transform", "translation", "1 2 3") ==
         std::variant<vrml::FieldValue, std::string>(vrml::FieldValue(vrml::SFVec3f(1, 2, 3))));
@@ -59,7 +59,7 @@ TEST_CASE("A text becomes a value of the field's type, or says why not") {
 }
 
 // The ranges of VRML97 clause 6, as the interfaces print them.
-TEST_CASE("A value beyond the range of its field says what is expected") {
+TEST_CASE("reports the expected range for a value outside it") {
   Editor editor;
   CHECK(editor.fine("Material", "transparency", "1"));
   CHECK(editor.why("Material", "transparency", "1.5") == "1.5 is out of range; expected at least 0 and at most 1");
@@ -79,7 +79,7 @@ TEST_CASE("A value beyond the range of its field says what is expected") {
   CHECK(editor.fine("Transform", "rotation", "0 0 0 0"));
 }
 
-TEST_CASE("Numbers that are none, and values of other types, are refused") {
+TEST_CASE("refuses invalid numbers and values of other types") {
   const vrml::NodeType& transform = *vrml::built_in_node_type("Transform");
   const vrml::InterfaceDeclaration& translation = *transform.find("translation");
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN(), kFar = std::numeric_limits<float>::infinity();
@@ -90,7 +90,7 @@ TEST_CASE("Numbers that are none, and values of other types, are refused") {
 }
 
 // Each range of the node table is understood, so that none is passed over.
-TEST_CASE("A default that the table prints is within the range that it prints") {
+TEST_CASE("prints defaults within the ranges that it prints") {
   std::size_t ranges = 0;
   for (const auto& type : vrml::built_in_node_types())
     for (const vrml::InterfaceDeclaration& one : type->interfaces) {

@@ -17,7 +17,7 @@ Unit unit_of(const char* type, const char* field) {
 }
 
 // VRML97 4.4.5: lengths are metres, angles radians, times seconds.
-TEST_CASE("Fields are in the units of the standard") {
+TEST_CASE("shows fields in the units of the standard") {
   CHECK(unit_of("Transform", "translation") == Unit::metres);
   CHECK(unit_of("Transform", "rotation") == Unit::radians);
   CHECK(unit_of("Transform", "scale") == Unit::none);
@@ -34,7 +34,7 @@ TEST_CASE("Fields are in the units of the standard") {
   CHECK(symbol_of(Unit::metres_a_second) == "m/s");
 }
 
-TEST_CASE("All 20 types of fields have a text, and a longer one where they are changed") {
+TEST_CASE("prints all 20 field types, and a longer text while they are edited") {
   vrml::SceneGraph scene("test.wrl");
   for (int i = 0; i < vrml::kFieldTypeCount; ++i) {
     const auto type = static_cast<vrml::FieldType>(i);
@@ -49,7 +49,7 @@ TEST_CASE("All 20 types of fields have a text, and a longer one where they are c
   CHECK(value_text(vrml::MFInt32{1, 2, 3}, scene) == "[ 1, 2, 3 ]");
 }
 
-TEST_CASE("Of long lists, strings and pictures only the beginning is shown") {
+TEST_CASE("shows only the beginning of long lists, strings and images") {
   vrml::SceneGraph scene("test.wrl");
   vrml::MFInt32 list;
   list.resize(3'000'000);
@@ -69,7 +69,7 @@ TEST_CASE("Of long lists, strings and pictures only the beginning is shown") {
   CHECK_FALSE(editable_text(image, scene));
 }
 
-TEST_CASE("Elements of lists are values of their own") {
+TEST_CASE("shows the elements of lists as single values") {
   vrml::FieldValue list = vrml::MFVec2f{{1, 2}, {3, 4}};
   const vrml::FieldValue other = list;
   CHECK(element_of(list, 1) == vrml::FieldValue(vrml::SFVec2f(3, 4)));
@@ -80,7 +80,7 @@ TEST_CASE("Elements of lists are values of their own") {
   CHECK_FALSE(set_element(list, 0, vrml::SFFloat(1)));
 }
 
-TEST_CASE("Angles are told in degrees, and times as dates") {
+TEST_CASE("prints angles in degrees, and times as dates") {
   CHECK(degrees_text(1.5707963267948966) == "90 deg");
   CHECK(degrees_text(-0.7853981) == "-45 deg");
   CHECK(degrees_text(0.1) == "5.7 deg");

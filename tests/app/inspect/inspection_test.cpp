@@ -58,7 +58,7 @@ constexpr const char* kLamp =
     "DEF Clock TimeSensor { loop TRUE cycleInterval 2 } DEF Bright ScalarInterpolator { key [ 0 1 ] keyValue [ 0 1 ] } "
     "ROUTE Clock.fraction_changed TO Bright.set_fraction ROUTE Bright.value_changed TO Paint.transparency";
 
-TEST_CASE("Nothing is looked at where nobody looks") {
+TEST_CASE("reads no values while no inspector is open") {
   Inspected world(kLamp, {});
   CHECK_FALSE(world.inspection.world());
   CHECK(world.inspection.outline().size() == 0);
@@ -74,7 +74,7 @@ TEST_CASE("Nothing is looked at where nobody looks") {
   CHECK(world.inspection.outline().size() == 3);
 }
 
-TEST_CASE("A value that is entered is sent with the next step, and goes on along ROUTEs") {
+TEST_CASE("sends an entered value in the next step, and along ROUTEs") {
   Inspected world(kLamp);
   world.choose("Bright");
   CHECK_FALSE(world.inspection.send_text(world.interface("set_fraction"), "0.25"));
@@ -88,7 +88,7 @@ TEST_CASE("A value that is entered is sent with the next step, and goes on along
   CHECK_FALSE(world.inspection.busy());
 }
 
-TEST_CASE("A value that is not valid is not sent, and says why") {
+TEST_CASE("rejects an invalid value, and reports why") {
   Inspected world(kLamp);
   world.choose("Paint");
   const auto before = world.value<vrml::SFFloat>("transparency");
@@ -110,7 +110,7 @@ TEST_CASE("A value that is not valid is not sent, and says why") {
   CHECK(world.value<vrml::MFFloat>("keyValue") == vrml::MFFloat{0, 0.75f});
 }
 
-TEST_CASE("Values are those of now, and eventOuts tell when they were sent") {
+TEST_CASE("shows current values, and the times at which eventOuts were sent") {
   Inspected world(kLamp);
   world.choose("Clock");
   world.look(0.5);
@@ -126,7 +126,7 @@ TEST_CASE("Values are those of now, and eventOuts tell when they were sent") {
   CHECK(world.inspection.routes().rows().size() == 1);
 }
 
-TEST_CASE("A click in the picture chooses the Shape, and the tree opens to it") {
+TEST_CASE("selects the Shape of a click, and opens the tree at it") {
   Inspected world(
       "DEF Far Transform { translation 0 0 -500 children Shape { geometry Box {} } } "
       "Group { children DEF Near Shape { geometry Box {} } } Viewpoint { position 0 0 10 }");
@@ -141,7 +141,7 @@ TEST_CASE("A click in the picture chooses the Shape, and the tree opens to it") 
   CHECK(world.inspection.outline().row(2).node == world.node("Near"));
 }
 
-TEST_CASE("The chosen node is marked in the picture, and flown to") {
+TEST_CASE("marks the selected node in the picture, and flies to it") {
   Inspected world(kLamp);
   // A geometry node is where its Shape is.
   world.choose("Ball");
@@ -164,7 +164,7 @@ TEST_CASE("The chosen node is marked in the picture, and flown to") {
   CHECK(world.inspection.marks()[0].lines.empty());
 }
 
-TEST_CASE("Nodes are found as one types, one after the other") {
+TEST_CASE("finds nodes during typing, one after the other") {
   Inspected world("DEF A Group { children [ DEF B1 Group {} DEF C Group {} ] } DEF B2 Transform {}");
   world.inspection.find("b");
   world.look();
@@ -181,7 +181,7 @@ TEST_CASE("Nodes are found as one types, one after the other") {
   CHECK_FALSE(world.inspection.match());
 }
 
-TEST_CASE("Lines are run in the chosen Script, or by themselves") {
+TEST_CASE("runs lines in the selected Script, or alone") {
   Inspected world(
       "DEF S Script { field SFFloat x 2 url \"javascript: function initialize() { print('begun'); }\" } "
       "DEF G Group {} DEF Java Script { url \"a.class\" }");
@@ -210,7 +210,7 @@ TEST_CASE("Lines are run in the chosen Script, or by themselves") {
 }
 
 // Where no Script was, the console's own stands nowhere in the tree.
-TEST_CASE("A world without programs takes lines as well") {
+TEST_CASE("runs lines in a world without programs") {
   Inspected world("DEF G Group {}");
   world.inspection.evaluate("Browser.createVrmlFromString('Group {}').length");
   world.look();
@@ -218,7 +218,7 @@ TEST_CASE("A world without programs takes lines as well") {
   CHECK(world.inspection.outline().size() == 1);
 }
 
-TEST_CASE("What is chosen and goes is chosen no more") {
+TEST_CASE("clears the selection when its node is removed") {
   Inspected world("DEF G Group {}");
   const auto made = world.document->living->evaluate(
       *world.document->world.scene, {},

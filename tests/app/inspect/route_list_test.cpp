@@ -44,7 +44,7 @@ constexpr const char* kTwo =
     "DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 1 ] } DEF M Material {} DEF L PointLight {} "
     "ROUTE I.value_changed TO M.transparency ROUTE M.transparency TO L.intensity";
 
-TEST_CASE("ROUTEs are listed by names, in the order in which they were made, and filtered by a node") {
+TEST_CASE("lists ROUTEs by name, in the order of creation, and filters them by node") {
   Routed world(kTwo);
   CHECK(world.lines() == Lines{"I.value_changed -> M.transparency", "M.transparency -> L.intensity"});
   CHECK(world.lines(world.node("L")) == Lines{"M.transparency -> L.intensity"});
@@ -52,7 +52,7 @@ TEST_CASE("ROUTEs are listed by names, in the order in which they were made, and
   CHECK(world.lines(world.node("M")).size() == 2);
 }
 
-TEST_CASE("The list is made again only where there are other ROUTEs") {
+TEST_CASE("rebuilds the list only if ROUTEs changed") {
   Routed world(kTwo);
   (void)world.lines();
   const std::uint64_t made = world.routes.made();
@@ -68,14 +68,14 @@ TEST_CASE("The list is made again only where there are other ROUTEs") {
   CHECK(world.lines().size() == 2);
 }
 
-TEST_CASE("ROUTEs inside bodies of PROTO instances are listed, too") {
+TEST_CASE("lists ROUTEs inside bodies of PROTO instances") {
   Routed world(
       "PROTO P [] { Group { children [ DEF T TimeSensor {} DEF S ScalarInterpolator {} ] } "
       "ROUTE T.fraction_changed TO S.set_fraction } P {} P {}");
   CHECK(world.lines() == Lines{"T.fraction_changed -> S.set_fraction", "T.fraction_changed -> S.set_fraction"});
 }
 
-TEST_CASE("Events light their ROUTEs for half a second, and are counted a second") {
+TEST_CASE("highlights ROUTEs for half a second after an event, and counts events per second") {
   Routed world(kTwo);
   (void)world.lines();
   world.watch.watch(&world.execution);
@@ -109,7 +109,7 @@ TEST_CASE("Events light their ROUTEs for half a second, and are counted a second
   CHECK(a_second(0) == 0);
 }
 
-TEST_CASE("Who no longer watches is told nothing, and several may watch") {
+TEST_CASE("notifies several watchers, but none that ended its watch") {
   Routed world(kTwo);
   int others = 0;
   world.execution.observe([&](const vrml::SentEvent&) { ++others; });

@@ -57,7 +57,7 @@ struct Tree {
 };
 using Lines = std::vector<std::string>;
 
-TEST_CASE("The tree has fields that hold nodes, DEF names, and lines that open one by one") {
+TEST_CASE("lists fields with nodes and DEF names, and opens single lines") {
   Tree tree(
       "DEF A Group { children [ DEF S Shape { appearance Appearance { material Material {} } geometry Box {} } "
       "Group {} ] } DEF B Transform {}");
@@ -76,7 +76,7 @@ TEST_CASE("The tree has fields that hold nodes, DEF names, and lines that open o
 }
 
 // VRML97 4.6.2: USE makes another place of the same node.
-TEST_CASE("A node that is used again is shown as such, and never opens below itself") {
+TEST_CASE("marks a node that is used again, and never opens it below itself") {
   Tree tree("DEF A Group { children [ Group { children DEF X Shape { geometry Box {} } } USE X ] } USE A");
   tree.outline.set_open(0, true);
   tree.outline.set_open(1, true);
@@ -89,7 +89,7 @@ TEST_CASE("A node that is used again is shown as such, and never opens below its
   CHECK(tree.lines() == Lines{"-[0] Group 'A'", "   children[0] USE Group 'A'", " [1] USE Group 'A'"});
 }
 
-TEST_CASE("Instances of PROTOs have their fields and their body") {
+TEST_CASE("lists fields and body of PROTO instances") {
   Tree tree(
       "PROTO Lamp [ field MFNode parts [] ] { Group { children IS parts } PointLight {} } "
       "DEF L Lamp { parts Group {} }");
@@ -100,7 +100,7 @@ TEST_CASE("Instances of PROTOs have their fields and their body") {
   CHECK(tree.line(3) == "     children[0] USE Group");
 }
 
-TEST_CASE("The tree is as the world is now") {
+TEST_CASE("updates the tree with the world") {
   Tree tree("DEF A Group { children [ Group { children Shape {} } DEF B Group { children Shape {} } ] }");
   tree.outline.set_open(0, true);
   tree.outline.set_open(2, true);
@@ -116,7 +116,7 @@ TEST_CASE("The tree is as the world is now") {
   CHECK(tree.lines() == Lines{" [0] Group 'A'"});
 }
 
-TEST_CASE("Contents of Inlines stand below them as they come") {
+TEST_CASE("lists the content of Inlines below them as it is loaded") {
   Tree tree("DEF I Inline { url \"part.wrl\" }");
   CHECK(tree.lines() == Lines{" [0] Inline 'I'"});
   auto content = std::make_shared<vrml::SceneGraph>("part.wrl", tree.world.scene->budget());
@@ -142,7 +142,7 @@ TEST_CASE("Contents of Inlines stand below them as they come") {
   CHECK(tree.lines() == Lines{" [0] Inline 'I'"});
 }
 
-TEST_CASE("Nodes are found by parts of their names and types, and shown where they stand") {
+TEST_CASE("finds nodes by parts of names and types, and shows them in the tree") {
   Tree tree(
       "Group { children [ DEF Front_Door Transform { children Shape { geometry DEF Knob Sphere {} } } "
       "DEF Window Transform {} ] }");
@@ -166,7 +166,7 @@ TEST_CASE("Nodes are found by parts of their names and types, and shown where th
   CHECK(tree.index.matches() == 0);
 }
 
-TEST_CASE("A world of a million nodes costs what is looked at") {
+TEST_CASE("costs only the visible lines in a world of a million nodes") {
   const std::size_t count = 1'000'000 / watched_step(49);
   OpenedWorld opened;
   opened.scene = std::make_unique<vrml::SceneGraph>("large.wrl");

@@ -14,7 +14,7 @@ std::vector<std::string> texts(const ScriptConsole& console) {
 }
 using Texts = std::vector<std::string>;
 
-TEST_CASE("The console shows what the log says of programs, once, with its place") {
+TEST_CASE("shows log lines of programs once, with their position") {
   SessionLog log;
   vrml::Diagnostics said;
   said.add({vrml::Severity::note, "print", {}, "hello"});
@@ -36,7 +36,7 @@ TEST_CASE("The console shows what the log says of programs, once, with its place
   CHECK(console.lines().empty());
 }
 
-TEST_CASE("What was entered comes back with the arrows, and the line that was begun as well") {
+TEST_CASE("recalls entered lines by the arrow keys, and the line in progress") {
   ScriptConsole console;
   CHECK_FALSE(console.enter("  "));
   CHECK_FALSE(console.recall(true, ""));
@@ -59,7 +59,7 @@ TEST_CASE("What was entered comes back with the arrows, and the line that was be
   CHECK_FALSE(console.recall(true, ""));
 }
 
-TEST_CASE("Lines and what was entered are bounded") {
+TEST_CASE("limits the number of lines and entries") {
   ScriptConsole console;
   for (std::size_t i = 0; i < 2 * ScriptConsole::kMostLines; ++i) console.answer(std::to_string(i), false);
   CHECK(console.lines().size() <= ScriptConsole::kMostLines);

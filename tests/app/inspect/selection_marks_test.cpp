@@ -13,7 +13,7 @@
 namespace gs::app::selection_marks_test {
 
 // The smaller side of the picture has the field of view (VRML97 6.53).
-TEST_CASE("The edges of a box are where one who looks sees them") {
+TEST_CASE("draws the edges of a box where the viewer sees them") {
   Pose pose;
   pose.position = {0, 0, 10};
   pose.field_of_view = static_cast<float>(2 * std::atan(0.5));
@@ -28,7 +28,7 @@ TEST_CASE("The edges of a box are where one who looks sees them") {
     }
 }
 
-TEST_CASE("What lies behind one who looks is left out, and what passes him is cut") {
+TEST_CASE("drops edges behind the viewer, and cuts edges that pass the viewer") {
   Pose pose;
   pose.position = {0, 0, 0};
   const Viewport viewport{0, 0, 100, 100};
@@ -39,7 +39,7 @@ TEST_CASE("What lies behind one who looks is left out, and what passes him is cu
   CHECK(edges_of({}, pose, viewport).empty());
 }
 
-TEST_CASE("The bounds of a node are those of all its places, and of the first one that is shown") {
+TEST_CASE("computes the bounds of a node over all its instances, and of the first visible one") {
   const OpenedWorld world = world_of(
       "DEF Two Group { children [ DEF One Shape { geometry DEF Box Box {} } Transform { translation 4 0 0 children USE "
       "One } ] } DEF Sensor TimeSensor {} PROTO P [] { Transform { translation 0 9 0 children Shape { geometry Box {} "

@@ -6,7 +6,7 @@
 
 namespace gs::app::stream_list_test {
 
-TEST_CASE("A rate is what has come in a second, and its history has an end") {
+TEST_CASE("measures a rate over the last second, and limits its history") {
   RateHistory history;
   CHECK(history.rate() == 0);
   CHECK_FALSE(history.note(1000, 10));
@@ -28,7 +28,7 @@ TEST_CASE("A rate is what has come in a second, and its history has an end") {
   CHECK(history.rate() == 0);
 }
 
-TEST_CASE("The ledger of loads tells how far each is, and forgets the oldest that has ended") {
+TEST_CASE("reports the progress of each load, and forgets the oldest finished one") {
   LoadLedger ledger;
   const std::uint64_t first = ledger.begin("http://host/a.qnv", "http", nullptr);
   const std::uint64_t second = ledger.begin("b.wrl", "file", nullptr);
@@ -56,7 +56,7 @@ TEST_CASE("The ledger of loads tells how far each is, and forgets the oldest tha
   CHECK(rows.front().number == first);  // it has not ended
 }
 
-TEST_CASE("Who looks says how fast a world may come, and who reads is woken for it") {
+TEST_CASE("limits the rate of a world, and wakes its reader") {
   LoadLedger ledger;
   int woken = 0;
   ledger.set_wake([&] { ++woken; });
@@ -76,7 +76,7 @@ TEST_CASE("Who looks says how fast a world may come, and who reads is woken for 
   CHECK(ledger.received() == 120);
 }
 
-TEST_CASE("A stream that views choose from is whole when all of it is there") {
+TEST_CASE("completes a stream of view-dependent chunks when all are received") {
   LoadLedger ledger;
   const std::uint64_t number = ledger.begin("a.qnv", "http", nullptr);
   ledger.receive(number, 64, 128);
@@ -87,7 +87,7 @@ TEST_CASE("A stream that views choose from is whole when all of it is there") {
   CHECK(ledger.rows()[0].ended);
 }
 
-TEST_CASE("Who cancels a load wakes who reads it, but not where it has ended") {
+TEST_CASE("wakes the reader of a cancelled load unless the load has ended") {
   LoadLedger ledger;
   int woken = 0;
   ledger.set_wake([&] { ++woken; });
@@ -101,7 +101,7 @@ TEST_CASE("Who cancels a load wakes who reads it, but not where it has ended") {
   CHECK(woken == 1);
 }
 
-TEST_CASE("Rates are told in the units of networks") {
+TEST_CASE("prints rates in network units") {
   CHECK(readable_rate(0) == "0 bit/s");
   CHECK(readable_rate(999) == "999 bit/s");
   CHECK(readable_rate(1500) == "1.5 kbit/s");

@@ -28,7 +28,7 @@ bool near(const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b) <
 
 }  // namespace
 
-TEST_CASE("Keys show a thing from its sides, and what is up for the user says which they are") {
+TEST_CASE("shows an object from its sides by keys, relative to the chosen up axis") {
   Driver user;
   user.show_world(kBoxes);
   const std::pair<char, glm::vec3> sides[] = {{'1', {0, 0, -1}}, {'2', {0, 0, 1}},  {'3', {1, 0, 0}},
@@ -57,7 +57,7 @@ TEST_CASE("Keys show a thing from its sides, and what is up for the user says wh
   CHECK(user.session().view()->navigation.mode == NavigationMode::examine);  // 1 alone chooses a mode
 }
 
-TEST_CASE("Who has not moved goes to the first view of what is up now") {
+TEST_CASE("moves an unmoved camera to the first view of the new up axis") {
   Driver user;
   user.show_world(kBoxes);
   user.session().run(Action::up_minus_z);
@@ -69,7 +69,7 @@ TEST_CASE("Who has not moved goes to the first view of what is up now") {
   CHECK(near(pose(user).up(), {0, 1, 0}));
 }
 
-TEST_CASE("A Viewpoint stays where it is, whatever is up") {
+TEST_CASE("keeps a Viewpoint in place for any up axis") {
   Driver other;
   other.show_world(std::string(kBoxes) + " Viewpoint { position 0 1 9 orientation 1 0 0 0.3 }");
   const Pose before = pose(other);
@@ -80,7 +80,7 @@ TEST_CASE("A Viewpoint stays where it is, whatever is up") {
   CHECK(navigation(other).up == glm::vec3(0, 0, 1));
 }
 
-TEST_CASE("O sees by parallel rays and in perspective by turns, and what is looked at stays as large") {
+TEST_CASE("toggles parallel projection with O, and keeps the size of the target") {
   Driver user;
   user.show_world(kBoxes);
   const Pose before = pose(user);
@@ -102,7 +102,7 @@ TEST_CASE("O sees by parallel rays and in perspective by turns, and what is look
   CHECK(glm::distance(pose(user).position, before.position) < 1e-3);
 }
 
-TEST_CASE("Movements are undone and done again, and typing into a field undoes nothing of the world") {
+TEST_CASE("undoes and redoes movements, and leaves the world alone while text is typed") {
   Driver user;
   user.show_world(kBoxes);
   const Pose first = pose(user);
@@ -129,7 +129,7 @@ TEST_CASE("Movements are undone and done again, and typing into a field undoes n
   CHECK(glm::distance(pose(user).position, above.position) < 1e-6);
 }
 
-TEST_CASE("A rolled view is straightened, and a click seeks what is under it") {
+TEST_CASE("levels a rolled view, and moves towards a clicked point") {
   Driver user;
   user.show_world(kBoxes);
   Pose rolled = pose(user);
@@ -163,7 +163,7 @@ TEST_CASE("A rolled view is straightened, and a click seeks what is under it") {
   CHECK(user.sees("Nothing is there to go to"));
 }
 
-TEST_CASE("A camera is copied, and pasted elsewhere, and what is no camera is told") {
+TEST_CASE("copies and pastes a camera, and reports invalid text") {
   Driver user;
   user.show_world(kBoxes);
   user.press(letter_key('5'), false, true);
@@ -190,7 +190,7 @@ TEST_CASE("A camera is copied, and pasted elsewhere, and what is no camera is to
   CHECK(glm::distance(pose(user).position, kept.position) < 1e-5);
 }
 
-TEST_CASE("The axes in the corner of what no author has dressed show its sides, and the grid says how large it is") {
+TEST_CASE("shows axes in the corner of unstyled objects, and the size of the grid") {
   Driver user;
   OpenedWorld world = world_of(kBoxes);
   world.path = "head.mha";

@@ -65,13 +65,13 @@ void open_panels(Driver& user) {
   user.settle();
 }
 
-TEST_CASE("A window with panels looks as it did") {
+TEST_CASE("draws a window with panels as pinned") {
   Driver user({}, kWindow);
   open_panels(user);
   check_picture("panels");
 }
 
-TEST_CASE("A menu with a menu in it looks as it did") {
+TEST_CASE("draws a menu with a submenu as pinned") {
   Driver user({}, {960, 480});
   user.show_world(kBody);
   user.click("View");
@@ -79,7 +79,7 @@ TEST_CASE("A menu with a menu in it looks as it did") {
   check_picture("menus");
 }
 
-TEST_CASE("Two viewports and the palette of commands look as they did") {
+TEST_CASE("draws two viewports and the command palette as pinned") {
   Driver user({}, kWindow);
   user.show_world(kBody);
   user.press(Key::right, true, true);
@@ -88,7 +88,7 @@ TEST_CASE("Two viewports and the palette of commands look as they did") {
   check_picture("palette");
 }
 
-TEST_CASE("The numbers of a colour bar can be read in both themes") {
+TEST_CASE("keeps the numbers of a colour bar readable in both themes") {
   Driver user({}, kWindow);
   user.show_world(kBody);
   user.set_model([](UiModel& model) {
@@ -117,7 +117,7 @@ TEST_CASE("The numbers of a colour bar can be read in both themes") {
   }
 }
 
-TEST_CASE("Two windows that are used alike look alike, and a change is seen") {
+TEST_CASE("draws equal windows after equal input, and shows a change") {
   Image first;
   {
     Driver user({}, kWindow);

@@ -22,7 +22,7 @@ constexpr char kTwoViewpoints[] =
     "description \"Roof\" position 0 20 10 } "
     "Shape { geometry Box { } }";
 
-TEST_CASE("Every action of the table stands in a menu with its key, and is done from there") {
+TEST_CASE("lists every action in a menu with its key, and runs it from there") {
   Driver user;
   user.show_world(kTwoViewpoints);
   for (std::size_t i = 0; i < kMenus; ++i) {
@@ -49,7 +49,7 @@ TEST_CASE("Every action of the table stands in a menu with its key, and is done 
   CHECK(user.closed());
 }
 
-TEST_CASE("The palette finds actions, viewpoints and panels by a part of their names") {
+TEST_CASE("finds actions, Viewpoints and panels in the palette by a part of their names") {
   Driver user;
   user.show_world(kTwoViewpoints);
   user.press(letter_key('P'), true, true);
@@ -89,7 +89,7 @@ TEST_CASE("The palette finds actions, viewpoints and panels by a part of their n
   CHECK_FALSE(user.sees("Nothing is called so."));
 }
 
-TEST_CASE("A panel takes its room from the picture, and gives it back") {
+TEST_CASE("takes the space of a panel from the picture, and returns it") {
   Driver user;
   user.show_world(kTwoViewpoints);
   const Viewport whole = user.picture();
@@ -113,7 +113,7 @@ TEST_CASE("A panel takes its room from the picture, and gives it back") {
   CHECK(user.picture().width == whole.width);
 }
 
-TEST_CASE("Text and buttons grow with Ctrl+plus, and the colours change, at once and for good") {
+TEST_CASE("enlarges text and buttons on Ctrl+plus, and changes colours, at once and permanently") {
   ScratchFolder scratch;
   DeskOptions options;
   options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
@@ -140,7 +140,7 @@ TEST_CASE("Text and buttons grow with Ctrl+plus, and the colours change, at once
   }
 }
 
-TEST_CASE("Names of any script are shown by glyphs of the system's fonts") {
+TEST_CASE("shows names of any script by system fonts") {
   Driver user;
   user.show_world(
       "Viewpoint { description \"\xE4\xBD\xA0\xE5\xA5\xBD \xCE\x91\xCE\xB8\xCE\xAE\xCE\xBD\xCE\xB1\" } Shape { }");
@@ -153,7 +153,7 @@ TEST_CASE("Names of any script are shown by glyphs of the system's fonts") {
   CHECK_FALSE(font.FindGlyphNoFallback(0x4F61));  // nobody has asked for that
 }
 
-TEST_CASE("Back and forward lead through what a viewport has shown, and to where the viewer stood") {
+TEST_CASE("goes back and forward through visited worlds and viewer positions") {
   Driver user;
   user.show_world(kTwoViewpoints, "first.wrl");
   user.session().bind_viewpoint(1);
@@ -173,7 +173,7 @@ TEST_CASE("Back and forward lead through what a viewport has shown, and to where
   CHECK_FALSE(user.session().can_travel(1));  // who goes elsewhere leaves what was ahead
 }
 
-TEST_CASE("Who has followed an Anchor goes back to where he came from") {
+TEST_CASE("goes back after an Anchor to the earlier position") {
   Driver user;
   user.show_world(
       "NavigationInfo { type [ \"FLY\" \"ANY\" ] } Viewpoint { } DEF B Viewpoint { position 0 0 30 } "
@@ -192,7 +192,7 @@ TEST_CASE("Who has followed an Anchor goes back to where he came from") {
   CHECK(depth() == Approx(30));
 }
 
-TEST_CASE("A bookmark keeps the file and where one stood, and leads back there") {
+TEST_CASE("stores file and position in a bookmark, and returns there") {
   ScratchFolder scratch;
   DeskOptions options;
   options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
@@ -216,7 +216,7 @@ TEST_CASE("A bookmark keeps the file and where one stood, and leads back there")
   CHECK(kept->empty());
 }
 
-TEST_CASE("A bookmark keeps by which rays one saw") {
+TEST_CASE("stores the projection in a bookmark") {
   ScratchFolder scratch;
   DeskOptions options;
   options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
@@ -241,7 +241,7 @@ TEST_CASE("A bookmark keeps by which rays one saw") {
   CHECK(glm::distance(user.session().view()->navigation.pose.position, glm::dvec3(1, 2, 3)) < 1e-9);
 }
 
-TEST_CASE("The address bar goes on with what is typed, and opens it") {
+TEST_CASE("completes text in the address bar, and opens it") {
   ScratchFolder scratch;
   scratch.write("worlds/castle.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
   scratch.write("worlds/notes.txt", "nothing to be opened");
@@ -259,7 +259,7 @@ TEST_CASE("The address bar goes on with what is typed, and opens it") {
   CHECK(*user.actions().open == scratch.path("worlds/castle.wrl"));
 }
 
-TEST_CASE("The Open dialog filters as one types") {
+TEST_CASE("filters the Open dialog during typing") {
   ScratchFolder scratch;
   scratch.write("castle.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
   scratch.write("tower.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
@@ -276,7 +276,7 @@ TEST_CASE("The Open dialog filters as one types") {
   CHECK(*user.actions().open == scratch.path("tower.wrl"));
 }
 
-TEST_CASE("The Open dialog stays when a file cannot be opened, and what is typed next is another try") {
+TEST_CASE("keeps the Open dialog after a failure, and accepts another name") {
   Driver user;
   user.press(letter_key('O'), true);
   user.type("/nowhere/at/all.wrl");
@@ -296,7 +296,7 @@ TEST_CASE("The Open dialog stays when a file cannot be opened, and what is typed
   CHECK_FALSE(user.sees("All files"));
 }
 
-TEST_CASE("What is typed after an address that cannot be opened goes on in it, and not to the world") {
+TEST_CASE("continues typing in the address bar after an address failed to open") {
   Driver user;
   user.show_world(kTwoViewpoints);
   const NavigationMode mode = user.session().view()->navigation.mode;
@@ -314,7 +314,7 @@ TEST_CASE("What is typed after an address that cannot be opened goes on in it, a
   CHECK(user.sees("test.wrl"));
 }
 
-TEST_CASE("What is typed from right to left into a field is seen so, and pointed at where it is seen") {
+TEST_CASE("shows right-to-left input in visual order, with the pointer at the visual position") {
   Driver user;
   user.press(letter_key('L'), true);
   user.type("a");
@@ -341,7 +341,7 @@ TEST_CASE("What is typed from right to left into a field is seen so, and pointed
         "1\u05d1\u05d2z");
 }
 
-TEST_CASE("Who makes his steps longer again and again reads one speed") {
+TEST_CASE("shows one speed when the speed is raised repeatedly") {
   Driver user;
   user.show_world(kTwoViewpoints);
   for (int i = 0; i < 4; ++i) user.press(Key::plus);
@@ -352,7 +352,7 @@ TEST_CASE("Who makes his steps longer again and again reads one speed") {
   CHECK(screen.find("m/s", first + 1) == std::string::npos);
 }
 
-TEST_CASE("Esc stops loading before it closes what stands beside the picture") {
+TEST_CASE("cancels loading on Esc before it closes panels") {
   late_worlds::Site site;
   site.never("late.wrl");
   Driver user({}, {1000, 700}, site.options);
@@ -367,7 +367,7 @@ TEST_CASE("Esc stops loading before it closes what stands beside the picture") {
   CHECK(user.sees("0 errors"));
 }
 
-TEST_CASE("The log begins with what is wrong with the newest file, and has the others above") {
+TEST_CASE("lists the errors of the newest file first in the log") {
   Driver user;
   SessionLog log;
   const auto note = [&](const std::string& path, int errors) {
@@ -388,7 +388,7 @@ TEST_CASE("The log begins with what is wrong with the newest file, and has the o
   CHECK_FALSE(user.sees("first.wrl:1:1"));
 }
 
-TEST_CASE("What is said where no file is open stands in the picture, not over the log") {
+TEST_CASE("shows notices without an open file in the picture, not over the log") {
   Driver user({}, {1000, 320});
   CHECK(user.sees("Drop a file here"));
   user.press(Key::f3);
@@ -397,7 +397,7 @@ TEST_CASE("What is said where no file is open stands in the picture, not over th
   CHECK(user.sees("No file has been read yet."));
 }
 
-TEST_CASE("What a window showed that ended by itself is offered once, in one line") {
+TEST_CASE("offers once to restore a window that ended unexpectedly, in one line") {
   Driver user;
   bool asked = true;
   user.set_model([&](UiModel& model) { model.to_restore = asked ? 2 : 0; });
@@ -409,7 +409,7 @@ TEST_CASE("What a window showed that ended by itself is offered once, in one lin
   CHECK(user.picture().top < top);  // its room is the picture's again
 }
 
-TEST_CASE("Preferences are the table of settings") {
+TEST_CASE("lists the settings of the table in Preferences") {
   Driver user;
   user.press(letter_key(','), true);
   for (const SettingRow& row : setting_rows()) {

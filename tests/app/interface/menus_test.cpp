@@ -38,7 +38,7 @@ bool can_be_seen(Driver& user, const std::string& words, const glm::vec2& menu) 
   return false;
 }
 
-TEST_CASE("Every entry of every menu can be reached in a window of 640 x 480") {
+TEST_CASE("reaches every entry of every menu in a window of 640 x 480") {
   Driver user({}, kSmall);
   user.show_world("Viewpoint {} Viewpoint {} Shape { geometry Box {} }");
   for (std::size_t i = 0; i < kMenus; ++i) {
@@ -59,7 +59,7 @@ TEST_CASE("Every entry of every menu can be reached in a window of 640 x 480") {
   }
 }
 
-TEST_CASE("A menu in a menu does what its entry says") {
+TEST_CASE("runs the action of a submenu entry") {
   Driver user({}, {1200, 600});
   user.click("View");
   const auto words = user.find("Size of text");
@@ -75,7 +75,7 @@ TEST_CASE("A menu in a menu does what its entry says") {
   CHECK(*user.actions().run == Action::larger_text);
 }
 
-TEST_CASE("Quit is the last entry of its menu") {
+TEST_CASE("lists Quit last in its menu") {
   Driver user({}, {1000, 500});
   user.click("File");
   const auto quit = user.find("Quit"), pictures = user.find("Pictures"), recent = user.find("Open recent");
@@ -84,7 +84,7 @@ TEST_CASE("Quit is the last entry of its menu") {
   CHECK(quit->y > recent->y);
 }
 
-TEST_CASE("A series that plays is not said to be loading all the time") {
+TEST_CASE("hides the loading state while a series plays") {
   Driver user;
   user.show_world("Shape { geometry Box {} }");
   bool playing = false;

@@ -37,7 +37,7 @@ void show_two(Driver& user) {
   user.show_world(kCone, "cone.wrl");
 }
 
-TEST_CASE("Keys split viewports, go from one to the next, maximise, swap and close them") {
+TEST_CASE("splits, switches, maximises, swaps and closes viewports by keys") {
   Driver user;
   user.show_world(kBox, "box.wrl");
   CHECK(split(user) == "1");
@@ -86,7 +86,7 @@ TEST_CASE("Keys split viewports, go from one to the next, maximise, swap and clo
   CHECK(user.sees("There cannot be more than 12 viewports"));
 }
 
-TEST_CASE("Menus and the palette have what is done with viewports") {
+TEST_CASE("offers viewport actions in menus and the palette") {
   Driver user;
   user.show_world(kBox, "box.wrl");
   user.click("Window");
@@ -105,7 +105,7 @@ TEST_CASE("Menus and the palette have what is done with viewports") {
   CHECK(user.sees("Nothing is called so."));  // there is only one
 }
 
-TEST_CASE("A divider is dragged with the cursor for it, as far as viewports keep their room") {
+TEST_CASE("drags a divider with its cursor, within the minimum sizes of viewports") {
   Driver user;
   show_two(user);
   const Viewport left = place(user, 0);
@@ -137,7 +137,7 @@ TEST_CASE("A divider is dragged with the cursor for it, as far as viewports keep
   CHECK(place(user, 1).height == Approx(above.height + 60).margin(1));
 }
 
-TEST_CASE("The bar of a viewport splits, maximises and closes it, and its menu swaps it and weighs its shares") {
+TEST_CASE("splits, maximises and closes a viewport by its bar, and swaps and weights it by its menu") {
   Driver user;
   show_two(user);
   CHECK(user.sees("1 box.wrl"));
@@ -169,7 +169,7 @@ TEST_CASE("The bar of a viewport splits, maximises and closes it, and its menu s
   CHECK(split(user) == "3|1");
 }
 
-TEST_CASE("The weight of a viewport changes its share of the vectors, and of what is read") {
+TEST_CASE("applies the weight of a viewport to its share of vectors and bandwidth") {
   Driver user;
   show_two(user);
   user.measures().budget = 1'000'000;
@@ -189,7 +189,7 @@ TEST_CASE("The weight of a viewport changes its share of the vectors, and of wha
   CHECK(user.session().panes().at(1).weight == Pane::kMostWeight);
 }
 
-TEST_CASE("What may come for a viewport is shown, and chosen in its menu and in the panel of streams") {
+TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and the streams panel") {
   late_worlds::Site site;
   site.never("a.wrl");
   site.never("b.wrl");
@@ -234,7 +234,7 @@ TEST_CASE("What may come for a viewport is shown, and chosen in its menu and in 
   CHECK(rate("memory://a/a.wrl") == 0U);
 }
 
-TEST_CASE("A file that is dropped on a viewport opens there") {
+TEST_CASE("opens a dropped file in the viewport under the pointer") {
   ScratchFolder scratch;
   scratch.write("sphere.wrl", "#VRML V2.0 utf8\nShape { geometry Sphere { } }\n");
   Driver user;
@@ -246,7 +246,7 @@ TEST_CASE("A file that is dropped on a viewport opens there") {
   CHECK(shown(user, 1) == "cone.wrl");
 }
 
-TEST_CASE("A viewport whose file failed says so, with what was wrong first, and opens it again") {
+TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   ScratchFolder scratch;
   Driver user;
   user.show_world(kBox, "box.wrl");
@@ -281,7 +281,7 @@ TEST_CASE("A viewport whose file failed says so, with what was wrong first, and 
   CHECK(split(user) == "1|2");
 }
 
-TEST_CASE("A file that takes too much memory leads to the setting, and opens once there is more") {
+TEST_CASE("offers the memory setting for a file that exceeds it, and opens it afterwards") {
   ScratchFolder scratch;
   std::string points;
   for (int i = 0; i < 30'000; ++i) points += "0 0 " + std::to_string(i) + ", ";
@@ -316,7 +316,7 @@ TEST_CASE("A file that takes too much memory leads to the setting, and opens onc
   }));
 }
 
-TEST_CASE("A viewport with nothing but a file that failed is closed with the message") {
+TEST_CASE("closes a viewport together with the message of its failed file") {
   Driver user;
   user.session().open_in(0, "/nowhere/first.wrl");
   REQUIRE(user.wait_for([&] { return user.session().panes().at(0).failure.has_value(); }));
@@ -332,7 +332,7 @@ TEST_CASE("A viewport with nothing but a file that failed is closed with the mes
   CHECK(panes_of(user.session().panes().split()).size() == 1);
 }
 
-TEST_CASE("What a program without arguments shows says in three lines what to do, until they are closed") {
+TEST_CASE("shows a three-line introduction without arguments until it is closed") {
   ScratchFolder scratch;
   scratch.write("demo.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
   DeskOptions options;
@@ -356,7 +356,7 @@ TEST_CASE("What a program without arguments shows says in three lines what to do
   CHECK_FALSE(user.desk().kept().settings().first_steps);
 }
 
-TEST_CASE("A window that ended by itself is split again as it was, with files and weights") {
+TEST_CASE("restores the splits, files and weights of a window that ended unexpectedly") {
   ScratchFolder scratch;
   scratch.write("a.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
   scratch.write("b.wrl", "#VRML V2.0 utf8\nShape { geometry Cone { } }\n");

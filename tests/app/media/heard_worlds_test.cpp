@@ -66,7 +66,7 @@ std::string clip(const std::string& fields = "loop TRUE", const std::string& url
 
 const double kHalf = std::lround(0.5 * 32767) / 32768.0;
 
-TEST_CASE("a Sound is heard by intensity and distance, in dB, and panned by the angle to it (6.42, 7.3.4)") {
+TEST_CASE("plays a Sound by intensity and distance in dB, panned by its angle (6.42, 7.3.4)") {
   const ScratchFolder folder;
   (void)folder.write("half.wav", media::constant(1));
   // From the front, 6 away between 1 and 11: -10 dB; intensity 0.75: -5 dB.
@@ -92,7 +92,7 @@ TEST_CASE("a Sound is heard by intensity and distance, in dB, and panned by the 
   CHECK(ears.right(0.1) == ears.left(0.1));
 }
 
-TEST_CASE("a Sound follows its Transform and the viewer, without steps (6.42)") {
+TEST_CASE("moves a Sound with its Transform and the viewer, without steps (6.42)") {
   const ScratchFolder folder;
   (void)folder.write("half.wav", media::constant(1));
   const Ears ears = hear(folder,
@@ -116,7 +116,7 @@ TEST_CASE("a Sound follows its Transform and the viewer, without steps (6.42)") 
   CHECK(steepest < 0.11f);  // where it begins, and nowhere else
 }
 
-TEST_CASE("a Sound that a Switch hides is not heard, and goes on where it would have been (6.42)") {
+TEST_CASE("mutes a Sound that a Switch hides, and resumes it in world time (6.42)") {
   const ScratchFolder folder;
   (void)folder.write("ramp.wav", media::wav(48'000, 1, 96'000, [](std::size_t i, int) { return i / 96'000.0; }));
   const std::string sound =
@@ -128,7 +128,7 @@ TEST_CASE("a Sound that a Switch hides is not heard, and goes on where it would 
   CHECK(ears.left(1.25) == Approx(0.625).margin(2e-3));
 }
 
-TEST_CASE("an AudioClip is heard from its startTime to its stopTime, and again in each loop (4.6.9, 6.4)") {
+TEST_CASE("plays an AudioClip from startTime to stopTime, and again in each loop (4.6.9, 6.4)") {
   const ScratchFolder folder;
   (void)folder.write("ramp.wav", media::wav(8000, 1, 4000, [](std::size_t i, int) { return i / 4000.0; }));
   const std::string near = "Sound { spatialize FALSE minFront 20 minBack 20 ";
@@ -145,7 +145,7 @@ TEST_CASE("an AudioClip is heard from its startTime to its stopTime, and again i
   CHECK(ears.left(1.1) == 0);
 }
 
-TEST_CASE("a click that is shorter than a step is heard whole, from its first sample") {
+TEST_CASE("plays a click shorter than a step completely, from its first sample") {
   const ScratchFolder folder;
   (void)folder.write("click.wav", media::constant(0.004));
   const Ears ears = hear(folder,
@@ -161,7 +161,7 @@ TEST_CASE("a click that is shorter than a step is heard whole, from its first sa
   CHECK(static_cast<double>(first) / kMixRate == Approx(0.30303).margin(3e-5));
 }
 
-TEST_CASE("two sounds at once, the channels of a stereo sound, and what is heard through a PROTO and an Inline") {
+TEST_CASE("plays two sounds, stereo channels, and sounds in a PROTO and an Inline") {
   const ScratchFolder folder;
   (void)folder.write("half.wav", media::constant(1));
   (void)folder.write("stereo.wav",
@@ -176,7 +176,7 @@ TEST_CASE("two sounds at once, the channels of a stereo sound, and what is heard
   CHECK(ears.right(0.2) == Approx(0.8).margin(1e-3));
 }
 
-TEST_CASE("where more sounds are active than can be played, priority chooses (7.3.4.1)") {
+TEST_CASE("chooses by priority if more sounds are active than can be played (7.3.4.1)") {
   const ScratchFolder folder;
   (void)folder.write("half.wav", media::constant(1, 0.01));
   (void)folder.write("other.wav", media::constant(1, 0.5));
@@ -189,7 +189,7 @@ TEST_CASE("where more sounds are active than can be played, priority chooses (7.
   CHECK(ears.left(0.1) == Approx(0.5 * std::pow(10, -0.5) + 0.01 * (kMostVoices - 1)).margin(2e-3));
 }
 
-TEST_CASE("a movie is the source of a Sound (6.28)") {
+TEST_CASE("plays a movie as source of a Sound (6.28)") {
   const ScratchFolder folder;
   (void)folder.write("tone.mpg",
                      media::file_text(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/sound/tone.mpg"));
@@ -207,7 +207,7 @@ TEST_CASE("a movie is the source of a Sound (6.28)") {
   CHECK(crossings / 0.9 == Approx(440).margin(3));
 }
 
-TEST_CASE("the same world sounds the same, bit for bit") {
+TEST_CASE("mixes the same world to the same samples") {
   const ScratchFolder folder;
   (void)folder.write("half.wav", media::tone(0.7, 300, 0.5, 22'050));
   const std::string world = "DEF T Transform { children Sound { " + clip("pitch 1.3 loop TRUE") + "} }";
@@ -215,7 +215,7 @@ TEST_CASE("the same world sounds the same, bit for bit") {
   CHECK(hear(folder, world, 0.6, rows).pairs == hear(folder, world, 0.6, rows).pairs);
 }
 
-TEST_CASE("trace --sound and --snapshot --sound write what is heard as a WAV, over a WAV only") {
+TEST_CASE("trace --sound and --snapshot --sound write a WAV, and overwrite only a WAV") {
   const ScratchFolder folder;
   (void)folder.write("half.wav", media::constant(0.5));
   const std::string world = folder.write(

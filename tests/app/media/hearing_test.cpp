@@ -24,7 +24,7 @@ render::SoundState sound_of(double min_front, double min_back, double max_front,
   return sound;
 }
 
-TEST_CASE("The location of a Sound is a focus of its ellipsoids, which meet the axis at front and back (6.42)") {
+TEST_CASE("places a Sound at a focus of its ellipsoids, which meet the axis at front and back (6.42)") {
   CHECK(ellipsoid_radius(6, 2, 1) == Approx(6));
   CHECK(ellipsoid_radius(6, 2, -1) == Approx(2));
   // Distances from both foci of any point add up to the long axis; the other focus lies 6 - 2 ahead.
@@ -38,7 +38,7 @@ TEST_CASE("The location of a Sound is a focus of its ellipsoids, which meet the 
   CHECK(ellipsoid_radius(5, 0, 0) == 0);
 }
 
-TEST_CASE("Between the ellipsoids loudness falls by 20 dB, evenly in dB, and beyond nothing is heard (6.42)") {
+TEST_CASE("attenuates by 20 dB between the ellipsoids, evenly in dB, and mutes beyond (6.42)") {
   render::SoundState sound = sound_of(2, 1, 12, 6);
   sound.spatialize = false;
   const auto level = [&](double x, double y, double z) { return hear(sound, viewer_at(x, y, z)).level; };
@@ -57,7 +57,7 @@ TEST_CASE("Between the ellipsoids loudness falls by 20 dB, evenly in dB, and bey
   CHECK(level(0, outer + 0.001, 0) == 0);
 }
 
-TEST_CASE("The ellipsoids of a Sound are measured in its own coordinates (6.42)") {
+TEST_CASE("measures the ellipsoids of a Sound in its own coordinates (6.42)") {
   render::SoundState sound = sound_of(1, 1, 10, 10);
   sound.spatialize = false;
   sound.direction = {1, 0, 0};
@@ -70,7 +70,7 @@ TEST_CASE("The ellipsoids of a Sound are measured in its own coordinates (6.42)"
   CHECK(hear(sound, viewer_at(0, 2, 0)).level == 0);
 }
 
-TEST_CASE("intensity is a loudness: 0 dB at 1, towards -20 dB at 0, where nothing is heard (6.42)") {
+TEST_CASE("converts intensity to loudness: 0 dB at 1, towards -20 dB at 0, which is silent (6.42)") {
   CHECK(intensity_factor(1) == 1);
   CHECK(decibels(intensity_factor(0.5)) == Approx(-10));
   CHECK(decibels(intensity_factor(1e-9)) == Approx(-20));
@@ -81,7 +81,7 @@ TEST_CASE("intensity is a loudness: 0 dB at 1, towards -20 dB at 0, where nothin
   CHECK(decibels(hear(sound, viewer_at(0, 0, 6)).level) == Approx(-15 - 10));
 }
 
-TEST_CASE("left and right follow the angle in the viewer's XZ plane: 1 - pan^2 and 1 - (1 - pan)^2 (7.3.4.2)") {
+TEST_CASE("pans by the angle in the viewer's XZ plane: 1 - pan^2 and 1 - (1 - pan)^2 (7.3.4.2)") {
   const auto check = [](glm::dvec3 place, double pan) {
     const Pan found = pan_of(place);
     CHECK(found.left == Approx(1 - pan * pan));
@@ -98,7 +98,7 @@ TEST_CASE("left and right follow the angle in the viewer's XZ plane: 1 - pan^2 a
   check({0, 7, 0}, 0.5);
 }
 
-TEST_CASE("spatialize pans between the ellipsoids, as the viewer is turned, and not within the inner one (6.42)") {
+TEST_CASE("pans between the ellipsoids if spatialize is TRUE, and not inside the inner one (6.42)") {
   render::SoundState sound = sound_of(1, 1, 11, 11);
   // The viewer looks along -X, six to the front: the sound is to his right.
   const glm::dmat4 turned = glm::rotate(viewer_at(0, 0, 6), glm::half_pi<double>(), glm::dvec3(0, 1, 0));
@@ -119,7 +119,7 @@ TEST_CASE("spatialize pans between the ellipsoids, as the viewer is turned, and 
   CHECK(heard.right == 1);
 }
 
-TEST_CASE("of too many sounds those of high priority are heard, new cues and the loudest ones (7.3.4.1)") {
+TEST_CASE("prefers high priority, then new and loud sounds, if there are too many (7.3.4.1)") {
   std::vector<SoundRank> ranks = {{0, 5, 0.9},  {0.8, 1, 0.2}, {0, 9, 0.95}, {0.8, 7, 0.1},
                                   {1, 0, 0.01}, {0.5, 3, 0.3}, {0.5, 4, 0.2}};
   std::sort(ranks.begin(), ranks.end());

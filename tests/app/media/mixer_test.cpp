@@ -67,7 +67,7 @@ std::string ramp(double seconds, int rate = kMixRate) {
                     [&](std::size_t i, int) { return static_cast<double>(i) / rate; });
 }
 
-TEST_CASE("a sound begins with its first sample at its startTime, and its samples are those of the file") {
+TEST_CASE("starts a sound with its first sample at startTime, and plays the samples of the file") {
   Ear ear;
   const auto file = file_of(ramp(0.5));
   ear.mixer.set({voice_of(file, 0.1003125, 0.6003125)}, kStart);  // sample 4815
@@ -84,7 +84,7 @@ TEST_CASE("a sound begins with its first sample at its startTime, and its sample
   CHECK(same);
 }
 
-TEST_CASE("a loop keeps to world time: t = (now - startTime) modulo (duration / pitch) (6.4)") {
+TEST_CASE("loops in world time: t = (now - startTime) modulo (duration / pitch) (6.4)") {
   Ear ear;
   const auto file = file_of(ramp(0.5));
   ear.mixer.set({voice_of(file, -1000.2)}, kStart);
@@ -99,7 +99,7 @@ TEST_CASE("a loop keeps to world time: t = (now - startTime) modulo (duration / 
     CHECK(other.left(time) == Approx(std::fmod((time + 7.1) * 2, 0.5)).margin(2e-3));
 }
 
-TEST_CASE("pitch makes a tone higher, and a file of another rate sounds as high as it is (6.4)") {
+TEST_CASE("raises the tone by pitch, and keeps it for files of another sample rate (6.4)") {
   const auto crossings = [](const std::string& sound, double pitch) {
     Ear ear;
     ear.mixer.set({voice_of(file_of(sound), 0, kNever, pitch)}, kStart);
@@ -119,7 +119,7 @@ TEST_CASE("pitch makes a tone higher, and a file of another rate sounds as high 
   CHECK(crossings(media::tone(4, 2000, 0.5, 44'100), 1.5) == Approx(3000).margin(3));
 }
 
-TEST_CASE("two sounds at once are added up (7.3.3)") {
+TEST_CASE("adds two simultaneous sounds (7.3.3)") {
   Ear ear;
   const auto one = file_of(media::constant(1, 0.25)), other = file_of(media::constant(1, 0.5));
   Voice quiet = voice_of(other, 0.5, 1.5);
@@ -134,7 +134,7 @@ TEST_CASE("two sounds at once are added up (7.3.3)") {
   CHECK(ear.left(1.75) == 0);
 }
 
-TEST_CASE("levels change without steps, and what is cut off dies away in a moment") {
+TEST_CASE("changes levels without steps, and fades out stopped sounds") {
   Ear ear;
   const auto file = file_of(media::constant(10, 0.5));
   Voice voice = voice_of(file, 0, 10);
@@ -164,7 +164,7 @@ TEST_CASE("levels change without steps, and what is cut off dies away in a momen
   CHECK(other.left(0.055) == 0);
 }
 
-TEST_CASE("what is too loud is cut, and mute and volume are for all") {
+TEST_CASE("clips samples that are too loud, and applies mute and volume to all") {
   Ear ear;
   const auto file = file_of(media::constant(10, 0.9));
   std::vector<Voice> voices(4, voice_of(file, 0));
@@ -180,7 +180,7 @@ TEST_CASE("what is too loud is cut, and mute and volume are for all") {
   CHECK(ear.left(0.5) == 0);
 }
 
-TEST_CASE("a stream of sound may be looked at anywhere, and holds little") {
+TEST_CASE("reads a sound stream at any position with little memory") {
   const auto file = file_of(ramp(0.5));
   auto reader = render::open_samples(file->bytes());
   REQUIRE(reader.index() == 0);
@@ -194,7 +194,7 @@ TEST_CASE("a stream of sound may be looked at anywhere, and holds little") {
   CHECK(at(std::int64_t{24'000} * 1'000'000 + 77) == Approx(77).margin(1.5));
 }
 
-TEST_CASE("a mix is written as a WAV that reads back") {
+TEST_CASE("writes a mix as a WAV that reads back") {
   WaveFile wave;
   const std::vector<float> pairs = {0, 0, 0.5f, -0.5f, 1, -1, 3, -3};
   wave.add(pairs);
@@ -210,7 +210,7 @@ TEST_CASE("a mix is written as a WAV that reads back") {
 }
 
 // By the variables of OpenAL Soft: its null device takes samples as fast as a device does, and "none" is no device.
-TEST_CASE("without a sound device nothing is heard, and nothing else happens") {
+TEST_CASE("runs silently without a sound device") {
   const auto state_with = [](const char* drivers) {
     setenv("ALSOFT_DRIVERS", drivers, 1);
     Mixer mixer;

@@ -52,7 +52,7 @@ Shown shown_at(const std::string& fields, double seconds, const std::string& fil
   return {number_of(image), image.version};
 }
 
-TEST_CASE("an active MovieTexture shows the picture of t = (now - startTime) modulo (duration / speed) (6.28)") {
+TEST_CASE("shows the movie frame at t = (now - startTime) modulo (duration / speed) while active (6.28)") {
   const std::string begin = "startTime 946684800 ";
   CHECK(shown_at(begin, 0.5).number == 12);
   CHECK(shown_at(begin, 1.01).number == 25);
@@ -65,14 +65,14 @@ TEST_CASE("an active MovieTexture shows the picture of t = (now - startTime) mod
   CHECK(shown_at(begin + "loop TRUE", 2.5, "sound/tone.mpg").number == 12);
 }
 
-TEST_CASE("a MovieTexture with negative speed plays backwards, one of speed 0 shows its first picture (6.28)") {
+TEST_CASE("plays a MovieTexture backwards at negative speed, and shows its first frame at speed 0 (6.28)") {
   CHECK(shown_at("startTime 946684800 speed -1", 0.51).number == 37);
   CHECK(shown_at("startTime 946684800 speed -1 loop TRUE", 2.51).number == 37);
   CHECK(shown_at("startTime 946684800 speed -2", 0.71).number == 14);
   CHECK(shown_at("startTime 946684800 speed 0", 1).number == 0);
 }
 
-TEST_CASE("while inactive a MovieTexture shows its first picture, its last one, or where it has stopped (6.28)") {
+TEST_CASE("shows the first, last or stopped frame of an inactive MovieTexture (6.28)") {
   CHECK(shown_at("", 1).number == 0);
   CHECK(shown_at("speed -1", 1).number == 49);
   CHECK(shown_at("startTime 946684800 stopTime 946684800.5 loop TRUE", 1.5).number == 12);
@@ -80,7 +80,7 @@ TEST_CASE("while inactive a MovieTexture shows its first picture, its last one, 
   CHECK(shown_at("startTime 946684800 speed -1", 3).number == 0);
 }
 
-TEST_CASE("an animated GIF plays in a MovieTexture (6.28)") {
+TEST_CASE("plays an animated GIF in a MovieTexture (6.28)") {
   // Each tenth of a second lighter than the one before.
   int before = -2;
   for (const double time : {0.05, 0.35, 0.65}) {
@@ -90,7 +90,7 @@ TEST_CASE("an animated GIF plays in a MovieTexture (6.28)") {
   }
 }
 
-TEST_CASE("the pictures of a movie come to the same image, and no item is made anew") {
+TEST_CASE("decodes movie frames to one image, without a new render item") {
   const ScratchFolder folder;
   (void)folder.write("a.mpg", movie("movie/counting.mp4"));
   const std::string path = folder.write(
@@ -114,7 +114,7 @@ TEST_CASE("the pictures of a movie come to the same image, and no item is made a
   CHECK(document->first_scene->scene.gathered() == 1);
 }
 
-TEST_CASE("pictures are decoded on another thread, and come a little later") {
+TEST_CASE("decodes frames on another thread, and shows them a little later") {
   auto file = std::make_shared<MediaFile>(media::bytes_of(movie("movie/counting.mp4")), vrml::Share());
   const auto info = render::examine_media(file->bytes());
   REQUIRE(info.index() == 0);
@@ -139,7 +139,7 @@ TEST_CASE("pictures are decoded on another thread, and come a little later") {
       players.open(file, render::Image{256, 256, 3, std::vector<std::uint8_t>(std::size_t{256} * 256 * 3)}, small));
 }
 
-TEST_CASE("a movie that breaks off shows what it has shown, and the world goes on") {
+TEST_CASE("keeps the last frame of a movie that breaks off, and runs the world on") {
   const std::string whole = movie("sound/tone.mpg");
   for (const std::size_t part : {whole.size() / 2, whole.size() / 3}) {
     const ScratchFolder folder;

@@ -17,7 +17,7 @@ std::vector<AnimationStep> steps_of(const AnimationRequest& request) {
 
 }  // namespace
 
-TEST_CASE("A turntable goes once around, and does not show its beginning twice") {
+TEST_CASE("turns once around without repeating the first picture") {
   AnimationRequest request;
   request.turntable = true;
   CHECK(steps_of(request).size() == 200);  // 8 seconds of 25
@@ -29,7 +29,7 @@ TEST_CASE("A turntable goes once around, and does not show its beginning twice")
   CHECK(steps_of(request)[2].time == 4);
 }
 
-TEST_CASE("The world's own time goes on evenly, and a tour goes from the first Viewpoint to the last") {
+TEST_CASE("advances the world's own time evenly, and tours from the first to the last Viewpoint") {
   AnimationRequest request;
   request.times = {1, 3};
   request.rate = 10;
@@ -50,7 +50,7 @@ TEST_CASE("The world's own time goes on evenly, and a tour goes from the first V
   CHECK(steps_of(tour).size() == 150);  // twice three seconds of 25
 }
 
-TEST_CASE("What would not move, or never end, is refused") {
+TEST_CASE("refuses animations without movement or without end") {
   std::vector<AnimationStep> steps;
   CHECK(plan_animation({}, steps)->find("nothing would move") != std::string::npos);
   AnimationRequest request;
@@ -66,7 +66,7 @@ TEST_CASE("What would not move, or never end, is refused") {
   CHECK(plan_animation(request, steps));
 }
 
-TEST_CASE("Who goes around looks at the same place from the same distance") {
+TEST_CASE("keeps the target and the distance on a turntable") {
   render::Camera camera;
   camera.world_from_camera[3] = {3, 2, 10, 1};
   const glm::dvec3 center(3, 1, 0);
@@ -78,7 +78,7 @@ TEST_CASE("Who goes around looks at the same place from the same distance") {
   CHECK(glm::length(glm::dvec3(around.world_from_camera[3]) - glm::dvec3(3, 2, 10)) < 1e-9);
 }
 
-TEST_CASE("Between two cameras the way begins and ends gently") {
+TEST_CASE("eases the movement between two cameras in and out") {
   render::Camera from, to;
   from.field_of_view = 0.5f;
   to.field_of_view = 1;

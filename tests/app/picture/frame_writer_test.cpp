@@ -20,7 +20,7 @@ std::unique_ptr<FrameWriter> open(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("Pictures of an animation are written as files with numbers from 0 on, over pictures only") {
+TEST_CASE("writes pictures of an animation with numbers from 0, over pictures only") {
   const ScratchFolder folder;
   auto writer = open(folder.path("a.%02d.png"));
   for (const std::uint8_t value : {0, 100, 200}) CHECK_FALSE(writer->add(plain(value)));
@@ -36,7 +36,7 @@ TEST_CASE("Pictures of an animation are written as files with numbers from 0 on,
   CHECK(folder.read("a.01.png") == "a world");
 }
 
-TEST_CASE("A movie's file is made at the end, over movies only") {
+TEST_CASE("writes a movie file at the end, over movies only") {
   const ScratchFolder folder;
   auto writer = open(folder.path("a.mp4"));
   for (int i = 0; i < 5; ++i) CHECK_FALSE(writer->add(plain(static_cast<std::uint8_t>(50 * i))));
@@ -51,7 +51,7 @@ TEST_CASE("A movie's file is made at the end, over movies only") {
   CHECK(std::get<std::string>(refused).find("is no movie") != std::string::npos);
 }
 
-TEST_CASE("Names that say no kind of animation are refused by what can be written") {
+TEST_CASE("refuses names of no kind of animation, and lists the kinds") {
   for (const char* name : {"a.avi", "a.png", "a.%d.jpg", "a.%d", "%d.png.gz", ""})
     CHECK(check_animation_name(name)->find("walk.%04d.png, or one that ends in .mp4 or .webm") != std::string::npos);
   CHECK_FALSE(check_animation_name("A.MP4"));

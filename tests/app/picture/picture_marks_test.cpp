@@ -14,7 +14,7 @@ render::Image plain(std::uint32_t width, std::uint32_t height, std::uint32_t com
 
 }  // namespace
 
-TEST_CASE("A rectangle is mixed into a picture, and over nothing it is all that is there") {
+TEST_CASE("blends a rectangle into a picture, and fills a transparent one") {
   render::Image image = plain(4, 4, 3, 100);
   draw_rectangle({image, 0}, {1, 1}, {3, 2}, {1, 0, 0}, 0.5f);
   CHECK(image.pixels[(1 * 4 + 1) * 3] == 178);
@@ -28,7 +28,7 @@ TEST_CASE("A rectangle is mixed into a picture, and over nothing it is all that 
   CHECK(clear.pixels[3] == 128);
 }
 
-TEST_CASE("Text has the width that is told and stays on its line") {
+TEST_CASE("draws text with the reported width, on its line") {
   render::Image image = plain(120, 40, 3, 0);
   draw_text({image, 0}, "HHHH", {10, 30}, 20, {1, 1, 1});
   const float width = text_width("HHHH") * 20;
@@ -47,7 +47,7 @@ TEST_CASE("Text has the width that is told and stays on its line") {
   CHECK(lit > 100);
 }
 
-TEST_CASE("A colour bar in bands of rows is the same as at once, and has the colours of its ends") {
+TEST_CASE("draws a colour bar in bands of rows as at once, with the colours of its ends") {
   ColorBar bar{"density (K)", {0, 100}, {{0, {255, 0, 0}, 1}, {1, {0, 0, 255}, 1}}};
   render::Image whole = plain(200, 160, 3, 0);
   draw_color_bar({whole, 0}, {200, 160}, bar);

@@ -19,7 +19,7 @@ std::string folder_of(const std::string& own, const std::string& directories) {
 
 }  // namespace
 
-TEST_CASE("Pictures go where the desktop's user has them (xdg-user-dirs)") {
+TEST_CASE("saves pictures in the folder of the desktop's user (xdg-user-dirs)") {
   CHECK(folder_of("", "") == "/home/u/Pictures");
   CHECK(folder_of("/p", "XDG_PICTURES_DIR=\"$HOME/Bilder\"\n") == "/p");
   CHECK(folder_of("", "# x\nXDG_MUSIC_DIR=\"$HOME/m\"\nXDG_PICTURES_DIR=\"$HOME/Bilder\"\n") == "/home/u/Bilder");
@@ -30,7 +30,7 @@ TEST_CASE("Pictures go where the desktop's user has them (xdg-user-dirs)") {
   CHECK(pictures_folder([](const char*) { return std::string(); }, "").empty());
 }
 
-TEST_CASE("A picture's name has no more of a title than a file's name can have") {
+TEST_CASE("removes slashes and controls from a title, and shortens it to a file name") {
   const std::string name = picture_name("../a/b:c\n?", 0);
   CHECK(name.find('/') == std::string::npos);
   CHECK(name.find('\n') == std::string::npos);
@@ -43,7 +43,7 @@ TEST_CASE("A picture's name has no more of a title than a file's name can have")
   CHECK(picture_name(wide, 0).starts_with(wide.substr(0, 80) + " 19"));  // no character is cut in two
 }
 
-TEST_CASE("A picture takes no other's place") {
+TEST_CASE("chooses a new name for each picture") {
   const ScratchFolder folder;
   CHECK(free_path(folder.path("."), "a.png").ends_with("/a.png"));
   folder.write("a.png", "x");

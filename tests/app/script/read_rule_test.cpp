@@ -20,7 +20,7 @@ const Origin kIntranet{"http://printer/x.wrl", AddressSpace::local};
 
 }  // namespace
 
-TEST_CASE("a Script of the network reads nodes of its own host only") {
+TEST_CASE("limits a Script of the network to nodes of its own host") {
   CHECK(reading(kHost, kHost, kHost) == Reading::allowed);
   CHECK(reading(kHost, kHost, kSameHost) == Reading::allowed);
   CHECK(reading(kHost, kHost, kOtherHost) == Reading::refused);
@@ -29,14 +29,14 @@ TEST_CASE("a Script of the network reads nodes of its own host only") {
   CHECK(reading(kHost, kHost, {"http://a/x.wrl", AddressSpace::local}) == Reading::refused);
 }
 
-TEST_CASE("a Script of the network reads no local file but the one that uses its PROTO") {
+TEST_CASE("hides local files from a Script of the network, except the file that uses its PROTO") {
   CHECK(reading(kHost, kHost, kWorld) == Reading::refused);
   CHECK(reading(kHost, kWorld, kOtherFile) == Reading::refused);
   CHECK(reading(kHost, kWorld, kWorld) == Reading::confidential);
   CHECK(reading(kHost, kOtherHost, kOtherHost) == Reading::allowed);
 }
 
-TEST_CASE("a local Script reads its own file freely, and other local files and networks confidentially") {
+TEST_CASE("lets a local Script read its own file freely, and other local files and networks confidentially") {
   CHECK(reading(kWorld, kWorld, kWorld) == Reading::allowed);
   CHECK(reading(kOtherFile, kWorld, kWorld) == Reading::allowed);
   CHECK(reading(kWorld, kWorld, kOtherFile) == Reading::confidential);
@@ -44,14 +44,14 @@ TEST_CASE("a local Script reads its own file freely, and other local files and n
   CHECK(reading(kWorld, kWorld, kIntranet) == Reading::confidential);
 }
 
-TEST_CASE("a text of unknown origin is treated like one from the Internet") {
+TEST_CASE("treats a text of unknown origin like one from the Internet") {
   const Origin unknown{"data:", AddressSpace::global};
   CHECK(reading(unknown, unknown, unknown) == Reading::allowed);
   CHECK(reading(unknown, unknown, kWorld) == Reading::refused);
   CHECK(reading(unknown, unknown, kHost) == Reading::refused);
 }
 
-TEST_CASE("Scripts share a library within one site or one local file") {
+TEST_CASE("shares a library between Scripts of one site or one local file") {
   CHECK(script::library_key(kHost) == script::library_key(kSameHost));
   CHECK(script::library_key(kHost) != script::library_key(kOtherHost));
   CHECK(script::library_key(kWorld) != script::library_key(kOtherFile));

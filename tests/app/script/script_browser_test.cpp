@@ -7,7 +7,7 @@ using scripts::run;
 using scripts::value;
 using scripts::World;
 
-TEST_CASE("Browser: its name and version, the viewer's speed, the frame rate and the world's URL (4.12.10)") {
+TEST_CASE("Browser: reports name, version, viewer speed, frame rate and the world's URL (4.12.10)") {
   World world(
       "DEF S Script { eventIn SFBool go url \"javascript: function go() { print(Browser.getName() + (Browser."
       "getVersion().length > 0)); print(Browser.getCurrentSpeed() + ' ' + Browser.getCurrentFrameRate() + ' ' + "
@@ -19,7 +19,7 @@ TEST_CASE("Browser: its name and version, the viewer's speed, the frame rate and
   CHECK(world.printed() == Lines{"GhostSpacetrue", "2.5 60 file:///a/b.wrl"});
 }
 
-TEST_CASE("Browser: loadURL and setDescription go to who runs the world (4.12.10)") {
+TEST_CASE("Browser: passes loadURL and setDescription to the caller (4.12.10)") {
   World world(
       "DEF S Script { url \"javascript: function initialize() { Browser.loadURL(new MFString('a.wrl#V', 'b.wrl'), "
       "new MFString('target=x')); Browser.loadURL('c.wrl'); Browser.setDescription('text'); }\" }");
@@ -52,7 +52,7 @@ TEST_CASE("createVrmlFromURL sends the nodes of a file to an eventIn (4.12.10)")
   CHECK(world.events() == Lines{"2 G.children [ Shape, Transform ]"});
 }
 
-TEST_CASE("A program in a file of its own: events wait for it, and the next url counts where it lacks (4.12.1)") {
+TEST_CASE("holds events until a program's file is loaded, and tries the next url if it is missing (4.12.1)") {
   World world(
       "DEF A Script { eventIn SFInt32 in_ url [ \"a.js\" \"b.js\" \"javascript: function in_() { print('held'); }\" ] }"
       "DEF B Script { eventIn SFInt32 in_ url [ \"c.js\" \"javascript: function in_(v) { print('held ' + v); }\" ] }");
@@ -76,7 +76,7 @@ TEST_CASE("A program in a file of its own: events wait for it, and the next url 
   CHECK(world.printed() == Lines{"held 2"});
 }
 
-TEST_CASE("mustEvaluate TRUE, and FALSE: events are handed over at once (4.12.2)") {
+TEST_CASE("delivers events at once with mustEvaluate TRUE and FALSE (4.12.2)") {
   for (const std::string must : {"TRUE", "FALSE"}) {
     World world("DEF S Script { mustEvaluate " + must +
                 " eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function "
@@ -88,7 +88,7 @@ TEST_CASE("mustEvaluate TRUE, and FALSE: events are handed over at once (4.12.2)
   }
 }
 
-TEST_CASE("25 eventIns and eventOuts in a Script (7.3.3)") {
+TEST_CASE("accepts 25 eventIns and eventOuts in a Script (7.3.3)") {
   std::string interface, program;
   for (int i = 0; i < 25; ++i) {
     const std::string n = std::to_string(i);
@@ -104,7 +104,7 @@ TEST_CASE("25 eventIns and eventOuts in a Script (7.3.3)") {
   CHECK(events.back() == "1 S.out24 124");
 }
 
-TEST_CASE("What createVrmlFromString cannot read is an exception, and told with its place (4.12.10)") {
+TEST_CASE("throws an exception with its position if createVrmlFromString cannot parse (4.12.10)") {
   World world(
       "DEF S Script { url \"javascript: function initialize() { try { new SFNode(''); } catch (e) { print('caught'); }"
       "print(Browser.createVrmlFromString('Shape { nothing 1 } Group {}').length); }\" }");
@@ -113,7 +113,7 @@ TEST_CASE("What createVrmlFromString cannot read is an exception, and told with 
   CHECK(world.problems().size() == 1);
 }
 
-TEST_CASE("Nodes of createVrmlFromString and createVrmlFromURL are not candidates for being bound (4.6.10)") {
+TEST_CASE("binds no nodes of createVrmlFromString and createVrmlFromURL by itself (4.6.10)") {
   World world(
       "DEF G Group {} DEF S Script { field SFNode me USE S directOutput TRUE field SFNode g USE G eventIn MFNode "
       "loaded eventIn SFBool go url \"javascript: function initialize() { g.children = Browser.createVrmlFromString("

@@ -17,7 +17,7 @@ std::string evaluate(World& world, const char* script, const std::string& line) 
   return (made.failed ? "! " : "") + made.text;
 }
 
-TEST_CASE("A line is run as a part of a Script's program") {
+TEST_CASE("runs a line as part of a Script's program") {
   World world(
       "DEF S Script { field SFInt32 count 3 eventOut SFFloat out field MFString names [ \"a\" \"b\" ] directOutput "
       "TRUE "
@@ -39,7 +39,7 @@ TEST_CASE("A line is run as a part of a Script's program") {
   CHECK(world.printed() == Lines{"hello"});
 }
 
-TEST_CASE("What is wrong with a line is told, each time, and is no fault of the program") {
+TEST_CASE("reports each error of a line, and counts it as no fault of the program") {
   World world("DEF S Script { url \"javascript: function initialize() { print('here'); }\" }");
   world.start();
   for (int i = 0; i < 5; ++i) {
@@ -53,7 +53,7 @@ TEST_CASE("What is wrong with a line is told, each time, and is no fault of the 
   CHECK(evaluate(world, "S", "1") == "1");
 }
 
-TEST_CASE("A line has the time and the memory of programs") {
+TEST_CASE("applies the time and memory limits of programs to a line") {
   vrml::Limits limits;
   limits.script_seconds = 0.05;
   limits.script_heap = std::size_t{8} << 20;
@@ -64,7 +64,7 @@ TEST_CASE("A line has the time and the memory of programs") {
   CHECK(evaluate(world, "S", "2") == "2");
 }
 
-TEST_CASE("Where no program runs, it says so in a line") {
+TEST_CASE("reports that no program runs") {
   World world(
       "DEF Java Script { url \"some.class\" } DEF Empty Script {} DEF Far Script { url \"far.js\" } DEF G Group {} "
       "DEF Bad Script { url \"javascript: function initialize( {\" }");
@@ -77,7 +77,7 @@ TEST_CASE("Where no program runs, it says so in a line") {
 }
 
 // vrmlscript: holds programs of the same language here (C.3.1).
-TEST_CASE("Old VRMLScript programs take lines as well") {
+TEST_CASE("runs lines in old VRMLScript programs") {
   World world("DEF S Script { field SFFloat x 2 url \"vrmlscript: function initialize() {}\" }");
   world.start();
   CHECK(evaluate(world, "S", "x * 2") == "4");

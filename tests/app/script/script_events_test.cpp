@@ -7,7 +7,7 @@ using scripts::run;
 using scripts::value;
 using scripts::World;
 
-TEST_CASE("A function of an eventIn's name gets its value and its timestamp (4.12.8, C.4.2)") {
+TEST_CASE("calls the function of an eventIn's name with value and timestamp (4.12.8, C.4.2)") {
   World world("DEF S Script { eventIn SFVec3f move url \"javascript: function move(v, t) { print(v + ' ' + t); }\" }");
   world.start();
   world.step(2);
@@ -15,7 +15,7 @@ TEST_CASE("A function of an eventIn's name gets its value and its timestamp (4.1
   CHECK(world.printed() == Lines{"1 2 3 1002"});
 }
 
-TEST_CASE("initialize() runs before any event, shutdown() at the end (4.12.3)") {
+TEST_CASE("calls initialize() before any event, and shutdown() at the end (4.12.3)") {
   World world(
       "DEF C TimeSensor { loop TRUE } DEF S Script { eventIn SFBool active url \"javascript: function initialize() {"
       "print('begin'); } function active() { print('active'); } function shutdown() { print('end'); }\" }"
@@ -26,9 +26,7 @@ TEST_CASE("initialize() runs before any event, shutdown() at the end (4.12.3)") 
   CHECK(world.printed() == Lines{"end"});
 }
 
-TEST_CASE(
-    "Events of a program have the timestamp of the event that it got, and are sent when the function is over "
-    "(4.10.3, C.5.3)") {
+TEST_CASE("sends a program's events after its function, with the timestamp of its event (4.10.3, C.5.3)") {
   World world(
       "DEF T Transform {} DEF S Script { eventIn SFFloat in eventOut SFVec3f out eventOut SFBool done url "
       "\"javascript: "
@@ -41,7 +39,7 @@ TEST_CASE(
   CHECK(world.events() == Lines{"3 S.out 2 0 0", "3 S.done TRUE", "3 T.translation 2 0 0"});
 }
 
-TEST_CASE("An eventOut that has not sent has the initial value of its type (4.10.1)") {
+TEST_CASE("returns the initial value of an eventOut's type before it sends (4.10.1)") {
   World world(
       "DEF S Script { eventOut SFRotation r eventOut SFString s eventOut MFInt32 m eventOut SFBool b"
       " url \"javascript: function initialize() { print(r + '|' + s + '|' + m.length + '|' + b); }\" }");
@@ -49,7 +47,7 @@ TEST_CASE("An eventOut that has not sent has the initial value of its type (4.10
   CHECK(world.printed() == Lines{"0 0 1 0||0|false"});
 }
 
-TEST_CASE("eventsProcessed() is called once a cascade, after its events (4.12.4)") {
+TEST_CASE("calls eventsProcessed() once per cascade, after its events (4.12.4)") {
   World world(
       "DEF A Script { eventIn SFBool go eventOut SFBool one eventOut SFBool two url \"javascript: "
       "function go() { one = TRUE; two = TRUE; }\" }"
@@ -64,7 +62,7 @@ TEST_CASE("eventsProcessed() is called once a cascade, after its events (4.12.4)
   CHECK(world.events("B.") == Lines{"1 B.out 2"});
 }
 
-TEST_CASE("A cascade that comes back to a Script has eventsProcessed() called in the next one (4.12.4)") {
+TEST_CASE("calls eventsProcessed() in the next cascade if the cascade returns to the Script (4.12.4)") {
   World world(
       "DEF A Script { eventIn SFBool go eventIn SFInt32 back eventOut SFInt32 out url \"javascript: "
       "function go() { print('go'); } function back() { print('back'); }"
@@ -79,9 +77,7 @@ TEST_CASE("A cascade that comes back to a Script has eventsProcessed() called in
   CHECK(world.printed() == Lines{"processed", "back"});
 }
 
-TEST_CASE(
-    "directOutput lets a program write to nodes; what it assigned is sent at its end, the last value once (4.12.5, "
-    "C.5.2)") {
+TEST_CASE("writes to nodes with directOutput, and sends the last assigned value at the end (4.12.5, C.5.2)") {
   World world(
       "DEF T Transform {} DEF S Script { directOutput TRUE field SFNode node USE T eventIn SFFloat go url "
       "\"javascript: "
@@ -95,7 +91,7 @@ TEST_CASE(
   CHECK(world.problems() == Lines{});
 }
 
-TEST_CASE("directOutput FALSE: what is written all the same is written, with a warning (4.12.5)") {
+TEST_CASE("warns of a write with directOutput FALSE, and performs it (4.12.5)") {
   World world(
       "DEF T Transform {} DEF S Script { field SFNode node USE T url \"javascript: function initialize() {"
       "node.translation = new SFVec3f(1, 0, 0); }\" }");
@@ -105,7 +101,7 @@ TEST_CASE("directOutput FALSE: what is written all the same is written, with a w
         Lines{"text.wrl:2:26: warning: Script S: writes to other nodes with directOutput FALSE (VRML97 4.12.5)"});
 }
 
-TEST_CASE("A Script knows itself, and others their eventIns and eventOuts (4.12.9.2)") {
+TEST_CASE("lets a Script read itself, and the eventIns and eventOuts of others (4.12.9.2)") {
   World world(
       "DEF A Script { eventIn SFInt32 set eventOut SFInt32 value_changed url \"javascript: "
       "function set(v) { value_changed = v + 1; }\" }"
@@ -118,7 +114,7 @@ TEST_CASE("A Script knows itself, and others their eventIns and eventOuts (4.12.
   CHECK(world.printed() == Lines{"5 4"});
 }
 
-TEST_CASE("Browser.addRoute and deleteRoute (4.12.10)") {
+TEST_CASE("adds and deletes ROUTEs by Browser.addRoute and deleteRoute (4.12.10)") {
   World world(
       "DEF C TouchSensor {} DEF T Transform {} DEF S Script { directOutput TRUE field SFNode t USE T field SFNode me "
       "USE S "
@@ -133,7 +129,7 @@ TEST_CASE("Browser.addRoute and deleteRoute (4.12.10)") {
   CHECK(world.events() == Lines{"1 S.out 1 0 0", "1 T.translation 1 0 0", "2 S.out 2 0 0"});
 }
 
-TEST_CASE("What a Script has asked for comes later, as an event with a timestamp of its own (4.12.6)") {
+TEST_CASE("delivers requested files later, as an event with its own timestamp (4.12.6)") {
   World world(
       "DEF A Script { field SFNode me USE A eventIn SFBool go eventIn MFNode came eventOut SFInt32 out url "
       "\"javascript: "
@@ -154,7 +150,7 @@ TEST_CASE("What a Script has asked for comes later, as an event with a timestamp
   CHECK(world.printed() == Lines{"1002.5", "b 1002.5", "1002.5"});
 }
 
-TEST_CASE("Date and Math.random are the same each time in simulated time") {
+TEST_CASE("repeats Date and Math.random in simulated time") {
   const auto seen = [] {
     World world(
         "DEF S Script { eventIn SFBool go url \"javascript: function go() { print(Date.now(), new Date().getTime(), "
@@ -184,7 +180,7 @@ TEST_CASE("Date and Math.random are the same each time in simulated time") {
   CHECK(window.printed() == Lines{"true"});
 }
 
-TEST_CASE("createVrmlFromString gives nodes that can be put into the world (4.12.10)") {
+TEST_CASE("createVrmlFromString returns nodes that can be added to the world (4.12.10)") {
   World world(
       "DEF G Group {} DEF S Script { directOutput TRUE field SFNode g USE G eventIn SFInt32 go url \"javascript: "
       "function go(n) { var made = Browser.createVrmlFromString('Shape {} DEF X Transform {} PROTO P [] { Group {} } P "
@@ -198,7 +194,7 @@ TEST_CASE("createVrmlFromString gives nodes that can be put into the world (4.12
   CHECK(world.problems() == Lines{});
 }
 
-TEST_CASE("A Script made at run time runs before it gets an event, and ends with its node (4.12.3)") {
+TEST_CASE("runs a Script made at run time before its first event, and ends it with its node (4.12.3)") {
   World world(
       "DEF G Group {} DEF S Script { directOutput TRUE field SFNode g USE G eventIn SFInt32 go url \"javascript: "
       "function go(n) { if (n == 0) { g.children = new MFNode(); return; } var s = new SFNode('Script { eventIn "
@@ -215,7 +211,7 @@ TEST_CASE("A Script made at run time runs before it gets an event, and ends with
   CHECK(world.printed() == Lines{"9"});
 }
 
-TEST_CASE("In a PROTO, IS gives a Script values, events and its url (4.8.2)") {
+TEST_CASE("passes values, events and url to a Script in a PROTO by IS (4.8.2)") {
   World world(
       "PROTO P [ field SFInt32 add 1 eventIn SFInt32 in_ eventOut SFInt32 out field MFString url [] ] {"
       "Script { field SFInt32 add IS add eventIn SFInt32 in_ IS in_ eventOut SFInt32 out IS out url IS url } }"
@@ -228,7 +224,7 @@ TEST_CASE("In a PROTO, IS gives a Script values, events and its url (4.8.2)") {
   CHECK(world.events(" A.out") == Lines{"1 A.out 7"});
 }
 
-TEST_CASE("The first of several urls that can be run is run (4.12.1)") {
+TEST_CASE("runs the first of several urls that can be run (4.12.1)") {
   World world(
       "DEF S Script { url [ \"Applet.class\" \"java:x\" \"javascript: function initialize( { \""
       "\"ECMAScript: function initialize() { print('third'); }\" ] }");
@@ -237,7 +233,7 @@ TEST_CASE("The first of several urls that can be run is run (4.12.1)") {
   CHECK(world.problems().size() == 2);
 }
 
-TEST_CASE("A url that is set runs its program (6.40)") {
+TEST_CASE("runs the program of a url that is set (6.40)") {
   World world(
       "DEF S Script { url \"javascript: function initialize() { print(1); } function shutdown() { print(2); }\" }");
   world.start();
@@ -258,7 +254,7 @@ TEST_CASE("replaceWorld ends the world's Scripts and shows other nodes (4.12.10)
   CHECK(world.scene().node(world.scene().roots()[0]).type->name == "Shape");
 }
 
-TEST_CASE("An exception is told with file, line and column, and the program goes on (C.4)") {
+TEST_CASE("reports an exception with file, line and column, and continues the program (C.4)") {
   World world(
       "DEF S Script { eventIn SFInt32 go url \"javascript:\n  function go(v) {\n    if (v == 1) nothing();\n"
       "    print(v);\n  }\" }");
@@ -275,7 +271,7 @@ TEST_CASE("An exception is told with file, line and column, and the program goes
   CHECK(first.problems() == Lines{"text.wrl:2:26: error: Script: ReferenceError: nothing is not defined"});
 }
 
-TEST_CASE("value_changed of an interpolator that is read before any fraction is keyValue[0] (4.6.8)") {
+TEST_CASE("returns keyValue[0] as value_changed of an interpolator before any fraction (4.6.8)") {
   scripts::World world(
       "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 1 2 3, 4 5 6 ] } DEF C ColorInterpolator { key [ 0 1 ] "
       "keyValue [ 1 0 0, 0 0 1 ] } DEF O OrientationInterpolator { key 0 keyValue 0 1 0 2 } DEF N ScalarInterpolator { "

@@ -49,7 +49,7 @@ Outcome outcome_of(const std::string& program, const std::string& interface = {}
 
 }  // namespace
 
-TEST_CASE("Native calls with long strings are rejected before they take long") {
+TEST_CASE("rejects native calls with long strings before they take long") {
   for (const std::string expression :
        {"big(27, 'a').indexOf(big(26, 'a') + 'b')",
         "big(24, 'a').indexOf(big(23, 'a') + 'b')",
@@ -94,7 +94,7 @@ TEST_CASE("Native calls with long strings are rejected before they take long") {
   }
 }
 
-TEST_CASE("Operators on strings that are too long to flatten throw") {
+TEST_CASE("throws on operators with strings that are too long to flatten") {
   for (const std::string statement :
        {"big(29, 'a')[0]", "big(29, 'a') === big(29, 'a') + ''", "({})[big(29, 'a')] = 1", "+big(29, '1')",
         "for (var k in new String(big(22, 'a')));", "var o = { ...big(22, 'a') }"}) {
@@ -106,7 +106,7 @@ TEST_CASE("Operators on strings that are too long to flatten throw") {
   }
 }
 
-TEST_CASE("A program with an overlong number or with BigInt is not compiled") {
+TEST_CASE("rejects a program with an overlong number or with BigInt") {
   const Outcome number = outcome_of("var x = 0." + std::string(100'000, '1') + ";");
   REQUIRE(number.problems.size() == 1);
   CHECK(number.problems.front().find("RangeError: a number has 100002 characters; a Script may use 65536") !=
@@ -119,7 +119,7 @@ TEST_CASE("A program with an overlong number or with BigInt is not compiled") {
   CHECK(value("typeof BigInt") == "undefined");
 }
 
-TEST_CASE("Bounded built-in functions behave as before with short texts") {
+TEST_CASE("keeps bounded built-in functions unchanged for short texts") {
   CHECK(value("'abcabc'.indexOf('c', 3) + ' ' + 'abcabc'.lastIndexOf('b') + ' ' + 'undefined'.indexOf()") == "5 4 0");
   CHECK(value("'a,b;c'.split(/[,;]/).join('|') + 'a-b'.split('-', 1) + 'abc'.split('')") == "a|b|caa,b,c");
   CHECK(value("'aXbX'.replace('X', function (m, i) { return m + i }) + 'aaa'.replaceAll('a', '<$&>') + "
@@ -146,7 +146,7 @@ TEST_CASE("Bounded built-in functions behave as before with short texts") {
               "})()") == "true");
 }
 
-TEST_CASE("The limit of single blocks reaches the engine's allocations") {
+TEST_CASE("applies the limit of single blocks to the engine's allocations") {
   CHECK(script::BlockLimit::install());
   const Outcome outcome =
       outcome_of("var s = big(23, 'a'); s[0]; print(s.length); s = big(27, 'a'); s[0]; print('no');");
@@ -155,7 +155,7 @@ TEST_CASE("The limit of single blocks reaches the engine's allocations") {
   CHECK(outcome.problems.front().find("more memory than there is for it") != std::string::npos);
 }
 
-TEST_CASE("Long arguments of the browser's functions are cut or rejected before they are copied") {
+TEST_CASE("cuts or rejects long arguments of browser functions before copying them") {
   const std::string interface =
       "field MFString texts [] field SFString text \"\" field SFNode t Text { } eventOut MFString out ";
   const std::size_t before = peak_mebibytes();
@@ -184,7 +184,7 @@ TEST_CASE("Long arguments of the browser's functions are cut or rejected before 
   CHECK(peak_mebibytes() < before + 600);
 }
 
-TEST_CASE("Texts of a list count against the heap of programs") {
+TEST_CASE("charges the texts of a list to the heap of programs") {
   const std::string interface = "field MFString texts [] ";
   vrml::Limits limits;
   limits.script_heap = std::size_t{16} << 20;
@@ -203,7 +203,7 @@ TEST_CASE("Texts of a list count against the heap of programs") {
   }
 }
 
-TEST_CASE("An overdue program is reported from another thread") {
+TEST_CASE("reports an overdue program from another thread") {
   std::string reported;
   ScriptRunner::on_overdue([&](const std::string& message) { reported = message; });
   vrml::Limits limits;

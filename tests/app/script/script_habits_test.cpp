@@ -9,7 +9,7 @@ using scripts::World;
 
 // What programs of the time when VRML97 was new do, and no standard has.
 
-TEST_CASE("Constructors are called without new, too") {
+TEST_CASE("calls constructors also without new") {
   CHECK(value("SFVec3f(1, 2, 3).add(SFVec3f(1, 1, 1)) + ' ' + SFColor(1) + ' ' + SFRotation(0, 0, 1, 2) + ' ' + "
               "MFInt32(1, 2)") == "2 3 4 1 0 0 0 0 1 2 [ 1, 2 ]");
   CHECK(value("SFFloat(2.5) + SFInt32(2.5) + SFTime(1) + ' ' + SFBool(0) + ' ' + SFString('a')") == "5.5 false a");
@@ -18,7 +18,7 @@ TEST_CASE("Constructors are called without new, too") {
         Lines{"false", "3"});
 }
 
-TEST_CASE("Names without var belong to their own Script") {
+TEST_CASE("keeps names without var inside their own Script") {
   World world(
       "DEF A Script { url \"javascript: function initialize() { count = 1; }\" }"
       "DEF B Script { url \"javascript: function initialize() { print(typeof count); }\" }");
@@ -26,18 +26,18 @@ TEST_CASE("Names without var belong to their own Script") {
   CHECK(world.printed() == Lines{"undefined"});
 }
 
-TEST_CASE("parseInt takes numbers") {
+TEST_CASE("accepts numbers in parseInt") {
   CHECK(value("parseInt(0.0000005) + ' ' + parseInt(-3.7) + ' ' + parseInt('12px') + ' ' + parseInt('ff', 16)") ==
         "0 -3 12 255");
 }
 
-TEST_CASE("vrmlscript and other spellings of the schemes, with print, trace and alert") {
+TEST_CASE("accepts vrmlscript and other spellings of the schemes, with print, trace and alert") {
   World world("Script { url \"VrmlScript: print('a'); trace('b', 1); alert('c'); Browser.println('d');\" }");
   world.start();
   CHECK(world.printed() == Lines{"a", "b 1", "c", "d"});
 }
 
-TEST_CASE("Strings over several lines, names that are reserved words by now, comments of VRML and HTML") {
+TEST_CASE("accepts multi-line strings, names that are reserved today, and comments of VRML and HTML") {
   World world(
       "DEF S Script { url \"javascript:\n<!-- for old browsers\nvar class = 'a\nb';\n# of VRML\nvar enum = 1;\n"
       "function initialize() { print(class.length + enum); }\n}\n// -->\n\" }");
@@ -46,7 +46,7 @@ TEST_CASE("Strings over several lines, names that are reserved words by now, com
   CHECK(world.printed() == Lines{"4"});
 }
 
-TEST_CASE("for each, functions without braces, comments without an end, toSource and uneval of JavaScript 1.x") {
+TEST_CASE("accepts for each, functions without braces, open comments, toSource and uneval of JavaScript 1.x") {
   const auto printed = [](const std::string& program) {
     World world("DEF S Script { field MFInt32 list [ 7, 8 ] url \"javascript: " + program + "\" }");
     world.start();
@@ -65,13 +65,13 @@ TEST_CASE("for each, functions without braces, comments without an end, toSource
   CHECK(printed("var each = 2; function initialize() { for (var each in { k: 1 }) print(each); }") == Lines{"k"});
 }
 
-TEST_CASE("A brace that is missing at the end is taken to be there") {
+TEST_CASE("adds a missing brace at the end") {
   World world("DEF S Script { url \"javascript: function initialize() { print('runs');\" }");
   world.start();
   CHECK(world.printed() == Lines{"runs"});
 }
 
-TEST_CASE("Viewpoints are bound by bind, and fields of nodes are read") {
+TEST_CASE("binds Viewpoints by bind, and reads fields of nodes") {
   World world(
       "DEF A Viewpoint {} DEF B Viewpoint {} DEF X Box { size 1 2 3 } DEF S Script { directOutput TRUE field SFNode v "
       "USE B "
@@ -83,7 +83,7 @@ TEST_CASE("Viewpoints are bound by bind, and fields of nodes are read") {
   CHECK(world.printed() == Lines{"1 2 3"});
 }
 
-TEST_CASE("What a node does not have is not set, with one warning") {
+TEST_CASE("ignores an unknown field of a node, with one warning") {
   World world(
       "DEF T Transform {} DEF S Script { directOutput TRUE field SFNode t USE T url \"javascript: function "
       "initialize() { t.nothing = 1; t.nothing = 2; print(t.nothing); }\" }");
@@ -92,7 +92,7 @@ TEST_CASE("What a node does not have is not set, with one warning") {
   CHECK(world.problems() == Lines{"text.wrl:2:26: warning: Script S: Transform has no eventIn 'nothing'; not set"});
 }
 
-TEST_CASE("A part of a node's value is assigned") {
+TEST_CASE("assigns a part of a node's value") {
   World world(
       "DEF T Transform {} DEF C Coordinate { point [ 0 0 0, 1 1 1 ] } DEF S Script { directOutput TRUE field SFNode t "
       "USE T field SFNode c USE C url \"javascript: function initialize() { t.translation.y = 2; "
@@ -101,27 +101,27 @@ TEST_CASE("A part of a node's value is assigned") {
   CHECK(world.events() == Lines{"0 T.translation 0 2 0", "0 C.point [ 3 0 0, 5 5 5 ]"});
 }
 
-TEST_CASE("Methods of other browsers answer, and do no harm") {
+TEST_CASE("answers methods of other browsers without effect") {
   CHECK(
       run("Browser.showConsole(); Browser.beginUpdate(); Browser.setCollisionDetection(TRUE); print(Browser.getTime());"
           "print(Browser.viewpointPosition); print(Browser.getBrowserOption('x')); Browser.endUpdate();") ==
       Lines{"1000", "0 0 10", "0"});
 }
 
-TEST_CASE("One value for a list, and arrays for lists") {
+TEST_CASE("accepts one value for a list, and arrays for lists") {
   CHECK(run("m = 'one'; print(m); m = ['a', 'b']; print(m); i = [1, 2.5]; print(i); v = [1, 2, 3]; print(v);",
             "field MFString m [] field MFInt32 i [] field SFVec3f v 0 0 0") ==
         Lines{"[ \"one\" ]", "[ \"a\", \"b\" ]", "[ 1, 2 ]", "1 2 3"});
 }
 
-TEST_CASE("A Java program is told of once, and the world goes on") {
+TEST_CASE("reports a Java program once, and runs the world on") {
   World world("DEF S Script { url \"Applet.class\" } DEF T Script { url \"javascript: print('on');\" }");
   world.start();
   CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: a Java program, which is not run"});
   CHECK(world.printed() == Lines{"on"});
 }
 
-TEST_CASE("A program in a language of another browser is told of, and the next url counts") {
+TEST_CASE("reports a program in another browser's language, and tries the next url") {
   World world("DEF S Script { url [ \"castlescript: x\" \"javascript: print('on');\" ] }");
   world.start();
   CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: a program in 'castlescript', which is not run"});

@@ -33,7 +33,7 @@ vrml::SceneGraph& fill_inline(World& world, const std::string& body) {
 
 }  // namespace
 
-TEST_CASE("shutdown() of a removed Inline creates no nodes, and grows no list that is being read") {
+TEST_CASE("shutdown() of a removed Inline creates no nodes, and extends no list that is being read") {
   World world("Inline { }");
   world.start();
   fill_inline(
@@ -48,7 +48,7 @@ TEST_CASE("shutdown() of a removed Inline creates no nodes, and grows no list th
   CHECK(world.runner().take_requests().empty());
 }
 
-TEST_CASE("values that contain themselves, and 200,000 nested arrays, are refused without deep recursion") {
+TEST_CASE("refuses values that contain themselves, and 200,000 nested arrays, without deep recursion") {
   const std::string types[] = {"SFVec3f", "SFVec2f", "SFColor", "SFRotation", "SFNode",
                                "MFVec3f", "MFNode",  "MFColor", "MFRotation"};
   for (const std::string& type : types)
@@ -67,13 +67,13 @@ TEST_CASE("values that contain themselves, and 200,000 nested arrays, are refuse
               "field SFNode me USE S") == Lines{"goes on"});
 }
 
-TEST_CASE("a list of one tuple and an array of numbers are tuples") {
+TEST_CASE("treats a list of one tuple and an array of numbers as tuples") {
   CHECK(run("v = [1, 2, 3]; print(v); v = [[4, 5, 6]]; print(v); v = new MFVec3f(new SFVec3f(7, 8, 9)); print(v); v = "
             "[new SFVec3f(1, 1, 1)]; print(v);",
             "eventOut SFVec3f v") == Lines{"1 2 3", "4 5 6", "7 8 9", "1 1 1"});
 }
 
-TEST_CASE("promise jobs run after an exception, in the turn and the world that made them") {
+TEST_CASE("runs promise jobs after an exception, in the turn and the world that made them") {
   World first(
       "DEF S Script { eventIn SFBool go url \"javascript: function initialize() { Promise.resolve().then(function() { "
       "print('job'); }); throw new Error('x'); } function go() { for (var i = 0; i < 3; ++i) "
@@ -90,7 +90,7 @@ TEST_CASE("promise jobs run after an exception, in the turn and the world that m
   CHECK(first.printed() == Lines{"go", "job 0", "job 1", "job 2", "caught 1", "caught 1", "caught 1"});
 }
 
-TEST_CASE("promise jobs of a Script that was stopped are discarded") {
+TEST_CASE("discards promise jobs of a Script that was stopped") {
   vrml::Limits limits;
   limits.script_seconds = 0.1;
   auto first = std::make_unique<World>(
@@ -108,7 +108,7 @@ TEST_CASE("promise jobs of a Script that was stopped are discarded") {
   CHECK(second.printed() == Lines{"second"});
 }
 
-TEST_CASE("promise jobs without end are stopped like any program") {
+TEST_CASE("stops endless promise jobs like any program") {
   vrml::Limits limits;
   limits.script_seconds = 0.1;
   World world(
@@ -121,7 +121,7 @@ TEST_CASE("promise jobs without end are stopped like any program") {
   CHECK(problems[0].find("did not come to its end in time") != std::string::npos);
 }
 
-TEST_CASE("an endless getter named eventsProcessed is stopped") {
+TEST_CASE("stops an endless getter named eventsProcessed") {
   vrml::Limits limits;
   limits.script_seconds = 0.1;
   World world(
@@ -132,7 +132,7 @@ TEST_CASE("an endless getter named eventsProcessed is stopped") {
   CHECK(world.problems().size() == 1);
 }
 
-TEST_CASE("the list of a Script that is gone is an empty list of its type") {
+TEST_CASE("empties the list of a removed Script, and keeps its type") {
   World world(
       "DEF A Script { exposedField MFString url [ ] field MFVec3f points [ 1 2 3 ] field MFNode nodes [ ] } "
       "DEF S Script { directOutput TRUE field SFNode a USE A field MFVec3f points [ 1 2 3, 4 5 6 ] field MFInt32 "
@@ -154,7 +154,7 @@ TEST_CASE("the list of a Script that is gone is an empty list of its type") {
   CHECK(world.problems() == Lines{});
 }
 
-TEST_CASE("nodes of different scenes with the same number are different objects") {
+TEST_CASE("distinguishes nodes of different scenes with equal numbers") {
   World world(
       "Inline { } DEF T Transform { translation 1 2 3 } DEF S Script { field SFNode t USE T eventIn SFBool look url "
       "\"javascript: function initialize() { Browser.t = t; } function look() { print(Browser.inner == t); "
@@ -171,7 +171,7 @@ TEST_CASE("nodes of different scenes with the same number are different objects"
   CHECK(world.scene().get<vrml::SFVec3f>(world.scene().roots()[1], "translation") == vrml::SFVec3f(1, 2, 3));
 }
 
-TEST_CASE("a node of a scene that is gone is no node of the scene that takes its place") {
+TEST_CASE("rejects a node of a removed scene in the scene that replaces it") {
   World world(
       "Inline { } DEF S Script { eventIn SFBool look url \"javascript: function look() { "
       "print(Browser.inner.translation "
@@ -191,7 +191,7 @@ TEST_CASE("a node of a scene that is gone is no node of the scene that takes its
   for (const std::string& line : world.printed()) CHECK(line == "undefined null");
 }
 
-TEST_CASE("a Script that replaces its own program keeps its faults") {
+TEST_CASE("keeps the faults of a Script that replaces its own program") {
   vrml::Limits limits;
   limits.script_seconds = 0.05;
   World world(
@@ -206,7 +206,7 @@ TEST_CASE("a Script that replaces its own program keeps its faults") {
   CHECK(world.printed().size() == 3);
 }
 
-TEST_CASE("the list of a Script of a removed Inline keeps its type") {
+TEST_CASE("keeps the type of the list of a removed Inline's Script") {
   World world(
       "Inline { } DEF S Script { eventIn SFBool look url \"javascript: function look() { var l = Browser.kept[0]; "
       "print(l.length + ' ' + l[0]); l[0] = new SFVec3f(1, 2, 3); print(l); }\" }");
@@ -221,7 +221,7 @@ TEST_CASE("the list of a Script of a removed Inline keeps its type") {
   CHECK(world.printed() == Lines{"0 0 0 0", "[ 1 2 3 ]"});
 }
 
-TEST_CASE("nodes and lists without a prototype have their own properties only") {
+TEST_CASE("gives nodes and lists without a prototype only their own properties") {
   CHECK(run("[me, mine, new MFVec3f()].forEach(function(x) { Object.setPrototypeOf(x, null); print(x.none + ' ' + "
             "('none' "
             "in x) + ' ' + Object.getOwnPropertyDescriptor(x, 'none')); }); print(mine.length + ' ' + me.mine.length);",
@@ -229,7 +229,7 @@ TEST_CASE("nodes and lists without a prototype have their own properties only") 
         Lines{"undefined false undefined", "undefined false undefined", "undefined false undefined", "0 0"});
 }
 
-TEST_CASE("requests of a scene that is gone are dropped") {
+TEST_CASE("drops requests of a removed scene") {
   World world("Inline { }");
   world.execution().observe_removal([&](vrml::SceneGraph& scene, vrml::NodeId node) {
     if (!node) world.runner().forget_scene(scene);

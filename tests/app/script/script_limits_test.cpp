@@ -34,7 +34,7 @@ std::string problem_of(const std::string& program, const std::string& interface 
 
 }  // namespace
 
-TEST_CASE("A program that does not come to its end is stopped, and cannot catch that") {
+TEST_CASE("stops an endless program, which cannot catch that") {
   const std::string stopped =
       "text.wrl:2:9: error: Script Bad: the program did not come to its end in time (fault 1 of 3)";
   CHECK(problem_of("for (;;) {}") == stopped);
@@ -42,18 +42,18 @@ TEST_CASE("A program that does not come to its end is stopped, and cannot catch 
   CHECK(problem_of("Promise.resolve().then(function () { for (;;) {} });") == stopped);
 }
 
-TEST_CASE("A regular expression that explodes is stopped") {
+TEST_CASE("stops a regular expression that explodes") {
   const std::string problem = problem_of("/^(a+)+$/.test('aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa!');");
   INFO(problem);
   CHECK(problem.find("(fault 1 of 3)") != std::string::npos);
 }
 
-TEST_CASE("A program that calls itself without end is stopped") {
+TEST_CASE("stops a program with endless recursion") {
   const std::string problem = problem_of("function f(n) { return f(n + 1) + 1; } f(0);");
   CHECK(problem.find("too much recursion (fault 1 of 3)") != std::string::npos);
 }
 
-TEST_CASE("A program that takes more memory than there is for it is stopped") {
+TEST_CASE("stops a program that exceeds its memory") {
   const std::string stopped = "takes more memory than";
   vrml::Limits limits = small_limits();
   limits.script_seconds = 100;
@@ -69,7 +69,7 @@ TEST_CASE("A program that takes more memory than there is for it is stopped") {
   CHECK(problem_of("f.length = 60000000;", "field MFVec3f f []").find("memory") != std::string::npos);
 }
 
-TEST_CASE("After three faults a Script is switched off") {
+TEST_CASE("switches a Script off after three faults") {
   World world("DEF S Script { eventIn SFBool go url \"javascript: function go() { print('runs'); for (;;) {} }\" }",
               small_limits());
   world.start();
@@ -85,14 +85,14 @@ TEST_CASE("After three faults a Script is switched off") {
         "fault, and the program is not run any more");
 }
 
-TEST_CASE("Programs reach nothing but their world") {
+TEST_CASE("confines programs to their world") {
   CHECK(
       gs::app::scripts::value("typeof require + typeof load + typeof read + typeof os + typeof fetch + typeof Worker + "
                               "typeof WebAssembly + typeof SharedArrayBuffer + typeof ArrayBuffer") ==
       "undefinedundefinedundefinedundefinedundefinedundefinedundefinedundefinedundefined");
 }
 
-TEST_CASE("A storm of events between Scripts ends with each timestamp (4.10.4)") {
+TEST_CASE("ends a storm of events between Scripts with each timestamp (4.10.4)") {
   World world(
       "DEF A Script { eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function in_(v) { out = v + 1; }\" }"
       "DEF B Script { eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function in_(v) { out = v + 1; }\" }"
@@ -103,7 +103,7 @@ TEST_CASE("A storm of events between Scripts ends with each timestamp (4.10.4)")
   CHECK(world.events() == Lines{"1 A.out 1", "1 B.out 2"});
 }
 
-TEST_CASE("A Script that takes its own node out of the world goes, and its memory with it") {
+TEST_CASE("removes a Script that removes its own node, with its memory") {
   World world(
       "DEF G Group { children DEF S Script { directOutput TRUE field SFNode g USE G eventIn SFBool go url "
       "\"javascript: "
@@ -116,7 +116,7 @@ TEST_CASE("A Script that takes its own node out of the world goes, and its memor
   CHECK(world.problems() == Lines{});
 }
 
-TEST_CASE("Nodes that a program makes each frame and throws away are given back") {
+TEST_CASE("frees nodes that a program makes and discards each frame") {
   World world(
       "DEF C TimeSensor { loop TRUE } DEF G Group {} DEF S Script { directOutput TRUE field SFNode g USE G eventIn "
       "SFTime "
@@ -134,7 +134,7 @@ TEST_CASE("Nodes that a program makes each frame and throws away are given back"
   CHECK(most < 12'000);
 }
 
-TEST_CASE("Programs that send, ask, print and make without end are cut short, and the world goes on") {
+TEST_CASE("stops programs that send, request, print or create endlessly, and runs the world on") {
   // Each of these is done in each frame, without a fault of the engine.
   for (const std::string program :
        {"for (var i = 0; i < 5000; ++i) Browser.loadURL('x.wrl');",
@@ -165,7 +165,7 @@ TEST_CASE("Programs that send, ask, print and make without end are cut short, an
   }
 }
 
-TEST_CASE("A program that sends itself an event each time it gets one is cut short in each timestamp (4.10.4)") {
+TEST_CASE("stops a program that sends itself an event for each event, per timestamp (4.10.4)") {
   World world(
       "DEF S Script { directOutput TRUE field SFNode me USE S eventIn SFInt32 again field SFInt32 n 0 url "
       "\"javascript: "
@@ -186,7 +186,7 @@ TEST_CASE("A program that sends itself an event each time it gets one is cut sho
   CHECK(calls() > first);
 }
 
-TEST_CASE("A world that makes itself anew each frame, with the program that does, stays as small as it is") {
+TEST_CASE("keeps the memory of a world constant that recreates itself with its program each frame") {
   World world(
       "DEF C TimeSensor { loop TRUE } DEF S Script { eventIn SFTime tick url \"javascript: function tick(t) { print(t);"
       "var q = String.fromCharCode(34); Browser.replaceWorld(Browser.createVrmlFromString('DEF C TimeSensor { loop "
@@ -208,7 +208,7 @@ TEST_CASE("A world that makes itself anew each frame, with the program that does
   CHECK(most < 5'000);
 }
 
-TEST_CASE("A world that replaces itself each frame stays as small as it is") {
+TEST_CASE("keeps the memory of a world constant that replaces itself each frame") {
   World world(
       "DEF C TimeSensor { loop TRUE } DEF S Script { eventIn SFTime tick url \"javascript: "
       "function tick(t) { Browser.replaceWorld(Browser.createVrmlFromString('DEF C TimeSensor { loop TRUE } DEF S "
@@ -221,7 +221,7 @@ TEST_CASE("A world that replaces itself each frame stays as small as it is") {
   CHECK(world.scene().roots().size() == 2);
 }
 
-TEST_CASE("What has no time left in a step is run in the next one") {
+TEST_CASE("postpones programs beyond the time of a step to the next one") {
   World world(
       "DEF A Script { eventIn SFInt32 in_ url \"javascript: function in_(v) { var end = Date.now() + 30; while "
       "(Date.now() < "

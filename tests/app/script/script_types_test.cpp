@@ -7,7 +7,7 @@ using scripts::run;
 using scripts::value;
 using scripts::World;
 
-TEST_CASE("SFColor has r, g, b and their places, and HSV (C.6.4)") {
+TEST_CASE("SFColor has r, g, b, indexes and HSV (C.6.4)") {
   CHECK(value("c.r + ' ' + c.g + ' ' + c.b + ' ' + c[0] + ' ' + c[1] + ' ' + c[2]",
               "var c = new SFColor(0.5, 0.25, 1);") == "0.5 0.25 1 0.5 0.25 1");
   CHECK(value("new SFColor(0.5)") == "0.5 0 0");  // missing values are 0.0
@@ -25,7 +25,7 @@ TEST_CASE("SFImage has x, y, comp and array (C.6.5)") {
   CHECK(run("image.array[1] = 9; print(image.array[1]);", "field SFImage image 1 2 1 5 6") == Lines{"9"});
 }
 
-TEST_CASE("SFRotation is made of numbers, of an axis and an angle, and of two vectors (C.6.7.2)") {
+TEST_CASE("makes an SFRotation of numbers, of axis and angle, and of two vectors (C.6.7.2)") {
   CHECK(value("new SFRotation(1, 0, 0, 0.5)") == "1 0 0 0.5");
   CHECK(value("new SFRotation()") == "0 1 0 0");  // "missing values default to 0.0, except y"
   CHECK(value("new SFRotation(new SFVec3f(0, 0, 1), 0.25)") == "0 0 1 0.25");
@@ -35,7 +35,7 @@ TEST_CASE("SFRotation is made of numbers, of an axis and an angle, and of two ve
               "var r = new SFRotation(new SFVec3f(1, 0, 0), new SFVec3f(-1, 0, 0));") == "true");
 }
 
-TEST_CASE("SFRotation turns, multiplies, inverts and interpolates (C.6.7.4)") {
+TEST_CASE("rotates, multiplies, inverts and interpolates by SFRotation (C.6.7.4)") {
   const std::string quarter =
       "var r = new SFRotation(0, 0, 1, Math.PI / 2), s = new SFRotation(1, 0, 0, Math.PI / 2);"
       "function round(v) { return [Math.round(v.x), Math.round(v.y), Math.round(v.z)]; }";
@@ -51,7 +51,7 @@ TEST_CASE("SFRotation turns, multiplies, inverts and interpolates (C.6.7.4)") {
               "var r = new SFRotation(0, 0, 1, 0);") == "250");
 }
 
-TEST_CASE("SFVec2f and SFVec3f add, subtract, scale, and have a length (C.6.8, C.6.9)") {
+TEST_CASE("adds, subtracts and scales SFVec2f and SFVec3f, and returns their length (C.6.8, C.6.9)") {
   const std::string two = "var a = new SFVec2f(3, 4), b = new SFVec2f(1, 2);";
   CHECK(value("a.add(b) + ', ' + a.subtract(b) + ', ' + a.multiply(2) + ', ' + a.divide(2)", two) ==
         "4 6, 2 2, 6 8, 1.5 2");
@@ -63,7 +63,7 @@ TEST_CASE("SFVec2f and SFVec3f add, subtract, scale, and have a length (C.6.8, C
   CHECK(value("new SFVec3f(0, 0, 5).normalize() + ', ' + new SFVec3f()") == "0 0 1, 0 0 0");
 }
 
-TEST_CASE("MF objects grow by assignment, and their length can be set (C.6.10 to C.6.18)") {
+TEST_CASE("extends MF objects by assignment, and sets their length (C.6.10 to C.6.18)") {
   CHECK(value("m.length + ' ' + m", "var m = new MFFloat(1, 2); m[3] = 5;") == "4 [ 1, 2, 0, 5 ]");
   CHECK(value("m", "var m = new MFInt32(1, 2, 3); m.length = 1; m[1] = 7.9;") == "[ 1, 7 ]");
   CHECK(value("m", "var m = new MFVec3f(); m[1] = new SFVec3f(1, 2, 3);") == "[ 0 0 0, 1 2 3 ]");
@@ -77,7 +77,7 @@ TEST_CASE("MF objects grow by assignment, and their length can be set (C.6.10 to
         "true");
 }
 
-TEST_CASE("An element of an MF object is copied, and can be changed where it is (C.6.2)") {
+TEST_CASE("copies an element of an MF object, and changes it in place (C.6.2)") {
   // The example of C.7.
   CHECK(run("eO = new SFVec3f(0, 1, 2); a = eO; b = a; a.x = 3; f[1] = a; c = f[1]; f[1].y = 4;"
             "print(eO); print(a); print(b); print(f[1]); print(c);",
@@ -86,7 +86,7 @@ TEST_CASE("An element of an MF object is copied, and can be changed where it is 
   CHECK(run("v.x = 5; print(v); print(v.x);", "field SFVec3f v 1 2 3") == Lines{"5 2 3", "5"});
 }
 
-TEST_CASE("VrmlMatrix is 4 x 4 numbers with the translation in its fourth row (C.6.19)") {
+TEST_CASE("stores 4 x 4 numbers in a VrmlMatrix, with the translation in its fourth row (C.6.19)") {
   CHECK(value("new VrmlMatrix()") == "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1");
   const std::string made = "var m = new VrmlMatrix(1,2,3,4, 5,6,7,8, 9,10,11,12, 13,14,15,16);";
   CHECK(value("m[3][0] + ' ' + m[0][3]", made) == "13 4");
@@ -112,7 +112,7 @@ TEST_CASE("VrmlMatrix is 4 x 4 numbers with the translation in its fourth row (C
               "var v = m.multVecMatrix(new SFVec3f(1, 1, 0));") == "true");
 }
 
-TEST_CASE("Numbers, truth values and texts are what ECMAScript has, TRUE and FALSE and NULL too (C.6.2)") {
+TEST_CASE("converts numbers, booleans and strings to ECMAScript types, with TRUE, FALSE and NULL (C.6.2)") {
   CHECK(run("print(typeof b + ' ' + typeof i + ' ' + typeof f + ' ' + typeof t + ' ' + typeof s);"
             "print(b && TRUE); print(n == NULL); i = 2.9; print(i); s = 5; print(s + 1);",
             "field SFBool b TRUE field SFInt32 i 1 field SFFloat f 1 field SFTime t 1 field SFString s \"a\" "

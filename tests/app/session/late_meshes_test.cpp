@@ -101,7 +101,7 @@ struct World {
 
 }  // namespace
 
-TEST_CASE("A large mesh that changes in every frame is made by a worker, and what is shown follows") {
+TEST_CASE("makes a large mesh that changes each frame on a worker thread, and shows the results") {
   World world(grid(kLarge, 1));
   CHECK(world.height() == 1);
   float shown = 1;
@@ -125,7 +125,7 @@ TEST_CASE("A large mesh that changes in every frame is made by a worker, and wha
   CHECK(world.meshes.late->handed_over() == handed_over);
 }
 
-TEST_CASE("Small meshes are there in the frame of the event, as many as a frame has time for") {
+TEST_CASE("makes small meshes in the frame of the event, as time allows") {
   std::string body;
   constexpr std::size_t kShapes = 200, kSide = 12;
   for (std::size_t i = 0; i < kShapes; ++i) body += grid(kSide, 1) + "\n";
@@ -149,7 +149,7 @@ TEST_CASE("Small meshes are there in the frame of the event, as many as a frame 
   for (std::size_t i = 0; i < kShapes; ++i) CHECK(world.height(i) == 3);
 }
 
-TEST_CASE("The mesh of a worker is that of a frame, bit for bit") {
+TEST_CASE("makes the same mesh on a worker as in a frame, bit for bit") {
   const std::string body =
       "PROTO P [ field MFVec3f p [ ] ] { Coordinate { point IS p } } Shape { appearance Appearance { texture "
       "PixelTexture { image 1 1 1 9 } } geometry DEF F IndexedFaceSet { creaseAngle 1 coord P { p [ 0 0 0, 1 0 0, 1 1 "
@@ -177,7 +177,7 @@ TEST_CASE("The mesh of a worker is that of a frame, bit for bit") {
   CHECK(late->texture_coordinates.size() == late->positions.size());
 }
 
-TEST_CASE("While a mesh is made, only the newest of the changes behind it is") {
+TEST_CASE("skips all but the newest change while a mesh is being made") {
   World world(grid(kLarge, 1));
   world.gate.close();
   world.set_heights(kLarge, 2);
@@ -199,7 +199,7 @@ TEST_CASE("While a mesh is made, only the newest of the changes behind it is") {
   CHECK(world.meshes.late->handed_over() == 2);
 }
 
-TEST_CASE("A mesh that was made in a frame since is not undone by one that comes late") {
+TEST_CASE("drops a late mesh of a worker if a newer one was made in a frame") {
   World world("Shape { geometry DEF F IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] } } }");
   const auto set = [&](int triangles) {
     vrml::MFInt32 index;
@@ -225,7 +225,7 @@ TEST_CASE("A mesh that was made in a frame since is not undone by one that comes
   CHECK(triangles() == 2);
 }
 
-TEST_CASE("Nodes are removed while their mesh is made, and worlds end") {
+TEST_CASE("survives removed nodes and closed worlds while their meshes are being made") {
   World world("Group { }");
   const auto children = [&](const vrml::MFNode& list) {
     CHECK(world.living->send(world.scene(), world.scene().roots()[0], "set_children", vrml::FieldValue(list)));
@@ -280,7 +280,7 @@ TEST_CASE("Nodes are removed while their mesh is made, and worlds end") {
   world.gate.open();
 }
 
-TEST_CASE("Text that grows large is made by the worker, and that which is refined stays readable until it is") {
+TEST_CASE("makes long Text on a worker, and keeps it readable until the refined mesh is ready") {
   World world("Shape { geometry DEF T Text { string \"a\" } }");
   vrml::MFString lines;
   for (int i = 0; i < 40; ++i) lines.push_back(vrml::SFString("a line of some twenty characters " + std::to_string(i)));

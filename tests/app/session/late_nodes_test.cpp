@@ -14,7 +14,7 @@ using late_worlds::kHeader;
 using late_worlds::Site;
 using late_worlds::World;
 
-TEST_CASE("an Inline and an EXTERNPROTO that never come delay no event of the rest (4.5.3, 4.9.1)") {
+TEST_CASE("delivers events of the rest while an Inline and an EXTERNPROTO never load (4.5.3, 4.9.1)") {
   Site site;
   site.put("world.wrl", kHeader +
                             "DEF T TimeSensor { loop TRUE cycleInterval 2 } DEF I PositionInterpolator { key [ 0 1 ] "
@@ -43,7 +43,7 @@ TEST_CASE("an Inline and an EXTERNPROTO that never come delay no event of the re
   reader.retire();
 }
 
-TEST_CASE("Inlines are attached to the living world as they come, those inside them, too (4.5.3)") {
+TEST_CASE("attaches Inlines to the running world as they load, including nested ones (4.5.3)") {
   Site site;
   site.put("world.wrl",
            kHeader + "Inline { url \"slow.wrl\" } Shape { geometry Box { } } Inline { url \"outer.wrl\" }");
@@ -71,7 +71,7 @@ TEST_CASE("Inlines are attached to the living world as they come, those inside t
   CHECK(world.living->next_time().has_value());  // its TimeSensor runs
 }
 
-TEST_CASE("an Inline of which a part shows already is taken back until all of it is read") {
+TEST_CASE("withdraws a partly visible Inline until it is loaded completely") {
   Site site;
   site.put("world.wrl", kHeader + "Shape { geometry Box { } } Inline { url \"long.wrl\" }");
   std::string text = kHeader + "DEF First Shape { geometry Box { } }\n";
@@ -94,7 +94,7 @@ TEST_CASE("an Inline of which a part shows already is taken back until all of it
   CHECK(seen->scene.list().items.size() == 402);
 }
 
-TEST_CASE("set_url goes before an Inline of the file that has not come yet (6.25)") {
+TEST_CASE("prefers set_url over an Inline of the file that is not loaded yet (6.25)") {
   Site site;
   site.put("world.wrl", kHeader + "Inline { url \"slow.wrl\" }");
   site.put("slow.wrl", kHeader + std::string(4000, ' ') + "Shape { geometry Cone { } } Shape { geometry Cone { } }",
@@ -109,7 +109,7 @@ TEST_CASE("set_url goes before an Inline of the file that has not come yet (6.25
   CHECK(world.items() == 1);
 }
 
-TEST_CASE("instances get the body of their EXTERNPROTO when it comes, and events from then on (4.9.1)") {
+TEST_CASE("gives instances the body of their EXTERNPROTO when it loads, and events from then on (4.9.1)") {
   Site site;
   site.put("world.wrl",
            kHeader +
@@ -144,7 +144,7 @@ TEST_CASE("instances get the body of their EXTERNPROTO when it comes, and events
   CHECK(world.opened.diagnostics.warnings() == 1);
 }
 
-TEST_CASE("a Viewpoint that comes with the body of an EXTERNPROTO is bound where none was (4.6.10)") {
+TEST_CASE("binds a Viewpoint of a late EXTERNPROTO body if none was bound (4.6.10)") {
   Site site;
   site.put("world.wrl", kHeader + "EXTERNPROTO View [ ] \"lib.wrl\" View { } NavigationInfo { } ");
   site.put("lib.wrl",
@@ -159,7 +159,7 @@ TEST_CASE("a Viewpoint that comes with the body of an EXTERNPROTO is bound where
   CHECK(world.living->bound().navigation_info == navigation);
 }
 
-TEST_CASE("an Inline's own EXTERNPROTOs come when they come") {
+TEST_CASE("loads an Inline's own EXTERNPROTOs later") {
   Site site;
   site.put("world.wrl", kHeader + "Inline { url \"inner.wrl\" }");
   site.put("inner.wrl", kHeader + "Shape { geometry Box { } } EXTERNPROTO P [ ] \"lib.wrl\" P { } P { }");
@@ -171,7 +171,7 @@ TEST_CASE("an Inline's own EXTERNPROTOs come when they come") {
   CHECK(world.items() == 3);
 }
 
-TEST_CASE("an EXTERNPROTO in a text that is read at run time gets its body like that of a file (4.12.10, 4.9)") {
+TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (4.12.10, 4.9)") {
   Site site;
   site.put("world.wrl", kHeader + "Group { } PROTO Own [ ] { Shape { geometry Sphere { } } }");
   site.put("lib.wrl", kHeader + "PROTO P [ ] { Shape { geometry Cone { } } }");
@@ -211,7 +211,7 @@ TEST_CASE("an EXTERNPROTO in a text that is read at run time gets its body like 
   CHECK(world.items() == 1);
 }
 
-TEST_CASE("A LOD whose levels come late shows that of the viewer's place as each comes (6.26, 6.25)") {
+TEST_CASE("shows the LOD level for the viewer's position as late levels load (6.26, 6.25)") {
   Site site;
   site.put("world.wrl", kHeader +
                             "LOD { range [ 20, 40 ] level [ Inline { url \"near.wrl\" } Inline { url \"middle.wrl\" } "
@@ -232,7 +232,7 @@ TEST_CASE("A LOD whose levels come late shows that of the viewer's place as each
   CHECK(at(10) == 2);
 }
 
-TEST_CASE("A QNV node's own vectors, and the body that stands for a stream, show in what comes late") {
+TEST_CASE("shows a QNV node's own vectors and fallback body in late parts") {
   Site site;
   site.put("world.wrl",
            kHeader +

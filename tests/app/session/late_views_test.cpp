@@ -66,7 +66,7 @@ struct Watched {
 
 }  // namespace
 
-TEST_CASE("Who has not moved is led back once for each part that comes, and sees all of it") {
+TEST_CASE("frames the whole scene again for an unmoved viewer with each loaded part") {
   Watched world(site_with(""));
   world.wait_for(1);
   REQUIRE(world.places.size() == 1);
@@ -83,7 +83,7 @@ TEST_CASE("Who has not moved is led back once for each part that comes, and sees
   CHECK(seen.list->bounds.upper.x == Approx(31));
 }
 
-TEST_CASE("Who stands at a Viewpoint, or has moved, stays where he is when parts come") {
+TEST_CASE("keeps a viewer at a Viewpoint or after a movement in place as parts load") {
   Watched at_viewpoint(site_with("Viewpoint { position 0 0 12 } "));
   at_viewpoint.wait_for(1);
   at_viewpoint.set_url(0, "left.wrl");

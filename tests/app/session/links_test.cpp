@@ -20,7 +20,7 @@ Link link(const std::string& file, const std::string& fields) {
 
 }  // namespace
 
-TEST_CASE("an Anchor leads to a file beside the world, or to a Viewpoint of the same one (VRML97 6.2)") {
+TEST_CASE("follows an Anchor to a file beside the world, or to a Viewpoint of its world (VRML97 6.2)") {
   const Link one = link("/worlds/a/town.wrl", "url [ \"../b/house.wrl#Door\" \"#Gate\" \"town.wrl#Gate\" ]");
   REQUIRE(one.places.size() == 3);
   CHECK(one.places[0].target == "/worlds/b/house.wrl");
@@ -33,7 +33,7 @@ TEST_CASE("an Anchor leads to a file beside the world, or to a Viewpoint of the 
   CHECK(link("/worlds/a/town.wrl", "url \"\"").places.empty());
 }
 
-TEST_CASE("an Anchor of the network leads to the network only") {
+TEST_CASE("restricts an Anchor of the network to the network") {
   const Link one = link("http://host/a/town.wrl", "url [ \"house.wrl\" \"file:///etc/passwd\" \"#Gate\" ]");
   REQUIRE(one.places.size() == 3);
   CHECK(one.places[0].target == "http://host/a/house.wrl");
@@ -42,7 +42,7 @@ TEST_CASE("an Anchor of the network leads to the network only") {
   CHECK(one.places[2].target.empty());
 }
 
-TEST_CASE("pages are for the web browser, and what nobody knows is said") {
+TEST_CASE("passes pages to the web browser, and reports unknown types") {
   const Link one = link("/a/town.wrl",
                         "url [ \"http://host/page.html\" \"https://host/\" \"http://host/world.wrl.gz\" "
                         "\"http://host/scan.QNV\" \"mailto:a@host\" \"javascript:alert(1)\" ]");
@@ -57,7 +57,7 @@ TEST_CASE("pages are for the web browser, and what nobody knows is said") {
   CHECK_FALSE(open_in_browser("--help"));
 }
 
-TEST_CASE("a target names another frame") {
+TEST_CASE("opens a link with a target in another window") {
   CHECK(link("/a.wrl", "url \"b.wrl\" parameter [ \"target=_blank\" ]").other_window);
   CHECK(link("/a.wrl", "url \"b.wrl\" parameter [ \"x\" \"target=right\" ]").other_window);
   CHECK_FALSE(link("/a.wrl", "url \"b.wrl\" parameter [ \"target=_self\" ]").other_window);

@@ -40,7 +40,7 @@ void load_all(Panes& panes) {
 
 }  // namespace
 
-TEST_CASE("The files of the command line get a viewport each, as far as there are") {
+TEST_CASE("opens each file of the command line in its own viewport, up to the maximum") {
   const std::vector<std::string> all{"a", "b", "c", "d", "e"};
   for (std::size_t count = 0; count <= all.size(); ++count) {
     Panes panes;
@@ -58,7 +58,7 @@ TEST_CASE("The files of the command line get a viewport each, as far as there ar
   }
 }
 
-TEST_CASE("One file may stand in several viewports, and is read once") {
+TEST_CASE("shows one file in several viewports, and reads it once") {
   Panes panes;
   const std::string twice[] = {"a", "a"};
   panes.start(twice);
@@ -87,7 +87,7 @@ TEST_CASE("One file may stand in several viewports, and is read once") {
   CHECK(panes.at(0).view()->headlight);
 }
 
-TEST_CASE("A file that is opened goes to the active viewport, others to free ones in sight") {
+TEST_CASE("opens a file in the active viewport, and more files in free visible ones") {
   Panes panes;
   const std::string start[] = {"a", "b", "c"};
   panes.start(start);
@@ -108,7 +108,7 @@ TEST_CASE("A file that is opened goes to the active viewport, others to free one
   CHECK(panes.at(1).wanted == "x");
 }
 
-TEST_CASE("Who comes back to a file finds it as he left it") {
+TEST_CASE("restores the earlier view of a file") {
   Panes panes;
   const std::string start[] = {"a"}, other[] = {"b"};
   panes.start(start);
@@ -124,7 +124,7 @@ TEST_CASE("Who comes back to a file finds it as he left it") {
   CHECK(panes.at(0).view()->navigation.pose.position == glm::dvec3(1, 2, 3));
 }
 
-TEST_CASE("A file that is read again is seen from where the viewer was, and the old one goes") {
+TEST_CASE("keeps the view of a file that is read again, and drops the old world") {
   Panes panes;
   const std::string twice[] = {"a", "a"};
   panes.start(twice);
@@ -142,7 +142,7 @@ TEST_CASE("A file that is read again is seen from where the viewer was, and the 
   CHECK(panes.at(1).view()->look.opacity == 5);
 }
 
-TEST_CASE("A layout that shows more shows what is listed, then what is there, as it is seen") {
+TEST_CASE("fills a larger layout with listed files, then with open ones, in view") {
   Panes panes;
   const std::string start[] = {"a"};
   panes.start(start);
@@ -168,7 +168,7 @@ TEST_CASE("A layout that shows more shows what is listed, then what is there, as
   CHECK(panes.visible() == std::vector<std::size_t>{1});
 }
 
-TEST_CASE("A viewport out of sight without a file does not become active") {
+TEST_CASE("never activates a hidden viewport without a file") {
   Panes panes;
   const std::string start[] = {"a"};
   panes.start(start);
@@ -181,7 +181,7 @@ TEST_CASE("A viewport out of sight without a file does not become active") {
   CHECK(panes.active() == 1);
 }
 
-TEST_CASE("Another active viewport lets go of the keys of the one before") {
+TEST_CASE("releases held keys when another viewport becomes active") {
   Panes panes;
   const std::string twice[] = {"a", "a"};
   panes.start(twice);
@@ -195,7 +195,7 @@ TEST_CASE("Another active viewport lets go of the keys of the one before") {
   CHECK_FALSE(panes.at(0).input.holding());
 }
 
-TEST_CASE("Loading is given up") {
+TEST_CASE("cancels loading") {
   Panes panes;
   const std::string start[] = {"a"};
   panes.start(start);
@@ -262,7 +262,7 @@ TEST_CASE("Loading is given up") {
   }
 }
 
-TEST_CASE("A file that cannot be opened makes room for the next one") {
+TEST_CASE("replaces a file that cannot be opened by the next one") {
   Panes panes;
   const std::string start[] = {"bad", "b", "c", "d", "e"};
   panes.start(start);
@@ -281,7 +281,7 @@ TEST_CASE("A file that cannot be opened makes room for the next one") {
   CHECK(panes.at(0).view());
 }
 
-TEST_CASE("Documents live as long as somebody shows or lists them") {
+TEST_CASE("keeps documents while they are shown or listed") {
   std::weak_ptr<Document> kept;
   {
     View view;
@@ -299,7 +299,7 @@ TEST_CASE("Documents live as long as somebody shows or lists them") {
   CHECK(kept.expired());
 }
 
-TEST_CASE("Levels of detail are each viewer's own") {
+TEST_CASE("chooses levels of detail for each viewer") {
   const auto shared =
       make_document(world_of("LOD { range 15 level [ Shape { geometry Box { } } Shape { geometry Cone { } } ] }"));
   CHECK(shared->viewer_dependent);
@@ -316,7 +316,7 @@ TEST_CASE("Levels of detail are each viewer's own") {
   CHECK_FALSE(follow_world(third));
 }
 
-TEST_CASE("The first view of the whole follows the shape of the viewport until somebody moves") {
+TEST_CASE("adapts the first view to the shape of the viewport until the user moves") {
   const glm::vec2 wide(800, 400), narrow(400, 800);
   View view = view_of(document_of({-10, -1, -1}, {10, 1, 1}), wide, {});
   const Pose at_first = view.navigation.pose;
@@ -337,7 +337,7 @@ TEST_CASE("The first view of the whole follows the shape of the viewport until s
   CHECK(bound.navigation.pose.position == glm::dvec3(0, 0, 10));
 }
 
-TEST_CASE("A linked pose stands to its scene as the leader's stands to his") {
+TEST_CASE("keeps a linked pose relative to its scene as the leader's") {
   vrml::Bounds small, large;
   small.add({-1, -1, -1});
   small.add({1, 1, 1});
@@ -361,7 +361,7 @@ TEST_CASE("A linked pose stands to its scene as the leader's stands to his") {
   CHECK(linked_pose(pose, endless, small).position == pose.position);
 }
 
-TEST_CASE("Linked viewports follow, but not in worlds where nobody moves") {
+TEST_CASE("moves linked viewports, except in worlds without movement") {
   Panes panes;
   const std::string start[] = {"small", "large", "still"};
   panes.start(start);
@@ -388,7 +388,7 @@ TEST_CASE("Linked viewports follow, but not in worlds where nobody moves") {
   panes.link(3);  // nothing is shown there
 }
 
-TEST_CASE("What has come of a file shows, and who has not moved sees all of it") {
+TEST_CASE("shows the loaded part of a file, and frames it for an unmoved viewer") {
   const auto preview = [](const glm::vec3& upper) {
     auto result = document_of({0, 0, 0}, upper);
     result->is_preview = true;
@@ -422,7 +422,7 @@ TEST_CASE("What has come of a file shows, and who has not moved sees all of it")
   CHECK(panes.at(0).view()->look.opacity == 3);
 }
 
-TEST_CASE("A file that is read again shows its old state until the new one is whole") {
+TEST_CASE("shows the old state of a file that is read again until the new one is complete") {
   Panes panes;
   panes.start(std::vector<std::string>{"a"});
   load_all(panes);

@@ -9,7 +9,7 @@
 
 namespace gs::app::preview_test {
 
-TEST_CASE("A world that is still read is moved in as its NavigationInfo says, from the start (6.29)") {
+TEST_CASE("moves in a world during its loading as NavigationInfo defines (6.29)") {
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\nNavigationInfo { type \"EXAMINE\" }\nViewpoint { position 0 0 10 }\n";
   text += "Shape { geometry Box { } }\n";

@@ -93,7 +93,9 @@ struct WebWithSecret : Web {
 
 }  // namespace
 
-TEST_CASE("a Script of the network gets no values of nodes from another host, which are drawn and receive events") {
+TEST_CASE(
+    "hides values of nodes from another host from a Script of the network, and still draws the nodes and sends them "
+    "events") {
   Web web;
   web.put("memory://a/world.wrl",
           kHeader + reader("memory://b/part.wrl",
@@ -118,7 +120,7 @@ TEST_CASE("a Script of the network reads nodes of its own host") {
   CHECK(web.warnings == Lines{});
 }
 
-TEST_CASE("a Script of the network gets no values of another host by a ROUTE, and replaces no program there") {
+TEST_CASE("blocks ROUTEs and program replacement across hosts for a Script of the network") {
   Web web;
   web.put("memory://a/world.wrl",
           kHeader + reader("memory://b/part.wrl",
@@ -132,7 +134,7 @@ TEST_CASE("a Script of the network gets no values of another host by a ROUTE, an
   CHECK(web.printed == Lines{"b"});
 }
 
-TEST_CASE("a local Script reads another local file, and what it then computes does not reach the network") {
+TEST_CASE("lets a local Script read another local file, and keeps derived data off the network") {
   WebWithSecret web;
   for (const char* const url : {"memory://evil/1?hidden", "memory://evil/2?hidden", "memory://evil/3?hidden",
                                 "memory://evil/4?hidden", "memory://evil/5?hidden", "memory://evil/6?hidden"})
@@ -153,7 +155,7 @@ TEST_CASE("a local Script reads another local file, and what it then computes do
   CHECK(web.warned("--allow-network"));
 }
 
-TEST_CASE("loadURL and Anchors that a Script has written need permission as well") {
+TEST_CASE("requires permission for loadURL and Anchors that a Script has written") {
   WebWithSecret web;
   const std::string world =
       web.file("world.wrl", "DEF N Anchor { children Shape { geometry Box { size 50 50 1 } } } Viewpoint { } " +
@@ -178,7 +180,7 @@ TEST_CASE("loadURL and Anchors that a Script has written need permission as well
   });
 }
 
-TEST_CASE("an answer lets the requests that wait reach the network, or drops them") {
+TEST_CASE("sends or drops waiting requests after the user's answer") {
   for (const bool allow : {true, false}) {
     WebWithSecret web;
     web.put("memory://evil/1?hidden", kImage);
@@ -205,7 +207,7 @@ TEST_CASE("--allow-network lets Scripts that have read a local file use the netw
   CHECK(web.asked("memory://evil/1?hidden"));
 }
 
-TEST_CASE("a data: URL carries no URL past the rule") {
+TEST_CASE("applies the rule to URLs inside data: URLs") {
   WebWithSecret web;
   web.put("memory://evil/1?hidden", kImage);
   web.run(web.file("world.wrl",
@@ -215,7 +217,7 @@ TEST_CASE("a data: URL carries no URL past the rule") {
   CHECK(web.network->transfers().empty());
 }
 
-TEST_CASE("URLs that files name themselves load after a Script has read another local file") {
+TEST_CASE("loads URLs that files name themselves after a Script has read another local file") {
   WebWithSecret web;
   web.put("memory://b/1.gif", kImage);
   web.put("memory://b/2.gif", kImage);
@@ -231,7 +233,7 @@ TEST_CASE("URLs that files name themselves load after a Script has read another 
   CHECK(web.warnings == Lines{});
 }
 
-TEST_CASE("a url that a Script sets on a PROTO instance is computed in the nodes of its body") {
+TEST_CASE("computes a url that a Script sets on a PROTO instance in the nodes of its body") {
   WebWithSecret web;
   web.put("memory://evil/1?hidden", kImage);
   web.run(web.file("world.wrl",
@@ -252,7 +254,7 @@ TEST_CASE("a local world that reads its own nodes uses the network as before") {
   CHECK(web.asked("memory://b/1.gif"));
 }
 
-TEST_CASE("a PROTO of the network reads the nodes that a local world hands to it, and then needs permission") {
+TEST_CASE("lets a PROTO of the network read nodes that a local world passes, and then requires permission") {
   Web web;
   web.put("memory://b/lib.wrl",
           kHeader +
@@ -267,7 +269,7 @@ TEST_CASE("a PROTO of the network reads the nodes that a local world hands to it
   CHECK_FALSE(web.asked("memory://b/1?mine"));
 }
 
-TEST_CASE("nodes from a host have the rights of that host, not of the Script that asked for them") {
+TEST_CASE("gives nodes from a host the rights of that host, not of the requesting Script") {
   WebWithSecret web;
   web.put("memory://b/part.wrl",
           kHeader +
@@ -284,7 +286,7 @@ TEST_CASE("nodes from a host have the rights of that host, not of the Script tha
   CHECK(web.printed == Lines{"runs"});
 }
 
-TEST_CASE("a file that was read at run time finds its own files beside it") {
+TEST_CASE("resolves references of a file read at run time against that file") {
   Web web;
   web.file("sub/part.wrl", "Inline { url \"beside.wrl\" }");
   web.file("sub/beside.wrl", "Shape { geometry Box { } }");
@@ -293,7 +295,7 @@ TEST_CASE("a file that was read at run time finds its own files beside it") {
           [](Simulation& simulation) { CHECK(simulation.look().list->items.size() == 1); });
 }
 
-TEST_CASE("Scripts of different local files and hosts share no library objects, those of one file do") {
+TEST_CASE("shares library objects between Scripts of one file, but not of different files and hosts") {
   Web web;
   web.file("inner.wrl", "Script { url \"javascript: print(Browser.x);\" }");
   web.run(web.file("world.wrl",

@@ -56,7 +56,7 @@ std::string shape_of(const std::string& color, const std::string& geometry) {
          " } } geometry " + geometry + " } ";
 }
 
-TEST_CASE("a Billboard that faces the screen rolls with the viewer (VRML97 6.6)") {
+TEST_CASE("rolls a screen-facing Billboard with the viewer (VRML97 6.6)") {
   Eye eye;
   // "the local Y-axis of the Billboard node is parallel to the Y-axis of the viewer"
   for (const char* roll : {"0.6", "-1.9"}) {
@@ -74,14 +74,14 @@ TEST_CASE("a Billboard that faces the screen rolls with the viewer (VRML97 6.6)"
   }
 }
 
-TEST_CASE("about any other axis a Billboard does not roll (VRML97 6.6)") {
+TEST_CASE("never rolls a Billboard about any other axis (VRML97 6.6)") {
   Eye eye;
   const std::string viewpoint = "Viewpoint { position 0 0 5 orientation 0 0 1 0.6 } ";
   CHECK(compare_pictures(eye.seen(viewpoint + "Billboard { children " + kFlag + " }"), eye.seen(viewpoint + kFlag))
             .pixels == 0);
 }
 
-TEST_CASE("a HUD is seen over what is nearer, and goes with the viewer") {
+TEST_CASE("draws a HUD over nearer objects, and moves it with the viewer") {
   Eye eye;
   const std::string wall = "Transform { translation 3 0 3 children " + shape_of("0 0 1", "Box { size 40 40 1 }") + "} ";
   const std::string sign =

@@ -35,7 +35,7 @@ const Navigation& navigation(const OneWorld& world) { return world.frame.picture
 
 }  // namespace
 
-TEST_CASE("Where a link leads is a jump cut unless the author says ANY (VRML97 6.29)") {
+TEST_CASE("follows a link by a jump cut unless the author allows ANY transition (VRML97 6.29)") {
   OneWorld any("NavigationInfo { type [ \"FLY\" \"ANY\" ] } " + kTwoViews + kAnchor, false);
   click(any, 100, 50);
   REQUIRE(navigation(any).transition);
@@ -49,7 +49,7 @@ TEST_CASE("Where a link leads is a jump cut unless the author says ANY (VRML97 6
   CHECK(navigation(cut).transition);
 }
 
-TEST_CASE("Whom the world takes to a Viewpoint gets there, also while he moves (VRML97 6.53)") {
+TEST_CASE("reaches a Viewpoint that the world binds, also while the user moves (VRML97 6.53)") {
   for (const bool moves : {false, true}) {
     INFO(moves);
     OneWorld world("NavigationInfo { type [ \"FLY\" \"ANY\" ] } " + kTwoViews +
@@ -70,7 +70,7 @@ TEST_CASE("Whom the world takes to a Viewpoint gets there, also while he moves (
   }
 }
 
-TEST_CASE("The description of an Anchor is told while the pointer is over it (VRML97 6.2)") {
+TEST_CASE("shows the description of an Anchor under the pointer (VRML97 6.2)") {
   OneWorld world(kTwoViews + kAnchor);
   CHECK_FALSE(world.session.pointed().sensor);
   (void)world.session.step(kStart + 0.1, input_of({pointer(Kind::pointer, 100, 50)}));
@@ -83,7 +83,7 @@ TEST_CASE("The description of an Anchor is told while the pointer is over it (VR
   CHECK(world.session.pointed().description.empty());
 }
 
-TEST_CASE("The fragment of a world's own URL names the Viewpoint where it begins (VRML97 4.5.2, 6.53)") {
+TEST_CASE("starts at the Viewpoint that the fragment of the world's own URL names (VRML97 4.5.2, 6.53)") {
   const ScratchFolder folder;
   const std::string path = folder.write("world.wrl",
                                         "#VRML V2.0 utf8\nViewpoint { } DEF Hill Viewpoint { position 0 0 "
@@ -117,7 +117,7 @@ TEST_CASE("The fragment of a world's own URL names the Viewpoint where it begins
   CHECK(begins(odd) == 5);  // a file may be called so
 }
 
-TEST_CASE("In LOOKAT a click leads to the Shape under the pointer, and frames it") {
+TEST_CASE("moves to and frames the clicked Shape in LOOKAT mode") {
   OneWorld world(
       "NavigationInfo { type \"LOOKAT\" } Viewpoint { } Transform { translation 3 0 0 children Shape { geometry Sphere "
       "{ "
@@ -150,7 +150,7 @@ TEST_CASE("In LOOKAT a click leads to the Shape under the pointer, and frames it
   CHECK(glm::distance(navigation(world).pose.position, before) > 0.1);
 }
 
-TEST_CASE("In LOOKAT sensors come first, and other modes take no notice of clicks") {
+TEST_CASE("prefers sensors in LOOKAT mode, and ignores clicks in other modes") {
   OneWorld sensor("NavigationInfo { type \"LOOKAT\" } " + kTwoViews +
                       "Group { children [ Shape { geometry Box { } } TouchSensor { } ] }",
                   false);
@@ -168,7 +168,7 @@ TEST_CASE("In LOOKAT sensors come first, and other modes take no notice of click
   CHECK(navigation(examine).transition);
 }
 
-TEST_CASE("Who clicks on what is around him goes nearer to it") {
+TEST_CASE("moves nearer when the user clicks on a surrounding object") {
   OneWorld world("NavigationInfo { type \"LOOKAT\" } Viewpoint { } Shape { geometry Box { size 60 60 60 } }", false);
   click(world, 100, 50);
   REQUIRE(navigation(world).transition);
@@ -178,7 +178,7 @@ TEST_CASE("Who clicks on what is around him goes nearer to it") {
   CHECK(glm::distance(navigation(world).center, glm::dvec3(0, 0, -30)) < 1e-3);
 }
 
-TEST_CASE("A gamepad moves the viewer through the same steps as keys, and its buttons are actions") {
+TEST_CASE("moves the viewer by a gamepad as by keys, with buttons as actions") {
   const std::string body = "NavigationInfo { type \"FLY\" speed 2 } " + kTwoViews + "Shape { geometry Box { } }";
   OneWorld stick(body), keys(body);
   Gamepad gamepad;

@@ -52,7 +52,7 @@ LoadOptions site() {
 
 }  // namespace
 
-TEST_CASE("A program in a file, packed or not, is there before the first event (4.12.1)") {
+TEST_CASE("loads a program's file, compressed or not, before the first event (4.12.1)") {
   LoadOptions options = site();
   put(options, "world.wrl",
       kHeader +
@@ -64,7 +64,7 @@ TEST_CASE("A program in a file, packed or not, is there before the first event (
   CHECK(run(options) == std::vector<std::string>{"a", "b", "t"});
 }
 
-TEST_CASE("createVrmlFromURL reads a file in the name of the Script's, whose Scripts run, too (4.12.10)") {
+TEST_CASE("createVrmlFromURL reads a file on behalf of the Script's file, and runs its Scripts (4.12.10)") {
   LoadOptions options = site();
   put(options, "world.wrl",
       kHeader +
@@ -75,7 +75,7 @@ TEST_CASE("createVrmlFromURL reads a file in the name of the Script's, whose Scr
   CHECK(run(options) == std::vector<std::string>{"2", "inside"});
 }
 
-TEST_CASE("A session: what programs print is in the log, descriptions are told, pages do not open by themselves") {
+TEST_CASE("logs printed text of programs, shows descriptions, and opens no pages by itself") {
   LoadOptions options = site();
   put(options, "world.wrl",
       kHeader +

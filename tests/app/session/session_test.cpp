@@ -16,7 +16,7 @@ namespace gs::app::session_test {
 
 using namespace sessions;
 
-TEST_CASE("Who holds a key moves with the time of the steps, and the same each time") {
+TEST_CASE("moves with a held key by the time of the steps, equally each time") {
   const auto walk = [] {
     OneWorld world("NavigationInfo { type \"FLY\" speed 2 } Viewpoint { position 0 0 10 } Shape { geometry Box { } }");
     CHECK(world.place() == glm::vec3(0, 0, 10));
@@ -36,7 +36,7 @@ TEST_CASE("Who holds a key moves with the time of the steps, and the same each t
   CHECK(walk() == once);
 }
 
-TEST_CASE("The pointer is in the world where no panel is over it") {
+TEST_CASE("sends the pointer to the world only outside panels") {
   OneWorld world("Viewpoint { } Group { children [ Shape { geometry Box { } } TouchSensor { } ] }");
   world.watch();
   (void)world.session.step(kStart + 0.1, input_of({pointer(Kind::pointer, 100, 50)}, true));
@@ -52,7 +52,7 @@ TEST_CASE("The pointer is in the world where no panel is over it") {
   CHECK(world.number_of_events("isOver") == 2);  // it left
 }
 
-TEST_CASE("EXAMINE turns about what the pointer was on when the drag began (6.29)") {
+TEST_CASE("EXAMINE turns about the point under the pointer at the start of the drag (6.29)") {
   const auto dragged = [](const glm::vec2& from) {
     OneWorld world(
         "NavigationInfo { type \"EXAMINE\" } Viewpoint { } Transform { translation 2 0 0 children Shape { geometry Box "
@@ -72,7 +72,7 @@ TEST_CASE("EXAMINE turns about what the pointer was on when the drag began (6.29
   CHECK(dragged({100, 20}).x < -5);  // the sky: the middle of the world
 }
 
-TEST_CASE("Nobody looks, and time goes on all the same") {
+TEST_CASE("advances time without a viewer") {
   OneWorld world("DEF T TimeSensor { loop TRUE }");
   world.watch();
   SessionInput hidden;
@@ -81,7 +81,7 @@ TEST_CASE("Nobody looks, and time goes on all the same") {
   CHECK(world.number_of_events("time") == 5);
 }
 
-TEST_CASE("Who chooses a Viewpoint is there at once in simulated time, and on the way in a window") {
+TEST_CASE("jumps to a chosen Viewpoint in simulated time, and moves there in a window") {
   const std::string body = "DEF A Viewpoint { position 0 0 10 } DEF B Viewpoint { position 50 0 0 }";
   OneWorld simulated(body), window(body, false);
   for (OneWorld* world : {&simulated, &window}) {
@@ -96,7 +96,7 @@ TEST_CASE("Who chooses a Viewpoint is there at once in simulated time, and on th
   CHECK_FALSE(window.frame.moving);
 }
 
-TEST_CASE("An Anchor leads to a Viewpoint of the same world, and a page is told to who can open it (VRML97 6.2)") {
+TEST_CASE("follows an Anchor to a Viewpoint of its world, and reports a page to the caller (VRML97 6.2)") {
   const std::string click_here =
       "children Shape { geometry Box { size 20 20 1 } } } DEF V Viewpoint { position 0 0 77 }";
   const auto click = [](OneWorld& world) {
@@ -118,7 +118,7 @@ TEST_CASE("An Anchor leads to a Viewpoint of the same world, and a page is told 
   CHECK(shut.session.panes().documents().entries().size() == 1);
 }
 
-TEST_CASE("Sensors find the viewer where he has gone, and until then at the Viewpoint") {
+TEST_CASE("updates sensors at the viewer's position, first at the Viewpoint") {
   OneWorld world(
       "NavigationInfo { type \"FLY\" speed 4 } DEF T Transform { children Viewpoint { position 0 0 10 } } "
       "ProximitySensor { center 0 0 6 size 2 2 2 } Shape { geometry Box { } }");
@@ -133,7 +133,7 @@ TEST_CASE("Sensors find the viewer where he has gone, and until then at the View
   CHECK(world.number_of_events("exitTime") == 1);
 }
 
-TEST_CASE("Sensors on the way of a jump see nobody, and those where it leads see him at once (VRML97 6.53)") {
+TEST_CASE("triggers no sensors along a jump, but those at its end (VRML97 6.53)") {
   OneWorld world(
       "DEF A Viewpoint { position 0 0 10 } DEF B Viewpoint { position 50 0 10 } "
       "ProximitySensor { center 25 0 10 size 20 2 2 } ProximitySensor { center 50 0 10 size 2 2 2 }",
@@ -154,7 +154,7 @@ TEST_CASE("Sensors on the way of a jump see nobody, and those where it leads see
   CHECK(entered[0] < kStart + 1.2 + 2.5 / 60);
 }
 
-TEST_CASE("An Anchor leads to the first of its files that can be read (VRML97 6.2)") {
+TEST_CASE("follows an Anchor to the first file that can be read (VRML97 6.2)") {
   const ScratchFolder folder;
   folder.write("there.wrl", "#VRML V2.0 utf8\nDEF V Viewpoint { position 0 0 33 } Shape { geometry Cone { } }\n");
   SessionOptions options;
@@ -183,7 +183,7 @@ TEST_CASE("An Anchor leads to the first of its files that can be read (VRML97 6.
   CHECK(failures == 2);
 }
 
-TEST_CASE("Files are read beside the steps, each in its viewport, and one that fails is told") {
+TEST_CASE("reads files beside the steps, each in its viewport, and reports failures") {
   const ScratchFolder folder;
   const std::string box = folder.write("box.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
   const std::string cone = folder.write("cone.wrl", "#VRML V2.0 utf8\nShape { geometry Cone { } }\n");
@@ -210,7 +210,7 @@ TEST_CASE("Files are read beside the steps, each in its viewport, and one that f
   CHECK_FALSE(failure->error.empty());
 }
 
-TEST_CASE("When all of a file has come there is no news of it any more, and a window rests") {
+TEST_CASE("reports no more news when all of a file is loaded, so that a window rests") {
   const ScratchFolder folder;
   SessionOptions options;
   options.files = {folder.write("box.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n")};
@@ -231,7 +231,7 @@ TEST_CASE("When all of a file has come there is no news of it any more, and a wi
   }
 }
 
-TEST_CASE("Keys of --input move the viewer in simulated time, bit for bit") {
+TEST_CASE("moves the viewer by keys of --input in simulated time, bit for bit") {
   const auto walk = [] {
     Simulation simulation(world_of("NavigationInfo { type \"FLY\" } Viewpoint { } Shape { geometry Box { } }"),
                           {64, 64});

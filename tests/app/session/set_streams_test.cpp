@@ -66,7 +66,7 @@ struct World : late_worlds::World {
 
 }  // namespace
 
-TEST_CASE("set_url of a QNV node shows the vectors that it names then, and former ones are dropped") {
+TEST_CASE("replaces the vectors of a QNV node on set_url") {
   Site site;
   site.put("world.wrl", kHeader + "Shape { geometry QNV { url \"small.qnv\" } }");
   site.put("small.qnv", ball(300));
@@ -95,7 +95,7 @@ TEST_CASE("set_url of a QNV node shows the vectors that it names then, and forme
   CHECK(world.vectors() == 0);
 }
 
-TEST_CASE("set_url of an OutlineGroup shows the polygons that it names then, and former ones are dropped") {
+TEST_CASE("replaces the polygons of an OutlineGroup on set_url") {
   Site site;
   site.put("world.wrl", kHeader + "Shape { geometry OutlineGroup { url \"box.qnv\" } }");
   site.put("box.qnv", outlines("Shape { geometry Box { } }"));
@@ -142,7 +142,7 @@ TEST_CASE("set_url of an OutlineGroup shows the polygons that it names then, and
   CHECK(world.triangles() == 0);
 }
 
-TEST_CASE("polygons of a file's OutlineGroup that come late are added to its own, and delay nothing") {
+TEST_CASE("adds late polygons of a file to its OutlineGroup, without delay of the rest") {
   Site site;
   site.put(
       "world.wrl",

@@ -6,7 +6,7 @@
 
 namespace gs::app::travel_history_test {
 
-TEST_CASE("One goes back and forward through places, and stands where one stood") {
+TEST_CASE("goes back and forward through worlds, to the earlier position") {
   TravelHistory history;
   CHECK_FALSE(history.can_go(-1));
   CHECK(history.current().empty());
@@ -35,7 +35,7 @@ TEST_CASE("One goes back and forward through places, and stands where one stood"
   CHECK(place->pose->position.x == 3);
 }
 
-TEST_CASE("Who goes elsewhere has nothing ahead") {
+TEST_CASE("drops the forward history after a new destination") {
   TravelHistory history;
   for (const char* path : {"a", "b", "c"}) history.visit(path, std::nullopt);
   (void)history.go(-1, std::nullopt);
@@ -46,7 +46,7 @@ TEST_CASE("Who goes elsewhere has nothing ahead") {
   CHECK(history.go(-1, std::nullopt)->path == "a");
 }
 
-TEST_CASE("Of very many places the oldest are forgotten") {
+TEST_CASE("forgets the oldest of very many destinations") {
   TravelHistory history;
   for (std::size_t i = 0; i < 3 * TravelHistory::kMostVisits; ++i) history.visit(std::to_string(i), std::nullopt);
   std::size_t back = 0;

@@ -61,7 +61,7 @@ using Shades = std::vector<int>;
 
 }  // namespace
 
-TEST_CASE("a load that fails at once ends within its step, without a wait") {
+TEST_CASE("ends a load that fails at once within its step") {
   const Site files = site();
   World world(files);
   vrml::MFString list;
@@ -74,7 +74,7 @@ TEST_CASE("a load that fails at once ends within its step, without a wait") {
   CHECK(world.loading.done());
 }
 
-TEST_CASE("set_url of an ImageTexture shows the picture that it names then (6.22)") {
+TEST_CASE("shows the new image of an ImageTexture on set_url (6.22)") {
   World world(site());
   CHECK(world.shades() == Shades{-1, 10});
   world.set_url(world.texture(), "light.pgm");
@@ -96,7 +96,7 @@ TEST_CASE("set_url of an ImageTexture shows the picture that it names then (6.22
   CHECK(world.shades() == Shades{-1, -1});
 }
 
-TEST_CASE("the faces of a Background are set one by one (6.5)") {
+TEST_CASE("sets the faces of a Background one by one (6.5)") {
   Site files = site();
   files.put("world.wrl", kHeader + "Background { frontUrl \"dark.pgm\" backUrl \"light.pgm\" }");
   World world(files);
@@ -123,7 +123,7 @@ TEST_CASE("the faces of a Background are set one by one (6.5)") {
   CHECK(face(render::Background::front) == 200);
 }
 
-TEST_CASE("what comes of a former url is dropped") {
+TEST_CASE("drops the result of a former url") {
   World world(site());
   world.set_url(world.texture(), "light.pgm");
   Arrivals former = world.fetch();
@@ -142,7 +142,7 @@ TEST_CASE("what comes of a former url is dropped") {
   CHECK(world.shades() == Shades{-1, 10});
 }
 
-TEST_CASE("set_url of an Inline puts what it names then in the place of what it showed (6.25)") {
+TEST_CASE("replaces the content of an Inline on set_url (6.25)") {
   World world(site());
   const vrml::NodeId inlined = world.scene().roots()[0];
   const vrml::SceneGraph* const first = world.scene().inlined(inlined);
@@ -164,7 +164,7 @@ TEST_CASE("set_url of an Inline puts what it names then in the place of what it 
   CHECK(world.opened.images.size() == 1);
 }
 
-TEST_CASE("an Inline that stalls is given up when its url is set again") {
+TEST_CASE("gives up a stalled Inline when its url is set again") {
   World world(site());
   const vrml::NodeId inlined = world.scene().roots()[0];
   world.set_url(inlined, "slow.wrl");
@@ -200,7 +200,7 @@ TEST_CASE("set_url of an Inline twice within a step stops the fetches of its inn
   CHECK(world.shades() == Shades{-1, 200, -1, 10});
 }
 
-TEST_CASE("nodes that are made at run time get what their urls name, in the name of the file") {
+TEST_CASE("loads the urls of nodes made at run time, on behalf of the file") {
   World world(site());
   vrml::Diagnostics diagnostics;
   const vrml::RunTimeNodes made =
@@ -216,7 +216,7 @@ TEST_CASE("nodes that are made at run time get what their urls name, in the name
   CHECK(world.shades() == Shades{-1, 10, 200, -1});
 }
 
-TEST_CASE("a reader goes on to read what is asked for while the world lives") {
+TEST_CASE("continues to read requests while the world runs") {
   WorldReader reader("memory://a/world.wrl", site().options, {});
   WorldReader::News news;
   const auto wait_for = [&](const auto& there) {

@@ -36,7 +36,7 @@ constexpr char kSeen[] = "Viewpoint { position 0 0 30 } Shape { geometry Box { s
 
 }  // namespace
 
-TEST_CASE("A file whose format has another axis up is first seen upright, and who walks there has that up") {
+TEST_CASE("shows a file with another up axis upright at first, and walks with that up axis") {
   const View view = view_of(standing(kTower, UpRule::z), kSize, {});
   CHECK(view.navigation.up == glm::vec3(0, 0, 1));
   CHECK(level(view.home, {0, 0, 1}));
@@ -54,7 +54,7 @@ TEST_CASE("A file whose format has another axis up is first seen upright, and wh
   CHECK(entered.home.position == glm::dvec3(0, 0, 30));
 }
 
-TEST_CASE("What the user says is up stays when the file is read again, and Viewpoints stay where they are") {
+TEST_CASE("keeps the user's up axis when the file is read again, and Viewpoints in place") {
   View view = view_of(standing(kTower, UpRule::z), kSize, {}, nullptr, {UpAxis::minus_y});
   CHECK(level(view.home, {0, -1, 0}));
   const View again = renewed(view, standing(kTower, UpRule::z), kSize);
@@ -72,7 +72,7 @@ TEST_CASE("What the user says is up stays when the file is read again, and Viewp
   CHECK(entered.navigation.up == glm::vec3(0, 1, 0));
 }
 
-TEST_CASE("Who sees by parallel rays does so at Viewpoints, in windows of other sizes and in files that are read again") {
+TEST_CASE("keeps parallel projection at Viewpoints, in other window sizes and after reading again") {
   ViewStyle style;
   style.parallel = true;
   View view = view_of(standing(kTower, UpRule::y), kSize, {}, nullptr, style);
@@ -89,7 +89,7 @@ TEST_CASE("Who sees by parallel rays does so at Viewpoints, in windows of other 
   CHECK(at_home(entered));
 }
 
-TEST_CASE("Files say what is up by their format or their header, and only worlds have a look of their own") {
+TEST_CASE("takes the up axis from format or header, and a look of its own from worlds only") {
   const ScratchFolder folder;
   const auto read = [&](const std::string& name, const std::string& text) {
     OpenedWorld world = load_world(folder.write(name, text));

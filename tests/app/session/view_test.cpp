@@ -17,7 +17,7 @@ constexpr glm::vec2 kSize(800, 600);
 
 }  // namespace
 
-TEST_CASE("Views follow what lives in their world, whoever looked last") {
+TEST_CASE("updates each view by its own world, whichever view was drawn last") {
   const auto shared = make_document(world_of("DEF T Transform { children Shape { geometry Box { } } }"));
   View one = view_of(shared, kSize, {}), two = view_of(shared, kSize, {});
   const vrml::SceneGraph& scene = *shared->world.scene;
@@ -36,7 +36,7 @@ TEST_CASE("Views follow what lives in their world, whoever looked last") {
   CHECK(one.list->items.at(0).world_from_node[3].x == 19);
 }
 
-TEST_CASE("Without a Viewpoint, who has not moved is led to where he sees what has left the picture") {
+TEST_CASE("frames the scene again for an unmoved viewer without Viewpoint when geometry leaves the picture") {
   const std::string ball = "DEF T Transform { children Shape { geometry Sphere { } } } ";
   const auto shared = make_document(world_of(ball + "Shape { geometry Box { } }"));
   View view = view_of(shared, kSize, {}), walker = view, far = view;
@@ -86,7 +86,7 @@ TEST_CASE("Without a Viewpoint, who has not moved is led to where he sees what h
   CHECK(far.home.position == first.position);
 }
 
-TEST_CASE("What a world without a Viewpoint and with nothing in it is given later, is seen whole") {
+TEST_CASE("frames geometry that is added to an empty world without Viewpoint") {
   const auto shared = make_document(world_of("DEF T Transform { children [] translation 300 0 0 }"));
   View view = view_of(shared, kSize, {});
   vrml::SceneGraph& scene = *shared->world.scene;
@@ -101,7 +101,7 @@ TEST_CASE("What a world without a Viewpoint and with nothing in it is given late
   CHECK(render::has_in_view(camera_of(view.home), view.list->bounds, kSize.x, kSize.y));
 }
 
-TEST_CASE("Who has bound a Viewpoint moves with it, and goes where events bind another (VRML97 6.53)") {
+TEST_CASE("moves the viewer with the bound Viewpoint, and to the one that events bind (VRML97 6.53)") {
   const auto shared = make_document(
       world_of("DEF Ship Transform { children [ DEF A Viewpoint { position 0 0 5 } DEF B Viewpoint { position 0 0 9 } "
                "DEF C Viewpoint { position 0 0 -9 jump FALSE } ] }"));
@@ -168,9 +168,7 @@ struct Bound {
 
 }  // namespace
 
-TEST_CASE(
-    "Where the viewer stood relative to a Viewpoint is kept, and he is there again when what was bound over it is "
-    "popped (VRML97 6.53)") {
+TEST_CASE("keeps the position relative to a Viewpoint, and restores it when the stack is popped (VRML97 6.53)") {
   Bound world(
       "Transform { children Viewpoint { position 0 0 10 } } Viewpoint { position 50 0 0 } Viewpoint { position 0 90 0 "
       "}");
@@ -192,7 +190,7 @@ TEST_CASE(
   CHECK(world.at({5, 0, 10}));
 }
 
-TEST_CASE("One that is popped with jump FALSE leaves the viewer where he is (VRML97 6.53)") {
+TEST_CASE("keeps the viewer in place when a Viewpoint with jump FALSE is popped to (VRML97 6.53)") {
   Bound world("Viewpoint { position 0 0 10 } Transform { children Viewpoint { position 50 0 0 jump FALSE } }");
   world.walk({1, 0, 0});
   world.bind(1);
@@ -203,7 +201,7 @@ TEST_CASE("One that is popped with jump FALSE leaves the viewer where he is (VRM
   CHECK(world.at({1, 4, 10}));
 }
 
-TEST_CASE("A bound Viewpoint that is deleted is popped like any other (VRML97 4.6.10, 6.53)") {
+TEST_CASE("pops a bound Viewpoint that is deleted like any other (VRML97 4.6.10, 6.53)") {
   Bound world("Viewpoint { position 0 0 10 } Group { children Viewpoint { position 50 0 0 } }");
   world.walk({1, 0, 0});
   world.bind(1);
@@ -217,7 +215,7 @@ TEST_CASE("A bound Viewpoint that is deleted is popped like any other (VRML97 4.
   CHECK(glm::distance(world.view.navigation.transition->to.position, glm::dvec3(1, 0, 10)) < 1e-4);
 }
 
-TEST_CASE("Navigation is relative to the bound Viewpoint while it moves, and changes none of its fields (4.13.3)") {
+TEST_CASE("navigates relative to the moving bound Viewpoint, and changes none of its fields (4.13.3)") {
   Bound world("NavigationInfo { type \"FLY\" speed 1 } Transform { children DEF V Viewpoint { position 0 0 10 } }"),
       still("NavigationInfo { type \"FLY\" speed 1 } Transform { children Viewpoint { position 0 0 10 } }");
   NavigationInput held;
@@ -238,7 +236,7 @@ TEST_CASE("Navigation is relative to the bound Viewpoint while it moves, and cha
   CHECK(scene.get<vrml::SFRotation>(viewpoint, "orientation") == vrml::SFRotation{0, 0, 1, 0});
 }
 
-TEST_CASE("Who chooses a Viewpoint of the list binds it, and travels there (VRML97 6.53)") {
+TEST_CASE("binds a Viewpoint that is chosen from the list, and moves there (VRML97 6.53)") {
   const auto shared = make_document(world_of("DEF A Viewpoint { } DEF B Viewpoint { position 0 0 50 }"));
   View view = view_of(shared, kSize, {});
   bind_viewpoint(view, 1);
@@ -251,7 +249,7 @@ TEST_CASE("Who chooses a Viewpoint of the list binds it, and travels there (VRML
   CHECK(view.viewpoint == 1u);
 }
 
-TEST_CASE("The NavigationInfo that is bound says how the viewer moves, and what changes in it counts (4.6.10, 6.29)") {
+TEST_CASE("moves as the bound NavigationInfo defines, including changes (4.6.10, 6.29)") {
   const auto shared = make_document(
       world_of("DEF A NavigationInfo { type \"WALK\" speed 3 avatarSize [ 1, 2, 0.5 ] } DEF B NavigationInfo { type [ "
                "\"FLY\", \"ANY\" ] headlight FALSE } Transform { scale 2 2 2 children Viewpoint { } } Shape { geometry "
@@ -276,7 +274,7 @@ TEST_CASE("The NavigationInfo that is bound says how the viewer moves, and what 
   CHECK(view.rules.avatar.radius == 0.25);
 }
 
-TEST_CASE("Time in a window is that of the clock (VRML97 4.11.3)") {
+TEST_CASE("advances time in a window by the clock (VRML97 4.11.3)") {
   const double before = world_time();
   const double clock = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   CHECK(std::abs(clock - before) < 60);  // of a machine whose clock is not set meanwhile

@@ -41,7 +41,7 @@ const std::string kWall = "Transform { translation 0 2 -3.5 children Shape { geo
 
 }  // namespace
 
-TEST_CASE("Who walks stops at a Shape, avatarSize[0] before it (4.13.4)") {
+TEST_CASE("stops a walking viewer avatarSize[0] before a Shape (4.13.4)") {
   CHECK(walked(kViewer + kFloor).place.z < -7);
   CHECK(walked(kViewer + kFloor + kWall).place.z == Approx(-2.75).margin(0.02));
   CHECK(walked("NavigationInfo { type \"WALK\" speed 2 avatarSize [ 1, 1.6, 0.5 ] } Viewpoint { position 0 1.6 0 }\n" +
@@ -52,7 +52,7 @@ TEST_CASE("Who walks stops at a Shape, avatarSize[0] before it (4.13.4)") {
   CHECK(walked("NavigationInfo { type \"EXAMINE\" } Viewpoint { position 0 1.6 0 }\n" + kWall).collisions.empty());
 }
 
-TEST_CASE("Who walks falls to avatarSize[1] above the ground, and rises with it (6.29)") {
+TEST_CASE("drops a walking viewer to avatarSize[1] above the ground, and lifts the viewer with it (6.29)") {
   CHECK(walked("NavigationInfo { type \"WALK\" avatarSize [ 0.2, 1, 0.5 ] } Viewpoint { position 0 3 0 }\n" + kFloor, 2)
             .place.y == Approx(1).margin(0.01));
   const Walked stairs = walked(
@@ -61,7 +61,7 @@ TEST_CASE("Who walks falls to avatarSize[1] above the ground, and rises with it 
   CHECK(stairs.place.y == Approx(1.6).margin(0.01));  // up, and down again
 }
 
-TEST_CASE("Collision lets the viewer through where collide is FALSE, and tells when he meets what is below (6.8)") {
+TEST_CASE("passes a Collision with collide FALSE, and reports collisions with others (6.8)") {
   const Walked through = walked(kViewer + kFloor + "DEF C Collision { collide FALSE children " + kWall + "}");
   CHECK(through.place.z < -7);
   CHECK(through.collisions.empty());
@@ -71,7 +71,7 @@ TEST_CASE("Collision lets the viewer through where collide is FALSE, and tells w
   CHECK(stopped.collisions.front() == "C");
 }
 
-TEST_CASE("A proxy is met in place of the children, with children and without (6.8)") {
+TEST_CASE("collides with a proxy instead of the children, with and without children (6.8)") {
   const std::string thin = "Transform { translation 0 2 -5 children Shape { geometry Box { size 10 4 0.1 } } }";
   CHECK(walked(kViewer + kFloor + "DEF C Collision { proxy " + thin + " children " + kWall + "}").place.z ==
         Approx(-4.7).margin(0.02));
@@ -85,7 +85,7 @@ TEST_CASE("A proxy is met in place of the children, with children and without (6
         -7);
 }
 
-TEST_CASE("Lines, points and Text are gone through (6.8, 6.47)") {
+TEST_CASE("passes through lines, points and Text (6.8, 6.47)") {
   const std::string thin =
       "Shape { geometry IndexedLineSet { coord Coordinate { point [ -9 1 -3, 9 1 -3 ] } coordIndex [ 0 1 ] } }\n"
       "Shape { geometry PointSet { coord Coordinate { point [ 0 1.6 -3 ] } } }\n"
@@ -94,7 +94,7 @@ TEST_CASE("Lines, points and Text are gone through (6.8, 6.47)") {
   CHECK(walked(kViewer + kFloor + thin).place.z < -7);
 }
 
-TEST_CASE("avatarSize and speed are those of the bound Viewpoint's coordinates, and down is theirs (6.29)") {
+TEST_CASE("uses avatarSize, speed and down in the bound Viewpoint's coordinates (6.29)") {
   // Twice as large: 0.5 from the wall, the eye 3.2 above the floor, 4 units a second.
   const Walked large = walked(
       "NavigationInfo { type \"WALK\" speed 2 } Transform { scale 2 2 2 children Viewpoint { position 0 3 0 } "
@@ -118,7 +118,7 @@ TEST_CASE("avatarSize and speed are those of the bound Viewpoint's coordinates, 
   CHECK(turned.place.z < -4);
 }
 
-TEST_CASE("Worlds begin as their Viewpoints see them: nobody falls who does nothing") {
+TEST_CASE("begins worlds at their Viewpoint, without gravity before the first movement") {
   Simulation simulation(world_of("NavigationInfo { type \"WALK\" } Viewpoint { position 0 30 0 }\n" + kFloor),
                         {64, 64});
   simulation.run(3);

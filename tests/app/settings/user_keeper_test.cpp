@@ -33,7 +33,7 @@ pid_t gone_process() {
 
 }  // namespace
 
-TEST_CASE("What is kept is there for the next window") {
+TEST_CASE("restores kept state in the next window") {
   const ScratchFolder scratch;
   {
     UserKeeper keeper(folders_in(scratch));
@@ -67,7 +67,7 @@ TEST_CASE("removes unfinished files of killed processes from the settings folder
   CHECK(scratch.read("config/.ghostspace-1-0.bak") == "kept");
 }
 
-TEST_CASE("Files that are spoilt are told once, kept, and stop nothing") {
+TEST_CASE("reports damaged files once, keeps them, and continues") {
   const ScratchFolder scratch;
   scratch.write("config/settings.conf", "theme = light\nspeed = fast\n");
   scratch.write("config/bookmarks.json", "{{{");
@@ -88,7 +88,7 @@ TEST_CASE("Files that are spoilt are told once, kept, and stop nothing") {
   CHECK(UserKeeper(folders_in(scratch)).bookmarks().size() == 1);
 }
 
-TEST_CASE("A folder that cannot be written to is told once") {
+TEST_CASE("reports a folder without write permission once") {
   const ScratchFolder scratch;
   scratch.write("config", "a file where the folder should be");
   UserKeeper keeper(folders_in(scratch));
@@ -99,7 +99,7 @@ TEST_CASE("A folder that cannot be written to is told once") {
   CHECK(keeper.settings().text_size == 1.5);
 }
 
-TEST_CASE("The files of a window that ended by itself are offered once") {
+TEST_CASE("offers the files of a window that ended unexpectedly once") {
   const ScratchFolder scratch;
   const std::string lost = "state/session-" + std::to_string(gone_process()) + ".json";
   scratch.write(lost, session_text({{"/a.wrl", "/b.wrl"}}));
@@ -118,7 +118,7 @@ TEST_CASE("The files of a window that ended by itself are offered once") {
   CHECK_FALSE(fs::exists(scratch.path("state/session-" + std::to_string(::getpid()) + ".json")));
 }
 
-TEST_CASE("Without folders nothing is read or written") {
+TEST_CASE("reads and writes nothing without folders") {
   const ScratchFolder scratch;
   UserKeeper keeper({});
   UserSettings settings;
@@ -131,7 +131,7 @@ TEST_CASE("Without folders nothing is read or written") {
   CHECK(keeper.take_problems().empty());
 }
 
-TEST_CASE("The log on disk is bounded, and its lines stay lines") {
+TEST_CASE("limits the log on disk, and keeps its lines single") {
   const ScratchFolder scratch;
   LogFile log(scratch.path("state/log"));
   log.add("one\ntwo\x1b[2J", 200);
@@ -144,7 +144,7 @@ TEST_CASE("The log on disk is bounded, and its lines stay lines") {
   CHECK(scratch.read("state/log.old").size() >= 200);
 }
 
-TEST_CASE("Settings lie where the desktop says (XDG Base Directory Specification)") {
+TEST_CASE("stores settings in the desktop's folders (XDG Base Directory Specification)") {
   const auto before = [](const char* name) {
     const char* value = ::getenv(name);
     return value ? std::string(value) : std::string();

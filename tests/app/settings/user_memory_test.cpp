@@ -7,7 +7,7 @@
 
 namespace gs::app::user_memory_test {
 
-TEST_CASE("What is remembered is written and read again") {
+TEST_CASE("writes remembered state and reads it back") {
   UserMemory memory;
   for (int i = 0; i < 60; ++i) note_recent(memory, "/worlds/" + std::to_string(i) + ".wrl");
   note_recent(memory, "/worlds/30.wrl");
@@ -24,7 +24,7 @@ TEST_CASE("What is remembered is written and read again") {
   CHECK(*back == memory);
 }
 
-TEST_CASE("Bookmarks are written and read again") {
+TEST_CASE("writes bookmarks and reads them back") {
   const std::vector<Bookmark> bookmarks = {{"/a.wrl", "Roof", "A: Roof", {}},
                                            {"http://example.org/b.wrl", "", "B", {1, 2, 3, 0, 0, 0, 1}}};
   const auto back = read_bookmarks(bookmarks_text(bookmarks));
@@ -32,7 +32,7 @@ TEST_CASE("Bookmarks are written and read again") {
   CHECK(*back == bookmarks);
 }
 
-TEST_CASE("A window's files are written and read again") {
+TEST_CASE("writes a window's files and reads them back") {
   const SessionMemory session{{"/a.wrl", "/b.qnv"}};
   CHECK(read_session(session_text(session)) == session);
   const SessionMemory split{{"/a.wrl", "/b.qnv"}, "1:2|(2/4)", {{1, "/a.wrl", 1}, {2, "", 1}, {4, "/b.qnv", 2.5}}};
@@ -47,7 +47,7 @@ TEST_CASE("A window's files are written and read again") {
   CHECK(spoilt->viewports == std::vector<SessionMemory::Viewport>{{2, "", 0}});
 }
 
-TEST_CASE("Of a file that is spoilt what can be used is used") {
+TEST_CASE("uses the intact part of a damaged file") {
   CHECK_FALSE(read_memory("no JSON"));
   CHECK_FALSE(read_memory("[1, 2]"));
   CHECK_FALSE(read_bookmarks("{\"bookmarks\": 7}"));
@@ -72,7 +72,7 @@ TEST_CASE("Of a file that is spoilt what can be used is used") {
   CHECK(bookmarks->front().camera.empty());
 }
 
-TEST_CASE("No bytes of what is remembered do harm") {
+TEST_CASE("survives any bytes in remembered state") {
   UserMemory memory;
   note_recent(memory, "/worlds/\xFF\xFE.wrl");  // no UTF-8
   const std::string text = memory_text(memory);

@@ -8,7 +8,7 @@
 
 namespace gs::app::user_settings_test {
 
-TEST_CASE("each setting has a row with a name, a label, help and a value that it takes") {
+TEST_CASE("has one row per setting, with name, label, help and a valid default") {
   std::set<std::string_view> names, labels;
   for (const SettingRow& row : setting_rows()) {
     INFO(row.name);
@@ -25,7 +25,7 @@ TEST_CASE("each setting has a row with a name, a label, help and a value that it
   }
 }
 
-TEST_CASE("Settings are written and read again") {
+TEST_CASE("writes settings and reads them back") {
   UserSettings settings;
   settings.theme = Theme::light;
   settings.text_size = 1.3;
@@ -39,7 +39,7 @@ TEST_CASE("Settings are written and read again") {
   CHECK(settings_text(settings).find("\ntheme = light\n") != std::string::npos);
 }
 
-TEST_CASE("A bad line costs itself, and says what was expected") {
+TEST_CASE("ignores only invalid lines, and reports the expected values") {
   const ReadSettings read = read_settings(
       "# mine\n theme=light\r\n\nspeed = fast\ntext-size = 99\nbudget = 1.5\nunheard-of = 1\nwithout a sign\nsound = "
       "off");
@@ -54,7 +54,7 @@ TEST_CASE("A bad line costs itself, and says what was expected") {
   CHECK(read.problems[4] == "8: error: \"without a sign\": expected name = value");
 }
 
-TEST_CASE("No bytes of a settings file do harm") {
+TEST_CASE("survives any bytes in a settings file") {
   std::string all = settings_text(UserSettings{});
   for (std::size_t i = 0; i < all.size(); i += 7) {
     std::string spoilt = all;

@@ -20,7 +20,7 @@ WindowEvent pressed(Key key, bool control = false, bool shift = false, bool alt 
 
 }  // namespace
 
-TEST_CASE("each action has a row, keys of its own, and a line that says what it does") {
+TEST_CASE("has one row per action, with its own keys and a description") {
   std::set<std::string> keys;
   std::set<Action> seen;
   for (const ActionRow& row : actions()) {
@@ -38,7 +38,7 @@ TEST_CASE("each action has a row, keys of its own, and a line that says what it 
   CHECK(seen.size() == static_cast<std::size_t>(Action::quit) + 1);
 }
 
-TEST_CASE("what is held with a key tells actions apart") {
+TEST_CASE("distinguishes actions by modifier keys") {
   CHECK(action_of(pressed(letter_key('1')))->action == Action::examine);
   CHECK(action_of(pressed(letter_key('1'), true))->action == Action::viewport_1);
   CHECK(action_of(pressed(Key::tab, true, true))->action == Action::previous_file);

@@ -27,7 +27,7 @@ bool alike(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-TEST_CASE("A camera reads back as it was written, as text and as a Viewpoint") {
+TEST_CASE("restores a camera from its text and from its Viewpoint") {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> number(-1, 1);
   for (int i = 0; i < 200; ++i) {
@@ -46,7 +46,7 @@ TEST_CASE("A camera reads back as it was written, as text and as a Viewpoint") {
   CHECK(camera_text(Pose{}) == "position=0,0,10 orientation=0,0,1,0 fieldOfView=0.785398006");
 }
 
-TEST_CASE("Viewpoints are read as they stand in files, and what they leave out is as the standard has it") {
+TEST_CASE("reads Viewpoints as files contain them, with the standard's defaults") {
   const Pose pose = read(
       "DEF Entry Viewpoint {\n  description \"At the door, 3 = 4\"  # of the house\n  position 1 2.5 -3e1\n"
       "  orientation 0 2 0 3.1415927\n jump FALSE }");
@@ -57,7 +57,7 @@ TEST_CASE("Viewpoints are read as they stand in files, and what they leave out i
   CHECK(read("position 0 0 10").position == glm::dvec3(0, 0, 10));
 }
 
-TEST_CASE("What is no camera is told, with what was expected") {
+TEST_CASE("reports invalid camera texts and the expected form") {
   for (const char* bad :
        {"", "Viewpoint { }", "hello", "position=1,2", "position=1,2,x", "position=1,2,3 position=1,2,3",
         "fieldOfView=0", "fieldOfView=4", "height=-1", "orientation=0,0,0,1", "position=1,2,1e300", "position=nan,0,0",

@@ -19,7 +19,7 @@ render::WorldBounds box(const glm::vec3& lower, const glm::vec3& upper) {
 
 }  // namespace
 
-TEST_CASE("A grid has squares of 1, 2 or 5, of which things stand on about ten") {
+TEST_CASE("draws a grid of 1, 2 or 5 units with about ten squares below the objects") {
   for (double size = 1e-5; size < 1e6; size *= 1.37) {
     const auto half = static_cast<float>(size / 2);
     const double spacing = grid_spacing(box({-half, 0, -half}, {half, half / 10, half}), {});
@@ -39,7 +39,7 @@ TEST_CASE("A grid has squares of 1, 2 or 5, of which things stand on about ten")
   CHECK(ground_grid(box({1e9f, 0, 0}, {1e9f + 64, 1, 1}), {}) != nullptr);
 }
 
-TEST_CASE("The grid lies under things, whatever is up, and goes on around them") {
+TEST_CASE("places the grid below the objects for any up axis, and extends it around them") {
   const render::WorldBounds bounds = box({-3, -2, 1}, {4, 5, 8});
   for (const UpAxis axis : {UpAxis::y, UpAxis::z, UpAxis::minus_y, UpAxis::x}) {
     const Upright upright = upright_of(axis);

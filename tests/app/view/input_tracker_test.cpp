@@ -17,7 +17,7 @@ const Viewport kPlace{0, 34, 800, 600};
 
 }  // namespace
 
-TEST_CASE("A drag is what the pointer did while the button was down") {
+TEST_CASE("reports a drag while the button is down") {
   InputTracker tracker;
   tracker.take(event(EventKind::pointer, {50, 50}), NavigationMode::examine);
   tracker.take(event(EventKind::button_down, {100, 100}), NavigationMode::examine);
@@ -39,7 +39,7 @@ TEST_CASE("A drag is what the pointer did while the button was down") {
   CHECK(tracker.input(NavigationMode::examine, kPlace).drag == Drag::none);
 }
 
-TEST_CASE("Only the button that began a drag ends it") {
+TEST_CASE("ends a drag only by the button that began it") {
   InputTracker tracker;
   tracker.take(event(EventKind::button_down, {0, 0}, MouseButton::right), NavigationMode::examine);
   tracker.take(event(EventKind::button_down, {0, 0}, MouseButton::left), NavigationMode::examine);
@@ -48,7 +48,7 @@ TEST_CASE("Only the button that began a drag ends it") {
   CHECK(tracker.input(NavigationMode::examine, kPlace).drag == Drag::pan);
 }
 
-TEST_CASE("A travelling drag goes on while the pointer rests") {
+TEST_CASE("continues a travelling drag while the pointer rests") {
   InputTracker tracker;
   tracker.take(event(EventKind::button_down, {100, 100}), NavigationMode::walk);
   tracker.take(event(EventKind::pointer, {100, 60}), NavigationMode::walk);
@@ -63,7 +63,7 @@ TEST_CASE("A travelling drag goes on while the pointer rests") {
   CHECK(tracker.input(NavigationMode::walk, kPlace).drag == Drag::none);
 }
 
-TEST_CASE("The wheel and the middle button zoom towards what is under the pointer") {
+TEST_CASE("zooms towards the point under the pointer by wheel and middle button") {
   InputTracker tracker;
   WindowEvent wheel = event(EventKind::wheel, {10, 10});
   wheel.wheel = 2;
@@ -78,7 +78,7 @@ TEST_CASE("The wheel and the middle button zoom towards what is under the pointe
   CHECK(tracker.input(NavigationMode::examine, kPlace).zoom == Approx(2));
 }
 
-TEST_CASE("Two quick clicks at one place are a double click, a third is not") {
+TEST_CASE("reports two quick clicks at one position as a double click, but not a third") {
   InputTracker tracker;
   const auto click = [&](double time, float x) {
     const bool result =
@@ -94,7 +94,7 @@ TEST_CASE("Two quick clicks at one place are a double click, a third is not") {
   CHECK_FALSE(click(3.1, 60));
 }
 
-TEST_CASE("Held keys are directions, and are let go with the focus") {
+TEST_CASE("maps held keys to directions, and releases them with the focus") {
   InputTracker tracker;
   tracker.take(key(EventKind::key_down, letter_key('W')), NavigationMode::fly);
   tracker.take(key(EventKind::key_down, Key::left), NavigationMode::fly);

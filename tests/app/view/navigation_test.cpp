@@ -69,7 +69,7 @@ render::NavigationState navigation_info(std::vector<std::string> types) {
 
 }  // namespace
 
-TEST_CASE("NavigationInfo.type chooses the mode (VRML97 6.29)") {
+TEST_CASE("chooses the mode by NavigationInfo.type (VRML97 6.29)") {
   const NavigationRules standard = navigation_rules(render::NavigationState{});
   CHECK(standard.start == NavigationMode::walk);
   CHECK(standard.allows(NavigationMode::examine));
@@ -98,7 +98,7 @@ TEST_CASE("NavigationInfo.type chooses the mode (VRML97 6.29)") {
   CHECK(navigation_rules(navigation_info({"HOVER"})).allows(NavigationMode::fly));
 }
 
-TEST_CASE("A world without NavigationInfo is examined, or walked when it has a Viewpoint") {
+TEST_CASE("examines a world without NavigationInfo, or walks in it if it has a Viewpoint") {
   CHECK(default_navigation_rules(unit_box(), false).start == NavigationMode::examine);
   CHECK(default_navigation_rules(unit_box(), true).start == NavigationMode::walk);
   CHECK(default_navigation_rules(unit_box(), true).speed == Approx(std::sqrt(12.0f) / 8));
@@ -131,7 +131,7 @@ TEST_CASE("EXAMINE turns about any centre as a rigid body") {
   check_close(glm::inverse(state.pose.orientation) * glm::vec3(state.center - state.pose.position), before, 0.01f);
 }
 
-TEST_CASE("A panned point stays under the pointer") {
+TEST_CASE("keeps a panned point under the pointer") {
   Navigation state = start(NavigationMode::examine);
   const glm::vec3 target(0.5f, 0.25f, 1);
   const glm::vec2 pointer(420, 250), moved(130, -70);
@@ -148,7 +148,7 @@ TEST_CASE("A panned point stays under the pointer") {
   CHECK(glm::distance(project(state.pose, target), before + moved) < 0.1f);
 }
 
-TEST_CASE("The wheel goes towards the target, 15 % a notch, and back again") {
+TEST_CASE("moves by 15 % per notch of the wheel towards the target, and back again") {
   const Navigation first = start(NavigationMode::examine);
   NavigationInput wheel = idle();
   wheel.zoom = 1;
@@ -165,7 +165,7 @@ TEST_CASE("The wheel goes towards the target, 15 % a notch, and back again") {
   check_valid(state);
 }
 
-TEST_CASE("FLY moves where it looks, with the speed of the NavigationInfo") {
+TEST_CASE("FLY moves along the view direction at the speed of the NavigationInfo") {
   Navigation state = start(NavigationMode::fly, 3);
   state.pose.orientation = glm::angleAxis(0.5f, glm::vec3(1, 0, 0));
   NavigationInput keys = idle();
@@ -176,7 +176,7 @@ TEST_CASE("FLY moves where it looks, with the speed of the NavigationInfo") {
   check_close(glm::normalize(way), {0, std::sin(0.5f), -std::cos(0.5f)});
 }
 
-TEST_CASE("Shift goes four times as fast, and speed 0 not at all") {
+TEST_CASE("quadruples the speed with Shift, and stays at speed 0") {
   NavigationInput keys = idle();
   keys.move = {0, 0, 1};
   keys.fast = true;
@@ -184,7 +184,7 @@ TEST_CASE("Shift goes four times as fast, and speed 0 not at all") {
   CHECK(settle(run_for(start(NavigationMode::fly, 0), keys, 1, 60)).pose.position.z == 10);
 }
 
-TEST_CASE("WALK stays level: no change of height, no roll") {
+TEST_CASE("WALK stays level, without change of height and roll") {
   Navigation state = start(NavigationMode::walk, 2);
   state.pose.orientation = glm::angleAxis(-0.6f, glm::vec3(1, 0, 0));  // looking down
   NavigationInput input = idle();
@@ -215,7 +215,7 @@ TEST_CASE("WALK straightens a rolled Viewpoint while it moves") {
   check_close(run_for(state, keys, 2, 120).pose.forward(), {0, 0, -1});
 }
 
-TEST_CASE("WALK that starts straight down still knows what is ahead") {
+TEST_CASE("WALK finds a forward direction from a view straight down") {
   Navigation state = start(NavigationMode::walk);
   state.pose.orientation =
       glm::angleAxis(-std::numbers::pi_v<float> / 2, glm::vec3(1, 0, 0));  // the top of the view is -Z
@@ -226,7 +226,7 @@ TEST_CASE("WALK that starts straight down still knows what is ahead") {
   check_valid(state);
 }
 
-TEST_CASE("Motion does not depend on the frame rate") {
+TEST_CASE("moves equally at any frame rate") {
   for (const NavigationMode mode :
        {NavigationMode::examine, NavigationMode::fly, NavigationMode::walk, NavigationMode::pan}) {
     INFO(row_of(mode).label);
@@ -246,7 +246,7 @@ TEST_CASE("Motion does not depend on the frame rate") {
   }
 }
 
-TEST_CASE("NONE leaves the viewer to the world") {
+TEST_CASE("leaves the viewer to the world in mode NONE") {
   NavigationInput input = idle();
   input.drag = Drag::rotate;
   input.moved = {100, 50};
@@ -261,7 +261,7 @@ TEST_CASE("NONE leaves the viewer to the world") {
   CHECK(run_for(travel_to(state, there), input, 1, 60).pose.position.x == 5);  // a Viewpoint still binds
 }
 
-TEST_CASE("A transition takes 0.4 seconds, is smooth, and ends exactly") {
+TEST_CASE("moves smoothly to a Viewpoint in 0.4 seconds, and ends exactly") {
   const Navigation state = start(NavigationMode::examine);
   const Pose there =
       pose_of(glm::translate(glm::mat4(1), {4, 2, 0}) * glm::rotate(glm::mat4(1), 1.2f, glm::vec3(0, 1, 0)), 0.5f);
@@ -280,7 +280,7 @@ TEST_CASE("A transition takes 0.4 seconds, is smooth, and ends exactly") {
   CHECK_FALSE(step(on_the_way, drag, 0.01f).transition);  // the user's hand goes first
 }
 
-TEST_CASE("A double click makes the point the centre and brings it to the middle") {
+TEST_CASE("centres the point of a double click") {
   const glm::dvec3 point(1, 0.5, 0.2);
   const Navigation state = run_for(look_at_point(start(NavigationMode::examine), point), idle(), 0.5f, 30);
   CHECK(state.center == point);
@@ -288,7 +288,7 @@ TEST_CASE("A double click makes the point the centre and brings it to the middle
   check_close(state.pose.forward(), {0, 0, -1});
 }
 
-TEST_CASE("The whole is in view from +Z where there is no Viewpoint, and after fitting") {
+TEST_CASE("frames the whole from +Z without a Viewpoint, and after fitting") {
   const auto sees_all = [](const Pose& pose) {
     for (int corner = 0; corner < 8; ++corner) {
       const glm::vec3 point(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
@@ -310,7 +310,7 @@ TEST_CASE("The whole is in view from +Z where there is no Viewpoint, and after f
   CHECK(pose_that_fits(rolled, {}, kViewport).position == rolled.position);
 }
 
-TEST_CASE("Any matrix gives a valid pose") {
+TEST_CASE("makes a valid pose of any matrix") {
   const glm::mat4 scaled = glm::scale(glm::translate(glm::mat4(1), {1, 2, 3}), glm::vec3(2, 3, 4));
   const Pose pose = pose_of(scaled, 0.7f);
   check_close(pose.position, {1, 2, 3});
@@ -330,7 +330,7 @@ TEST_CASE("Any matrix gives a valid pose") {
   CHECK(camera.near_plane == 0);
 }
 
-TEST_CASE("Nothing that comes in makes the viewer invalid") {
+TEST_CASE("keeps the viewer valid for any input") {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   const float values[] = {0, 1, -1, nan, inf, -inf, 1e38f, -1e38f, 1e-38f, 500};
   std::mt19937 random(7);
@@ -363,7 +363,7 @@ TEST_CASE("Nothing that comes in makes the viewer invalid") {
   }
 }
 
-TEST_CASE("A ray goes through its pixel") {
+TEST_CASE("shoots a ray through its pixel") {
   Pose pose;
   pose.position = {1, 2, 3};
   pose.field_of_view = std::numbers::pi_v<float> / 2;
@@ -374,7 +374,7 @@ TEST_CASE("A ray goes through its pixel") {
   CHECK(ray_through(pose, {400, 0}, kViewport).origin == pose.position);
 }
 
-TEST_CASE("Drags by mode and button") {
+TEST_CASE("maps drags to movements by mode and button") {
   CHECK(drag_of(NavigationMode::examine, DragButton::left, false) == Drag::rotate);
   CHECK(drag_of(NavigationMode::examine, DragButton::left, true) == Drag::pan);
   CHECK(drag_of(NavigationMode::examine, DragButton::right, false) == Drag::pan);
@@ -384,7 +384,7 @@ TEST_CASE("Drags by mode and button") {
   CHECK(drag_of(NavigationMode::pan, DragButton::left, false) == Drag::pan);
 }
 
-TEST_CASE("A travelling drag moves ahead and turns, and rests near its start") {
+TEST_CASE("moves ahead and turns by a travelling drag, and rests near its start") {
   NavigationInput drag = idle();
   drag.drag = Drag::travel;
   drag.from_press = {0, -100};
@@ -395,7 +395,7 @@ TEST_CASE("A travelling drag moves ahead and turns, and rests near its start") {
   CHECK(run_for(start(NavigationMode::walk), drag, 1, 60).pose.position.z == 10);
 }
 
-TEST_CASE("The list of Viewpoints (VRML97 6.53)") {
+TEST_CASE("lists Viewpoints (VRML97 6.53)") {
   std::vector<render::ViewpointState> viewpoints(4);
   viewpoints[1].description = "Front door";
   viewpoints[2].name = "HIDDEN";

@@ -74,7 +74,7 @@ const Ray kAhead{{0, 0, 0}, {0, 0, -1}};
 
 }  // namespace
 
-TEST_CASE("what is seen over everything else is pointed at first, and nobody bumps into it") {
+TEST_CASE("picks overlays first, which never collide") {
   render::RenderList list = list_of({at(0), at(-3), at(-5)});
   list.items[1].overlay = list.items[2].overlay = true;
   list.overlays = true;
@@ -98,7 +98,7 @@ TEST_CASE("what is seen over everything else is pointed at first, and nobody bum
   CHECK(picker.pick(list, ray)->item == 0);
 }
 
-TEST_CASE("The nearest face is hit, from either side, whatever the order") {
+TEST_CASE("hits the nearest face from either side, in any order") {
   const render::RenderList list = list_of({at(-5), at(-2), at(3)});
   const auto hit = pick(list, {{0.5f, -0.25f, 0}, {0, 0, -1}});
   REQUIRE(hit);
@@ -111,14 +111,14 @@ TEST_CASE("The nearest face is hit, from either side, whatever the order") {
   CHECK_FALSE(pick(list, {{0, 0, 0}, {1, 0, 0}}));
 }
 
-TEST_CASE("Distances are the world's, under scale and rotation") {
+TEST_CASE("measures distances in world space under scale and rotation") {
   const glm::mat4 place = glm::rotate(glm::scale(at(-4), glm::vec3(3, 2, 5)), 0.4f, glm::vec3(0, 0, 1));
   const auto hit = pick(list_of({place}), {{0.3f, 0.2f, 1}, {0, 0, -1}});
   REQUIRE(hit);
   CHECK(hit->distance == Approx(5));
 }
 
-TEST_CASE("Flat, singular, empty and too many are no trouble") {
+TEST_CASE("survives flat, singular, empty and very many shapes") {
   render::RenderList list = list_of({glm::mat4(0.0f), at(-2)});
   list.items.emplace_back();
   CHECK(pick(list, {{0, 0, 0}, {0, 0, -1}})->item == 1);
@@ -128,7 +128,7 @@ TEST_CASE("Flat, singular, empty and too many are no trouble") {
   CHECK_FALSE(pick({}, {}));
 }
 
-TEST_CASE("Discs and polygons hide each other") {
+TEST_CASE("hides splats and polygons behind each other") {
   render::RenderList list = list_of({at(-3)});
   add(list, disc(), at(-2));
   add(list, disc(), at(-4));
@@ -149,7 +149,7 @@ TEST_CASE("Discs and polygons hide each other") {
   CHECK(beside->splat == std::size_t{0});
 }
 
-TEST_CASE("Discs are hit under transformations, and from behind where they have two sides") {
+TEST_CASE("hits splats under transformations, and from behind if two-sided") {
   render::RenderList list;
   add(list, disc(), glm::scale(at(-4), {2, 0.5f, 3}));
   CHECK(pick(list, {{3.3f, 0, 0}, {0, 0, -1}})->distance == Approx(4));
@@ -164,7 +164,7 @@ TEST_CASE("Discs are hit under transformations, and from behind where they have 
   CHECK(pick(list, behind)->distance == Approx(5));
 }
 
-TEST_CASE("Volumes are hit where they are dense, before what lies behind them") {
+TEST_CASE("hits volumes where they are dense, before objects behind them") {
   render::RenderList list = list_of({at(-5)});
   add(list, fog_volume(0.9f), at(-2));
   Picker picker;
@@ -177,7 +177,7 @@ TEST_CASE("Volumes are hit where they are dense, before what lies behind them") 
   CHECK(picker.pick(list, kAhead)->distance == Approx(1));
 }
 
-TEST_CASE("A faint volume is hit only where nothing else is") {
+TEST_CASE("hits a faint volume only if nothing else is hit") {
   render::RenderList list = list_of({at(-5)});
   add(list, fog_volume(0.02f), at(-2));
   const auto through = pick(list, kAhead);
@@ -191,7 +191,7 @@ TEST_CASE("A faint volume is hit only where nothing else is") {
   CHECK((faint->distance > 2.2f && faint->distance < 2.7f));
 }
 
-TEST_CASE("What the look leaves out of a volume is not hit") {
+TEST_CASE("ignores the parts of a volume that the style hides") {
   render::RenderList list;
   add(list, fog_volume(0.9f), at(-2));
   Picker picker;
@@ -217,7 +217,7 @@ TEST_CASE("What the look leaves out of a volume is not hit") {
   }
 }
 
-TEST_CASE("Clouds that make no sense are not hit") {
+TEST_CASE("ignores invalid point sets") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   render::RenderList list;
   list.splats.emplace_back();  // without a cloud
@@ -242,7 +242,7 @@ TEST_CASE("Clouds that make no sense are not hit") {
   CHECK_FALSE(pick(list, {{0, 0, 0}, {nan, nan, nan}}));
 }
 
-TEST_CASE("What is hit has a way from the root, through PROTO instances and Inlines, with its coordinate systems") {
+TEST_CASE("returns the path of a hit through PROTO instances and Inlines, with coordinate systems") {
   vrml::SceneGraph scene("root.wrl");
   vrml::Diagnostics diagnostics;
   (void)vrml::parse(R"(#VRML V2.0 utf8
@@ -280,7 +280,7 @@ TEST_CASE("What is hit has a way from the root, through PROTO instances and Inli
   CHECK(path_of(nowhere, Hit{}).empty());
 }
 
-TEST_CASE("A line of sight goes where the ray through the same pixel goes") {
+TEST_CASE("directs a line of sight like the ray through the same pixel") {
   Pose pose;
   pose.orientation = glm::angleAxis(0.7f, glm::normalize(glm::vec3(1, 2, 3)));
   for (const glm::vec2& pointer : {glm::vec2(0, 0), glm::vec2(320, 100), glm::vec2(-9, 700)}) {

@@ -4,7 +4,7 @@
 
 namespace gs::app::picture_detail_test {
 
-TEST_CASE("Pictures that are given up are drawn more coarsely while the viewer moves, and finely when he stands") {
+TEST_CASE("draws late pictures more coarsely while the viewer moves, and finely at rest") {
   PictureDetail detail;
   CHECK(detail.coarseness(true) == 1);
   detail.note(1, false, 3);  // slow, but whole: nobody did anything
@@ -20,7 +20,7 @@ TEST_CASE("Pictures that are given up are drawn more coarsely while the viewer m
   CHECK(detail.coarseness(true) == PictureDetail::kMost);
 }
 
-TEST_CASE("Pictures become finer again as soon as finer ones would not be late") {
+TEST_CASE("refines pictures again as soon as finer ones are in time") {
   PictureDetail detail;
   detail.note(1, true, 0.4);
   detail.note(2, true, 0.4);
@@ -36,7 +36,7 @@ TEST_CASE("Pictures become finer again as soon as finer ones would not be late")
   CHECK(detail.coarseness(true) == 1);
 }
 
-TEST_CASE("While a world is read, pictures that take long do not keep its progress from being seen") {
+TEST_CASE("keeps the loading progress visible during slow pictures") {
   LoadingPace pace;
   CHECK(pace.go_on(10, 10.49));
   CHECK_FALSE(pace.go_on(10, 10.5));

@@ -15,7 +15,7 @@ Pose at(double x) {
 
 }  // namespace
 
-TEST_CASE("What is done without a rest is one movement, and is undone and done again as one") {
+TEST_CASE("joins continuous movements to one, and undoes and redoes it") {
   PoseHistory history;
   CHECK_FALSE(history.can_go(-1));
   CHECK_FALSE(history.go(-1, at(0)));
@@ -38,7 +38,7 @@ TEST_CASE("What is done without a rest is one movement, and is undone and done a
   CHECK_FALSE(history.can_go(1));
 }
 
-TEST_CASE("Who goes elsewhere forgets what he has undone, and who is undone on his way comes where he was going") {
+TEST_CASE("drops undone movements after a new one, and undoes a running one from its destination") {
   PoseHistory history;
   history.moved(at(0), at(1), 0);
   history.moved(at(1), at(2), 10);
@@ -53,7 +53,7 @@ TEST_CASE("Who goes elsewhere forgets what he has undone, and who is undone on h
   CHECK(history.go(-1, at(7))->position.x == 1.2);
 }
 
-TEST_CASE("The oldest places are forgotten") {
+TEST_CASE("forgets the oldest positions") {
   PoseHistory history;
   for (int i = 0; i < 500; ++i) history.moved(at(i), at(i + 1), i);
   std::size_t places = 0;

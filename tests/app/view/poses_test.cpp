@@ -48,7 +48,7 @@ Navigation navigation_at(const Pose& pose) {
 
 }  // namespace
 
-TEST_CASE("The first view has what is up on top and looks from the front") {
+TEST_CASE("starts with the up axis on top, seen from the front") {
   for (const UpAxisRow& row : up_axes()) {
     INFO(row.name);
     const Upright upright = upright_of(row.axis);
@@ -67,7 +67,7 @@ TEST_CASE("The first view has what is up on top and looks from the front") {
   CHECK(first_pose(plate, kPicture, upright_of(UpAxis::z)).forward().z < -0.5f);
 }
 
-TEST_CASE("Parts of constructions are first seen from the front, the right and above, however flat they are") {
+TEST_CASE("starts with flat constructions seen from front, right and above") {
   for (const glm::vec3& size : {glm::vec3(10, 10, 10), glm::vec3(10, 10, 3), glm::vec3(10, 0.1f, 10), glm::vec3(0.1f, 9, 9)}) {
     render::WorldBounds part;
     part.add(glm::vec3(0));
@@ -81,7 +81,7 @@ TEST_CASE("Parts of constructions are first seen from the front, the right and a
   }
 }
 
-TEST_CASE("The sides of a thing are seen from where they are, in perspective and by parallel rays") {
+TEST_CASE("shows an object from each side, in perspective and parallel projection") {
   for (const UpAxis axis : {UpAxis::y, UpAxis::z, UpAxis::minus_x}) {
     const Upright upright = upright_of(axis);
     const glm::vec3 right = upright.right();
@@ -100,7 +100,7 @@ TEST_CASE("The sides of a thing are seen from where they are, in perspective and
   }
 }
 
-TEST_CASE("Straightening takes the roll and nothing else") {
+TEST_CASE("levels the roll and nothing else") {
   Pose pose;
   pose.position = {1, 2, 3};
   pose.orientation = glm::normalize(glm::quat(0.3f, 0.5f, -0.2f, 0.7f));
@@ -115,7 +115,7 @@ TEST_CASE("Straightening takes the roll and nothing else") {
   CHECK(straightened(pose, {0, 0, 1}).orientation == pose.orientation);  // straight down
 }
 
-TEST_CASE("Seeking goes to half the distance and looks at the place") {
+TEST_CASE("moves halfway to a point and looks at it") {
   for (const double height : {0.0, 4.0}) {
     Pose pose;
     pose.position = {0, 0, 20};
@@ -130,7 +130,7 @@ TEST_CASE("Seeking goes to half the distance and looks at the place") {
   }
 }
 
-TEST_CASE("What is looked at is as large by parallel rays as in perspective, and back") {
+TEST_CASE("keeps the size of the target between parallel projection and perspective") {
   Pose pose;
   pose.position = {2, 3, 10};
   const Pose parallel = with_parallel_rays(pose, true, 7);
@@ -145,7 +145,7 @@ TEST_CASE("What is looked at is as large by parallel rays as in perspective, and
   CHECK(close(with_parallel_rays(parallel, false, 7).position, pose.position));
 }
 
-TEST_CASE("Parallel rays go through the pixels in which what they meet is seen") {
+TEST_CASE("shoots parallel rays through the pixels of their targets") {
   Pose pose = first_pose(box(), kPicture);
   pose.orientation = glm::normalize(glm::quat(0.9f, 0.1f, -0.2f, 0.3f));
   pose.height = 12;
@@ -177,7 +177,7 @@ TEST_CASE("Parallel rays go through the pixels in which what they meet is seen")
   CHECK(std::abs(glm::distance(target, pose.position) - looked_at_distance(state)) < 1e-3);
 }
 
-TEST_CASE("The wheel brings nearer by parallel rays what is under the pointer, which stays there") {
+TEST_CASE("zooms in parallel projection towards the point under the pointer, which stays") {
   Pose pose;
   pose.position = {0, 0, 30};
   pose.height = 20;
@@ -193,7 +193,7 @@ TEST_CASE("The wheel brings nearer by parallel rays what is under the pointer, w
   CHECK(glm::distance(seen_at(state.pose, *input.target), before) < 1e-3);
 }
 
-TEST_CASE("A way goes on by the rays that the viewer sees by, whatever its end was made for") {
+TEST_CASE("keeps the projection during a movement, whatever projection its end was made for") {
   Pose pose;
   pose.position = {0, 0, 30};
   pose.height = 20;

@@ -7,7 +7,7 @@
 
 namespace gs::app::ruler_test {
 
-TEST_CASE("Two points have a distance, three an angle and an area, and more a length") {
+TEST_CASE("measures distances of two points, angles and areas of three, and lengths of more") {
   Ruler ruler;
   CHECK(ruler.length() == 0);
   CHECK(ruler.add({0, 0, 0}));
@@ -31,7 +31,7 @@ TEST_CASE("Two points have a distance, three an angle and an area, and more a le
   CHECK(ruler.points().size() == 2);
 }
 
-TEST_CASE("The area of a polygon is that of its outline, concave or far away") {
+TEST_CASE("measures the area of a concave or distant polygon by its outline") {
   Ruler ruler;
   // An L of three unit squares, a thousand kilometres from the origin.
   for (const auto& [x, y] : {std::pair{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})
@@ -40,7 +40,7 @@ TEST_CASE("The area of a polygon is that of its outline, concave or far away") {
   CHECK(ruler.length() == Approx(6));  // without the edge that closes it
 }
 
-TEST_CASE("Angles are exact where they are small, and what is no place is not taken") {
+TEST_CASE("measures small angles exactly, and rejects invalid points") {
   Ruler ruler;
   CHECK(ruler.add({1, 0, 0}));
   CHECK(ruler.add({0, 0, 0}));

@@ -14,7 +14,7 @@ std::vector<Viewport> beside() { return {{0, 0, 100, 100}, {100, 0, 100, 100}}; 
 
 }  // namespace
 
-TEST_CASE("A drag stays with the viewport where it began") {
+TEST_CASE("keeps a drag in the viewport where it began") {
   const auto places = beside();
   const glm::vec2 left(50, 50), right(150, 50), outside(-20, 50);
   PointerRouter router;
@@ -36,7 +36,7 @@ TEST_CASE("A drag stays with the viewport where it began") {
   CHECK(router.route(event(EventKind::pointer, left), places) == 0u);
 }
 
-TEST_CASE("Events beside all viewports belong to none") {
+TEST_CASE("assigns events outside all viewports to none") {
   const auto places = beside();
   PointerRouter router;
   CHECK_FALSE(router.route(event(EventKind::button_down, {300, 50}), places));
@@ -52,7 +52,7 @@ TEST_CASE("Events beside all viewports belong to none") {
   CHECK(router.route(event(EventKind::pointer, {150, 50}), std::span(places).first(1)) == std::nullopt);
 }
 
-TEST_CASE("A budget is shared by size") {
+TEST_CASE("divides a budget by size") {
   const auto share = [](std::size_t total, std::vector<std::size_t> weights) { return shares_of(total, weights); };
   CHECK(share(2'000'000, {300}) == std::vector<std::size_t>{2'000'000});
   CHECK(share(2'000'000, {100, 300}) == std::vector<std::size_t>{500'000, 1'500'000});
@@ -71,7 +71,7 @@ TEST_CASE("A budget is shared by size") {
   CHECK(std::accumulate(odd.begin(), odd.end(), std::size_t{0}) > 1'000'000);
 }
 
-TEST_CASE("Frames follow each other as long as they get better") {
+TEST_CASE("draws frames as long as they improve") {
   Refinement refinement;
   CHECK_FALSE(refinement.wanted());
   refinement.note(true, 100, true);

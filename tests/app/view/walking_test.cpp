@@ -87,7 +87,7 @@ Walk at(const dvec3& eye) {
 
 }  // namespace
 
-TEST_CASE("Who walks stands avatarSize[1] above the ground, and follows it (4.13.4, 6.29)") {
+TEST_CASE("keeps a walking viewer avatarSize[1] above the ground (4.13.4, 6.29)") {
   Site site;
   site.floor(2);
   Walk body = go(site, at({0, 3.6, 0}), {1, 0, 0}, 1);
@@ -108,7 +108,7 @@ TEST_CASE("Who walks stands avatarSize[1] above the ground, and follows it (4.13
   CHECK(body.on_ground);
 }
 
-TEST_CASE("Who walks steps over avatarSize[2] and no higher") {
+TEST_CASE("steps over avatarSize[2] and no higher") {
   for (const double height : {0.3, 0.7, 0.8, 1.2}) {
     Site site;
     site.floor(0);
@@ -126,7 +126,7 @@ TEST_CASE("Who walks steps over avatarSize[2] and no higher") {
   }
 }
 
-TEST_CASE("Walls are kept avatarSize[0] away, and slid along") {
+TEST_CASE("keeps avatarSize[0] from walls, and slides along them") {
   Site site;
   site.floor(0);
   site.face({-50, 0, -3}, {50, 0, -3}, {50, 4, -3}, {-50, 4, -3});
@@ -146,7 +146,7 @@ TEST_CASE("Walls are kept avatarSize[0] away, and slid along") {
   CHECK(body.eye.x == Approx(3.75).margin(0.02));
 }
 
-TEST_CASE("Walking is the same at 10 and at 200 frames a second") {
+TEST_CASE("walks equally at 10 and at 200 frames per second") {
   Site site;
   site.floor(0);
   site.box({3, 0, -10}, {6, 0.6, 10});                              // a step
@@ -163,7 +163,7 @@ TEST_CASE("Walking is the same at 10 and at 200 frames a second") {
   CHECK(go(site, fast, dvec3(0), 3, 200).eye.y == Approx(1.6));
 }
 
-TEST_CASE("Who walks off an edge falls onto what is below, and not where nothing is") {
+TEST_CASE("falls off an edge to the ground below, but not where there is none") {
   Site site;
   site.floor(0, -10, 2);
   Walk body = go(site, at({0, 1.6, 0}), {2, 0, 0}, 4);
@@ -179,7 +179,7 @@ TEST_CASE("Who walks off an edge falls onto what is below, and not where nothing
   CHECK(body.eye.y == Approx(-18.4));
 }
 
-TEST_CASE("Who was put too low or into a wall gets out, and no one gets through at any speed") {
+TEST_CASE("frees a viewer that starts too low or in a wall, and blocks passage at any speed") {
   Site site;
   site.floor(0);
   CHECK(go(site, at({0, 0.4, 0}), {1, 0, 0}, 0.5).eye.y == Approx(1.6));  // a Viewpoint below the avatar's height
@@ -195,7 +195,7 @@ TEST_CASE("Who was put too low or into a wall gets out, and no one gets through 
     }
 }
 
-TEST_CASE("Who flies goes up and down, and through nothing") {
+TEST_CASE("flies up and down, and through nothing") {
   Avatar body = kBody;
   body.gravity = false;
   Site site;
@@ -205,7 +205,7 @@ TEST_CASE("Who flies goes up and down, and through nothing") {
   CHECK(go(site, at({0, 9, 0}), dvec3(0), 2, 60, body).eye.y == 9);  // no gravity
 }
 
-TEST_CASE("A step is seen as a rise, not as a jump") {
+TEST_CASE("shows a step as a rise, not as a jump") {
   Site site;
   site.floor(0);
   site.box({1, 0, -10}, {30, 0.5, 10});
@@ -222,7 +222,7 @@ TEST_CASE("A step is seen as a rise, not as a jump") {
   CHECK(before == Approx(2.1).margin(0.01));
 }
 
-TEST_CASE("A body needs no sensible numbers, and stays in a room whatever it does") {
+TEST_CASE("survives invalid avatar sizes, and keeps the viewer in a room") {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> number(-1, 1);
   Site room;
@@ -253,7 +253,7 @@ TEST_CASE("A body needs no sensible numbers, and stays in a room whatever it doe
   }
 }
 
-TEST_CASE("Nobody falls who has not moved, who is on the way to a Viewpoint, who examines, or who is a ghost") {
+TEST_CASE("applies no gravity before the first movement, during transitions, in EXAMINE or without collision") {
   Site site;
   site.floor(0);
   const Obstacles obstacles = site.obstacles();
@@ -281,7 +281,7 @@ TEST_CASE("Nobody falls who has not moved, who is on the way to a Viewpoint, who
   CHECK(after(travel_to(still, there), 10).pose.position.y == 30);
 }
 
-TEST_CASE("Down is where the bound Viewpoint's coordinates have it (6.29)") {
+TEST_CASE("takes down from the bound Viewpoint's coordinates (6.29)") {
   Site site;  // a wall along x = 0 that one stands on, up being +X
   site.face({0, -50, -50}, {0, 50, -50}, {0, 50, 50}, {0, -50, 50});
   Pose pose;

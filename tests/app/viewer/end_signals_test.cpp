@@ -7,7 +7,7 @@
 
 namespace gs::app::end_signals_test {
 
-TEST_CASE("Who is told to end by a signal is woken, and the program goes on") {
+TEST_CASE("wakes the program by a termination signal, and continues") {
   for (const int signal : {SIGTERM, SIGINT}) {
     std::promise<bool> woken;
     struct sigaction before {};
@@ -25,7 +25,7 @@ TEST_CASE("Who is told to end by a signal is woken, and the program goes on") {
   }
 }
 
-TEST_CASE("Who is not told to end is not woken") {
+TEST_CASE("wakes nothing without a signal") {
   bool woken = false;
   {
     const EndWatch watch([&] { woken = true; });

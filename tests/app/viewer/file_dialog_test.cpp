@@ -44,7 +44,7 @@ FileDialog::Answer answer_of(const std::string& script) {
 
 }  // namespace
 
-TEST_CASE("The desktop's dialog gives the files that were chosen, a line each") {
+TEST_CASE("returns the chosen files of the desktop's dialog, one per line") {
   const Desktop desktop;
   CHECK(answer_of("echo '/a.wrl'; echo '/b c.wrl'").files == Files{"/a.wrl", "/b c.wrl"});
   const auto none = answer_of("exit 1");  // the user chose none
@@ -56,7 +56,7 @@ TEST_CASE("The desktop's dialog gives the files that were chosen, a line each") 
   CHECK(answer_of("kill -9 $$").failed);
 }
 
-TEST_CASE("The desktop's dialog begins in the folder that it is given, and says nothing to the terminal") {
+TEST_CASE("opens the desktop's dialog in the given folder, and prints nothing") {
   const Desktop desktop;
   const std::vector<DialogProgram> programs = {
       {"/bin/sh", {"-c", "echo \"$0\"; echo \"$1\"; readlink /proc/self/fd/2", "--in={folder}/", "{folder}"}}};
@@ -67,7 +67,7 @@ TEST_CASE("The desktop's dialog begins in the folder that it is given, and says 
   CHECK(dialog.take()->files == Files{"--in=/a b/c/", "/a b/c", "/dev/null"});
 }
 
-TEST_CASE("A window that closes takes the dialog with it, and without one there is none") {
+TEST_CASE("closes the dialog with its window, and runs without one") {
   const Desktop desktop;
   const std::vector<DialogProgram> patient = {{"/bin/sh", {"-c", "exec sleep 1000"}}};
   {

@@ -4,7 +4,7 @@
 
 namespace gs::app::frame_rate_test {
 
-TEST_CASE("Frames a second are those that were drawn in the last one") {
+TEST_CASE("counts the frames of the last second") {
   FrameRate rate;
   CHECK(rate.a_second() == 0);
   rate.drawn(100, true);
@@ -23,7 +23,7 @@ TEST_CASE("Frames a second are those that were drawn in the last one") {
   CHECK(rate.a_second() == Approx(0.25));
 }
 
-TEST_CASE("What rests has no frames a second, and begins anew") {
+TEST_CASE("reports no frame rate at rest, and starts again") {
   FrameRate rate;
   for (int i = 0; i < 10; ++i) rate.drawn(i * 0.1, true);
   rate.drawn(5, false);

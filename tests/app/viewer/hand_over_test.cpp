@@ -40,7 +40,7 @@ struct Runtime {
   Environment variable{"XDG_RUNTIME_DIR", folder.path("")};
 };
 
-TEST_CASE("Files are handed over to the window that is there, and to nobody else") {
+TEST_CASE("hands files to the open window of the same user only") {
   const Runtime runtime;
   const std::string folder = hand_over_folder();
   REQUIRE_FALSE(folder.empty());
@@ -88,7 +88,7 @@ TEST_CASE("Hands over URLs as they are, their scheme in any case (RFC 3986 3.1)"
   CHECK(absolute_place("ghostspace.wrl").starts_with('/'));
 }
 
-TEST_CASE("A folder that others may enter is no place to hand over") {
+TEST_CASE("refuses to hand over through a folder that others may enter") {
   const Runtime runtime;
   const std::string folder = hand_over_folder();
   ::chmod(folder.c_str(), 0755);

@@ -18,7 +18,7 @@ std::string world() {
 
 }  // namespace
 
-TEST_CASE("SIGTERM and SIGINT end the program while a Script is overdue") {
+TEST_CASE("ends on SIGTERM and SIGINT while a Script is overdue") {
   for (const std::string signal : {"TERM", "INT"}) {
     const ScratchFolder folder;
     (void)folder.write("world.wrl", world());
@@ -36,7 +36,7 @@ TEST_CASE("SIGTERM and SIGINT end the program while a Script is overdue") {
   }
 }
 
-TEST_CASE("a command without a window ends when a Script is overdue") {
+TEST_CASE("ends a command without a window when a Script is overdue") {
   const ScratchFolder folder;
   (void)folder.write("world.wrl", world());
   for (const std::string command : {"--backend osmesa --snapshot out.png world.wrl", "trace world.wrl --until 1"}) {

@@ -94,7 +94,7 @@ std::string bytes_in(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("Turntables and tours of the window are saved as pictures and as movies") {
+TEST_CASE("saves turntables and tours of the window as pictures and movies") {
   Workshop shop;
   if (!shop.tools) return;  // nothing here draws
   shop.user.show_world("Viewpoint { position 0 0 6 } Shape { geometry Box { size 1 2 3 } }", "a box.wrl");
@@ -145,7 +145,7 @@ TEST_CASE("Turntables and tours of the window are saved as pictures and as movie
   CHECK(shop.told.back() == "The animation was given up");
 }
 
-TEST_CASE("A slice is drawn through its volume by its edge in the picture") {
+TEST_CASE("drags a slice through its volume by its edge in the picture") {
   Workshop shop;
   if (!shop.tools) return;
   std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 11 11 11\nencoding: ascii\n\n";
@@ -190,7 +190,7 @@ TEST_CASE("A slice is drawn through its volume by its edge in the picture") {
   CHECK_FALSE(shop.take(Kind::button_up, {2, 2}));
 }
 
-TEST_CASE("A transfer function that is saved takes no other file's place unasked") {
+TEST_CASE("asks before a saved transfer function replaces another file") {
   Workshop shop;
   if (!shop.tools) return;
   std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 5 5 5\nencoding: ascii\n\n";
@@ -224,7 +224,7 @@ TEST_CASE("A transfer function that is saved takes no other file's place unasked
   CHECK(shop.told.back() == "Saved: " + *save.save_transfer);
 }
 
-TEST_CASE("The value under the pointer is told of surfaces whose colours stand for values, and they have a bar") {
+TEST_CASE("shows the value under the pointer for surfaces of coloured values, with a bar") {
   Workshop shop;
   if (!shop.tools) return;
   shop.open(shop.scratch.write("a.inp",
@@ -252,7 +252,7 @@ TEST_CASE("The value under the pointer is told of surfaces whose colours stand f
   CHECK(described.bar->colors.size() == 5);
 }
 
-TEST_CASE("The value under the pointer is told of a stream by its nearest vector") {
+TEST_CASE("shows the value of a stream's nearest vector under the pointer") {
   Workshop shop;
   if (!shop.tools) return;
   std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nsample units: K\nencoding: ascii\n\n";

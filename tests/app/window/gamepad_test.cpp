@@ -18,7 +18,7 @@ GamepadState connected() {
 
 }  // namespace
 
-TEST_CASE("A gamepad at rest, or none, says nothing") {
+TEST_CASE("reports nothing for a gamepad at rest or a missing one") {
   Gamepad gamepad;
   CHECK(gamepad.take({}, 0).empty());
   CHECK(gamepad.take(connected(), 1).empty());
@@ -29,7 +29,7 @@ TEST_CASE("A gamepad at rest, or none, says nothing") {
   CHECK(gamepad.take(worn, 3).empty());
 }
 
-TEST_CASE("Sticks move and turn, triggers lead down and up, gently at first") {
+TEST_CASE("moves and turns by sticks, and down and up by triggers, gently at first") {
   Gamepad gamepad;
   GamepadState state = connected();
   state.axes = {1, 0, 0, -1, -1, 1};
@@ -56,7 +56,7 @@ TEST_CASE("Sticks move and turn, triggers lead down and up, gently at first") {
   CHECK(events[0].move == glm::vec3(0));
 }
 
-TEST_CASE("Buttons are keys, which go down once and up once") {
+TEST_CASE("maps buttons to keys that go down once and up once") {
   Gamepad gamepad;
   for (const GamepadButtonRow& row : gamepad_buttons()) {
     CAPTURE(row.name);
@@ -74,7 +74,7 @@ TEST_CASE("Buttons are keys, which go down once and up once") {
   }
 }
 
-TEST_CASE("What a gamepad holds moves like held keys, until it is let go") {
+TEST_CASE("moves by a held gamepad input as by held keys") {
   Gamepad gamepad;
   InputTracker tracker;
   GamepadState state = connected();

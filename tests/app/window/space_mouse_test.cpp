@@ -32,7 +32,7 @@ void button(int press, int number) { waiting.push_back({2, {press, number}}); }
 
 }  // namespace
 
-TEST_CASE("Without a library or a daemon there is no 3D mouse, and nobody is told") {
+TEST_CASE("ignores a missing library or daemon of a 3D mouse silently") {
   SpaceMouse none(std::nullopt);
   CHECK_FALSE(none.there());
   CHECK(none.take(0).empty());
@@ -47,7 +47,7 @@ TEST_CASE("Without a library or a daemon there is no 3D mouse, and nobody is tol
   has_daemon = true;
 }
 
-TEST_CASE("The cap of a 3D mouse moves and turns, and its buttons are keys") {
+TEST_CASE("moves and turns by the cap of a 3D mouse, with buttons as keys") {
   waiting.clear();
   opened = closed = 0;
   {

@@ -45,7 +45,7 @@ class ServerProgram {
 
 }  // namespace
 
-TEST_CASE("A server of cells that stops leaves what has come") {
+TEST_CASE("keeps the received part when a cell server stops") {
   CellSite site;
   site.options.rate = 2'000'000;
   site.start();
@@ -58,7 +58,7 @@ TEST_CASE("A server of cells that stops leaves what has come") {
   CHECK(cloud_of_world(world).size() > 1000);
 }
 
-TEST_CASE("A server of cells that is killed is asked again, and one with another file is told apart") {
+TEST_CASE("asks a killed cell server again, and detects a changed file") {
   CellSite site;
   site.start();
   site.archive.reset();  // the port is free

@@ -6,7 +6,7 @@
 using namespace gs;
 using namespace gs::app;
 
-TEST_CASE("A stream that comes as cells is the one in the file", "[optimised]") {
+TEST_CASE("restores the stream of the file from cells", "[optimised]") {
   CellSite site;
   site.start();
   for (const char* name : {"packed.qnv", "records.qnv"}) {
@@ -21,7 +21,7 @@ TEST_CASE("A stream that comes as cells is the one in the file", "[optimised]") 
   }
 }
 
-TEST_CASE("A mesh far from 0 comes as it is over HTTP and as cells") {
+TEST_CASE("restores a distant mesh over HTTP and from cells") {
   CellSite site;
   site.options.http_port = 0;
   site.start();
@@ -45,7 +45,7 @@ TEST_CASE("A mesh far from 0 comes as it is over HTTP and as cells") {
   }
 }
 
-TEST_CASE("Cells that are lost cost detail, and the rest shows whole", "[optimised]") {
+TEST_CASE("loses only detail with lost cells", "[optimised]") {
   CellSite site;
   site.start();
   for (const char* name : {"packed.qnv", "records.qnv"}) {
@@ -64,7 +64,7 @@ TEST_CASE("Cells that are lost cost detail, and the rest shows whole", "[optimis
   }
 }
 
-TEST_CASE("A QNV node takes the first of its urls that has a stream") {
+TEST_CASE("loads the first url of a QNV node that has a stream") {
   CellSite site;
   site.start();
   const std::string world_text = "#VRML V2.0 utf8\nShape { geometry QNV { url [ \"" + site.url("none.qnv") + "\" \"" +
@@ -82,7 +82,7 @@ TEST_CASE("A QNV node takes the first of its urls that has a stream") {
   CHECK(tells(offline.diagnostics, "--offline"));
 }
 
-TEST_CASE("What cannot be had as cells is said") {
+TEST_CASE("reports sources that cannot be read as cells") {
   CellSite site;
   site.start();
   const OpenedWorld none = load_world(site.url("none.qnv"));
@@ -103,7 +103,7 @@ TEST_CASE("What cannot be had as cells is said") {
   CHECK(tells(silent.diagnostics, "time for loading is over"));
 }
 
-TEST_CASE("A part of a stream is asked for, and no more than that is taken") {
+TEST_CASE("requests and receives only a part of a stream") {
   CellSite site;
   site.start();
   LoadOptions options;

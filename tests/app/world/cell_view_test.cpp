@@ -6,7 +6,7 @@
 using namespace gs;
 using namespace gs::app;
 
-TEST_CASE("Regions are what views see of a stream") {
+TEST_CASE("requests regions by what views see of a stream") {
   const qnv::Box all{{-1, -1, -1}, {1, 1, 1}};
   std::array<qnv::LodView, 3> views;
   CHECK(regions_of({}, all).empty());
@@ -39,7 +39,7 @@ TEST_CASE("Regions are what views see of a stream") {
   CHECK(regions_of(views, all).size() <= 1);
 }
 
-TEST_CASE("In a window the base shows at once, and views say what comes next") {
+TEST_CASE("shows the base in a window at once, and requests the next parts by view") {
   CellSite site;
   site.options.rate = 8'000'000;
   site.start();

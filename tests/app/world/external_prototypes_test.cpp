@@ -43,7 +43,7 @@ const glm::vec3 kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1);
 
 }  // namespace
 
-TEST_CASE("an EXTERNPROTO may name a PROTO of its own file (VRML97 4.9.2)") {
+TEST_CASE("accepts an EXTERNPROTO that names a PROTO of its own file (VRML97 4.9.2)") {
   const ScratchFolder folder;
   const std::string nodes = "Y { } Y { c 0 1 0 }\n";
   // Before the PROTO and behind it, by a fragment alone and by the file's name, and without the PROTO's.
@@ -59,7 +59,7 @@ TEST_CASE("an EXTERNPROTO may name a PROTO of its own file (VRML97 4.9.2)") {
     }
 }
 
-TEST_CASE("an EXTERNPROTO of its own file comes in pieces, and in libraries too") {
+TEST_CASE("loads an EXTERNPROTO of its own file in pieces, and in libraries") {
   auto network = std::make_shared<net::MemoryNetwork>();
   LoadOptions options;
   options.memory = network;
@@ -88,7 +88,7 @@ TEST_CASE("an EXTERNPROTO of its own file comes in pieces, and in libraries too"
   CHECK(shown.colors == std::vector<glm::vec3>{kBlue, kGreen});
 }
 
-TEST_CASE("an EXTERNPROTO of its own file that is not there, or stands inside itself, is said, and the rest shows") {
+TEST_CASE("reports a missing or recursive EXTERNPROTO of its own file, and shows the rest") {
   const ScratchFolder folder;
   const Shown missing =
       show(folder.write("a.wrl", kHeader + "EXTERNPROTO Y [ field SFColor c ] \"#Q\"\nY { }\n" + kX + "X { }\n"));
@@ -107,7 +107,7 @@ TEST_CASE("an EXTERNPROTO of its own file that is not there, or stands inside it
   }
 }
 
-TEST_CASE("an EXTERNPROTO that cannot be had shows its children, with one warning a type") {
+TEST_CASE("shows the children of an EXTERNPROTO that cannot be loaded, with one warning per type") {
   const ScratchFolder folder;
   const std::string box =
       "Shape { appearance Appearance { material Material { emissiveColor 1 0 0 } } geometry Box { } }";
@@ -136,7 +136,7 @@ TEST_CASE("an EXTERNPROTO that cannot be had shows its children, with one warnin
   CHECK(count("error: ") == 0);
 }
 
-TEST_CASE("an EXTERNPROTO may name a node of the standard, or one that has a stand-in, by a urn") {
+TEST_CASE("resolves an EXTERNPROTO by a urn of a standard node or a stand-in") {
   const ScratchFolder folder;
   const std::string material = "appearance Appearance { material Material { emissiveColor 1 0 0 } } ";
   const Shown shown = show(
@@ -160,7 +160,7 @@ TEST_CASE("an EXTERNPROTO may name a node of the standard, or one that has a sta
   CHECK(shown.messages.find("error: ") == std::string::npos);
 }
 
-TEST_CASE("nodes of Blaxxun and Cosmo worlds have stand-ins, by EXTERNPROTO and without") {
+TEST_CASE("has stand-ins for nodes of Blaxxun and Cosmo worlds, with and without EXTERNPROTO") {
   const ScratchFolder folder;
   const std::string box =
       "Shape { appearance Appearance { material Material { emissiveColor 1 0 0 } } geometry Box { } }";

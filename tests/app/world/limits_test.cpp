@@ -105,7 +105,7 @@ std::string png(std::uint32_t side) {
 
 }  // namespace
 
-TEST_CASE("gzip data that unpack to far more than their size are stopped") {
+TEST_CASE("stops gzip data that unpack to far more than their size") {
   const auto budget = std::make_shared<vrml::Budget>(vrml::Limits{.unpack_free = kMega});
   const std::string bomb = packed("", 20 * kMega);
   std::size_t made = 0;
@@ -137,7 +137,7 @@ TEST_CASE("gzip data that unpack to far more than their size are stopped") {
   CHECK(kept.share.amount() == kept.bytes.size());
 }
 
-TEST_CASE("A packed world shows up to where it unpacks to too much") {
+TEST_CASE("shows a compressed world up to the limit of unpacked bytes") {
   const ScratchFolder folder;
   const Loaded blanks(folder.write("blanks.wrz", packed(kHeader + kBox, 10 * kMega, ' ')), 8 * kMega);
   INFO(blanks.said());
@@ -163,7 +163,7 @@ TEST_CASE("A packed world shows up to where it unpacks to too much") {
   inlines.check_budget();
 }
 
-TEST_CASE("A packed mesh, volume or splats of zeros are refused by name") {
+TEST_CASE("refuses a compressed mesh, volume or splats of zeros by name") {
   const ScratchFolder folder;
   const std::string ply =
       "ply\nformat binary_little_endian 1.0\nelement vertex 9000000\nproperty float x\nproperty float y\n"
@@ -185,7 +185,7 @@ TEST_CASE("A packed mesh, volume or splats of zeros are refused by name") {
   CHECK(splats.said("zeros.spz: error: 4000000 splats take more than the limit for vectors, 128 MiB"));
 }
 
-TEST_CASE("A world shows beside what is refused") {
+TEST_CASE("shows the rest of a world with refused files") {
   const ScratchFolder folder;
   folder.write("zeros.nii.gz", packed(nifti(512, 512, 400), 100 * kMega));
   folder.write("zeros.spz", packed(spz(4'000'000), 80'000'000));
@@ -200,7 +200,7 @@ TEST_CASE("A world shows beside what is refused") {
   world.check_budget();
 }
 
-TEST_CASE("Forty textures of one large picture become smaller, and then are left out") {
+TEST_CASE("shrinks forty textures of one large image, and then leaves them out") {
   const ScratchFolder folder;
   const std::string picture = png(1024);
   std::string world = kHeader;
@@ -220,7 +220,7 @@ TEST_CASE("Forty textures of one large picture become smaller, and then are left
   textures.check_budget();
 }
 
-TEST_CASE("A texture larger than the limit for one is made smaller while it is decoded") {
+TEST_CASE("shrinks a texture beyond the limit during decoding") {
   const ScratchFolder folder;
   folder.write("large.png", png(1024));
   const std::string path = folder.write(
@@ -240,7 +240,7 @@ TEST_CASE("A texture larger than the limit for one is made smaller while it is d
   CHECK(world.scene->budget()->used(vrml::Resource::pixels) == 256 * 256 * (3 + 6));
 }
 
-TEST_CASE("What USE and PROTO multiply is left out with the place of the first, and the rest shows") {
+TEST_CASE("leaves out what USE and PROTO multiply beyond the limit, names the first, and shows the rest") {
   const ScratchFolder folder;
   std::string uses = "DEF N0 Group { children " + kBox + "}\n",
               protos = "PROTO P0 [ ] { Group { children " + kBox + "} }\n";
@@ -263,7 +263,7 @@ TEST_CASE("What USE and PROTO multiply is left out with the place of the first, 
   instances.check_budget();
 }
 
-TEST_CASE("An Extrusion of two long lists and grids of one list are bounded, and the rest shows") {
+TEST_CASE("limits an Extrusion of two long lists and grids of one list, and shows the rest") {
   const ScratchFolder folder;
   std::string section, spine;
   for (int i = 0; i < 3000; ++i) {
@@ -290,7 +290,7 @@ TEST_CASE("An Extrusion of two long lists and grids of one list are bounded, and
   grids.check_budget();
 }
 
-TEST_CASE("Inlines inside each other in data URLs end") {
+TEST_CASE("ends nested Inlines in data URLs") {
   const ScratchFolder folder;
   std::string inner = kHeader + kBox;
   for (int i = 0; i < 12; ++i) {
@@ -308,7 +308,7 @@ TEST_CASE("Inlines inside each other in data URLs end") {
   CHECK(said.find("leads back to") != std::string::npos);
 }
 
-TEST_CASE("A world of too many files ends, naming the limit") {
+TEST_CASE("stops a world of too many files, and names the limit") {
   const ScratchFolder folder;
   std::string text = kHeader + kBox;
   for (int i = 0; i < 50; ++i) text += "Inline { url \"" + std::to_string(i) + ".wrl\" }\n";
@@ -321,7 +321,7 @@ TEST_CASE("A world of too many files ends, naming the limit") {
   CHECK(said.find("refers to more than 20 files") != std::string::npos);
 }
 
-TEST_CASE("Importers of splats and points draw from the budget that they are given") {
+TEST_CASE("charges importers of splats and points to the given budget") {
   const auto budget = std::make_shared<vrml::Budget>(vrml::Limits{.memory = kMega});
   const auto refused = [&](std::string_view name, const std::string& text) {
     for (const ContentType& type : content_types()) {
@@ -347,7 +347,7 @@ TEST_CASE("Importers of splats and points draw from the budget that they are giv
   CHECK(refused("SPZ splats", packed(spz(10'000), 200'000)));
 }
 
-TEST_CASE("A cancelled load ends inside a gzip member and inside a picture") {
+TEST_CASE("cancels a load inside a gzip member and inside an image") {
   const ScratchFolder folder;
   std::atomic<bool> cancelled = true;
   LoadOptions options;

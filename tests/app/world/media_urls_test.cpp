@@ -20,7 +20,7 @@ std::vector<std::string> texts_of(const OpenedWorld& world) {
   return texts;
 }
 
-TEST_CASE("of the urls of an AudioClip the first one counts that is there and can be read (4.5.2, 6.4)") {
+TEST_CASE("plays the first readable url of an AudioClip (4.5.2, 6.4)") {
   const ScratchFolder folder;
   (void)folder.write("good.wav", media::tone(0.25));
   (void)folder.write("bad.wav", media::tone(0.25).substr(0, 30));
@@ -52,7 +52,7 @@ TEST_CASE("of the urls of an AudioClip the first one counts that is there and ca
   CHECK(texts_of(world_of("\"none.wav\"")).size() == 1);
 }
 
-TEST_CASE("sounds in data: URLs are heard, and one file is read once for all who name it") {
+TEST_CASE("plays sounds in data: URLs, and reads a shared file once") {
   const ScratchFolder folder;
   const std::string bytes = media::wav(8000, 1, 800, [](std::size_t, int) { return 0.5; });
   std::string data = "data:audio/wav,";
@@ -74,7 +74,7 @@ TEST_CASE("sounds in data: URLs are heard, and one file is read once for all who
         world.media.at(&world.durations[2].scene->node(world.durations[2].node)));
 }
 
-TEST_CASE("a sound that is larger than the budget is left out, with a message") {
+TEST_CASE("leaves out a sound beyond the budget, with a message") {
   const ScratchFolder folder;
   (void)folder.write("a.wav", media::constant(5));
   LoadOptions options;
@@ -88,7 +88,7 @@ TEST_CASE("a sound that is larger than the budget is left out, with a message") 
   CHECK(texts_of(world)[0].find("--memory") != std::string::npos);
 }
 
-TEST_CASE("a url that is set in a living world brings another sound, and duration_changed tells (6.4)") {
+TEST_CASE("loads another sound on set_url in a running world, and sends duration_changed (6.4)") {
   const ScratchFolder folder;
   (void)folder.write("a.wav", media::tone(0.25));
   const auto document =

@@ -16,7 +16,7 @@ std::string corpus(const std::string& name) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST_CASE("a MovieTexture shows the first picture of its movie (VRML97 6.28)") {
+TEST_CASE("shows the first frame of a MovieTexture (VRML97 6.28)") {
   const ScratchFolder folder;
   const std::string header = "#VRML V2.0 utf8\n";
   const std::string movie = corpus("mpeg_system_stream/red_blue.mpg");

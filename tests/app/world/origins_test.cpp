@@ -84,7 +84,7 @@ std::size_t inlined(const vrml::SceneGraph& scene) {
 
 // Files -------------------------------------------------------------------------------------------
 
-TEST_CASE("a world reads its own folder and below, and above it only what is allowed") {
+TEST_CASE("lets a world read its own folder and below, and above it only allowed files") {
   const ScratchFolder folder;
   folder.write("w/a/own.gif", kPicture);
   folder.write("w/a/deep/below.gif", kPicture);
@@ -114,7 +114,7 @@ TEST_CASE("a world reads its own folder and below, and above it only what is all
   CHECK(load_world(world, options).images.size() == 2);
 }
 
-TEST_CASE("one message for all that lies in one folder, and none for what is not there") {
+TEST_CASE("reports all files of one folder in one message, and missing files in none") {
   const ScratchFolder folder;
   std::string body;
   for (int i = 0; i < 20; ++i) {
@@ -131,7 +131,7 @@ TEST_CASE("one message for all that lies in one folder, and none for what is not
   CHECK(missing.outside.empty());
 }
 
-TEST_CASE("links count as what they lead to") {
+TEST_CASE("judges links by their targets") {
   const ScratchFolder folder;
   folder.write("secret/s.gif", kPicture);
   folder.write("w/own.gif", kPicture);
@@ -145,7 +145,7 @@ TEST_CASE("links count as what they lead to") {
   CHECK(said(world).find("--allow " + fs::canonical(folder.path("secret")).string()) != std::string::npos);
 }
 
-TEST_CASE("the folder is that of the world, for all its Inlines") {
+TEST_CASE("applies the folder of the world to all its Inlines") {
   const ScratchFolder folder;
   folder.write("t.gif", kPicture);
   folder.write("w/t.gif", kPicture);
@@ -155,7 +155,7 @@ TEST_CASE("the folder is that of the world, for all its Inlines") {
   CHECK(lines_with(said(world), "--allow") == 1);
 }
 
-TEST_CASE("what the command line names may be read") {
+TEST_CASE("allows files that the command line names") {
   const ScratchFolder folder;
   folder.write("b/in.wrl", text("Shape { geometry Box { } }"));
   folder.write("c/t.gif", kPicture);
@@ -175,7 +175,7 @@ TEST_CASE("what the command line names may be read") {
   CHECK(run("info " + quoted(world)).output.find("--allow") != std::string::npos);
 }
 
-TEST_CASE("meshes find their materials and buffers in their own folder") {
+TEST_CASE("finds materials and buffers of meshes in their own folder") {
   const ScratchFolder folder;
   folder.write("m.mtl", "newmtl green\nKd 0 1 0\n");
   folder.write("b.bin", std::string(36, '\0'));
@@ -231,7 +231,7 @@ bool opens(const std::string& path, const std::vector<std::string>& allowed = {}
 
 }  // namespace
 
-TEST_CASE("a header of a volume names files of its own folder and below") {
+TEST_CASE("restricts a volume header to files of its own folder and below") {
   for (const HeaderFormat& format : kHeaderFormats) {
     INFO(format.name);
     const ScratchFolder folder;
@@ -261,7 +261,7 @@ TEST_CASE("a header of a volume names files of its own folder and below") {
   }
 }
 
-TEST_CASE("a header from the network names what is on the network only") {
+TEST_CASE("restricts a header from the network to the network") {
   for (const HeaderFormat& format : kHeaderFormats) {
     INFO(format.name);
     const ScratchFolder folder;
@@ -322,7 +322,7 @@ TEST_CASE("a PROTO from the network stays of the network in a world of this mach
   CHECK(inlined(*local.scene) == 1);
 }
 
-TEST_CASE("a url belongs to who wrote it, not to the PROTO that it is handed to") {
+TEST_CASE("resolves a url against the file that wrote it, not the PROTO that receives it") {
   const ScratchFolder folder;
   folder.write("p.gif", kPicture);
   folder.write("default.gif", kPicture);
@@ -343,7 +343,7 @@ TEST_CASE("a url belongs to who wrote it, not to the PROTO that it is handed to"
   CHECK(web.asked("memory://lib/default.gif") == 1);
 }
 
-TEST_CASE("texts of different origins share no pictures, whoever asks first") {
+TEST_CASE("shares no images between texts of different origins, in any order of requests") {
   const ScratchFolder folder;
   const std::string picture = folder.write("p.gif", kPicture);
   const std::string url = in_quotes("file://" + picture);
@@ -368,7 +368,7 @@ TEST_CASE("texts of different origins share no pictures, whoever asks first") {
   CHECK(web.asked("memory://a/p.gif") == 1);
 }
 
-TEST_CASE("a data: text has the origin of the text that holds it") {
+TEST_CASE("gives a data: text the origin of the text that contains it") {
   const ScratchFolder folder;
   folder.write("in.wrl", text("Shape { geometry Box { } }"));
   folder.write("p.gif", kPicture);
@@ -393,7 +393,7 @@ TEST_CASE("a data: text has the origin of the text that holds it") {
 
 // Hosts -------------------------------------------------------------------------------------------
 
-TEST_CASE("a world of the Internet has nothing of this machine and its networks, at any depth") {
+TEST_CASE("keeps this machine and its networks from a world of the Internet, at any depth") {
   using Space = net::AddressSpace;
   Web web;
   const std::string box = text("Shape { geometry Box { } }");
@@ -417,7 +417,7 @@ TEST_CASE("a world of the Internet has nothing of this machine and its networks,
                      .scene) == 0);
 }
 
-TEST_CASE("datagrams go where the text may reach") {
+TEST_CASE("sends datagrams only where the text may reach") {
   Web web;
   const auto world = [&](const std::string& url) {
     web.put("memory://far/w.wrl", text("Shape { geometry QNV { url " + in_quotes(url) + " } }"));
@@ -432,7 +432,7 @@ TEST_CASE("datagrams go where the text may reach") {
   CHECK(world("cells://127.0.0.1:53/x.qnv").find("sent to port 53") != std::string::npos);
 }
 
-TEST_CASE("few are greeted at a time who do not answer") {
+TEST_CASE("greets few unresponsive servers at a time") {
   auto opened = net::UdpSocket::open(0, true);
   REQUIRE(std::holds_alternative<net::UdpSocket>(opened));
   auto& silent = std::get<net::UdpSocket>(opened);

@@ -31,7 +31,7 @@ const std::string& ball_stream() {
 
 }  // namespace
 
-TEST_CASE("a displaced surface is loaded as patches to be drawn, and as triangles for who wants them") {
+TEST_CASE("loads a displaced surface as patches for drawing, and as triangles for other callers") {
   const ScratchFolder folder;
   const std::string path = folder.write("ball.qnv", ball_stream());
   OpenedWorld world = load_world(path);
@@ -62,7 +62,7 @@ TEST_CASE("a displaced surface is loaded as patches to be drawn, and as triangle
   CHECK(list.bounds.upper.x == Approx(1).margin(0.05));
 }
 
-TEST_CASE("a pointer meets the triangles of a displaced surface that are seen there") {
+TEST_CASE("hits the drawn triangles of a displaced surface by the pointer") {
   const ScratchFolder folder;
   OpenedWorld world = load_world(folder.write("ball.qnv", ball_stream()));
   render::MeshCache meshes;

@@ -59,7 +59,7 @@ const std::string& torus_stream() {
 
 }  // namespace
 
-TEST_CASE("a textured surface is shown with its picture, as far as its mesh and its picture have come") {
+TEST_CASE("shows a textured surface with the received part of mesh and texture") {
   const ScratchFolder folder;
   const std::string path = folder.write("torus.qnv", torus_stream());
   std::size_t plain = 0, both = 0, whole = 0;
@@ -107,7 +107,7 @@ TEST_CASE("a textured surface is shown with its picture, as far as its mesh and 
   CHECK(width == 128);
 }
 
-TEST_CASE("a textured surface keeps its picture when its material changes, and is met by a pointer") {
+TEST_CASE("keeps the texture of a surface when its material changes, and under the pointer") {
   const ScratchFolder folder;
   (void)folder.write("torus.qnv", torus_stream());
   const std::string path =
@@ -140,7 +140,7 @@ TEST_CASE("a textured surface keeps its picture when its material changes, and i
   CHECK(glm::length(glm::dvec2(hit->point) - glm::dvec2(1, 0.1)) < 1e-6);
 }
 
-TEST_CASE("a picture is decoded once, and one that cannot be is none") {
+TEST_CASE("decodes an image once, and ignores one that fails") {
   SurfacePictures pictures;
   auto picture = std::make_shared<qnv::SurfacePicture>();
   picture->bytes = render::encode_jpeg(colored_picture(64));

@@ -41,7 +41,7 @@ const std::string kGif(
 
 }  // namespace
 
-TEST_CASE("gunzip: members, truncation, damage, limits") {
+TEST_CASE("gunzip: reads members, and reports truncation, damage and limits") {
   const std::string text(300000, 'x');
   const std::string packed = gzipped_text(text);
   std::string out;
@@ -76,7 +76,7 @@ TEST_CASE("gunzip: members, truncation, damage, limits") {
   }
 }
 
-TEST_CASE("gunzip: pieces of any size are one text, and what is wrong shows at the end") {
+TEST_CASE("gunzip: reads pieces of any size as one text, and reports errors at the end") {
   const std::string text = "one, " + std::string(300000, 'x'),
                     packed = gzipped_text(text) + gzipped_text("two") + "rest";
   for (const std::size_t size : {1ul, 2ul, 3ul, 7ul, 1000ul}) {
@@ -101,7 +101,7 @@ TEST_CASE("gunzip: pieces of any size are one text, and what is wrong shows at t
   CHECK_FALSE(stopped.finish());
 }
 
-TEST_CASE("gzip'd worlds open under any name, a truncated one shows what there is") {
+TEST_CASE("opens gzip'd worlds under any name, and shows the beginning of a truncated one") {
   const ScratchFolder folder;
   const std::string packed = gzipped_text(kBoxWorld);
   for (const char* name : {"a.wrl", "a.wrz", "a.wrl.gz", "a"}) {
@@ -122,7 +122,7 @@ TEST_CASE("gzip'd worlds open under any name, a truncated one shows what there i
   CHECK(said(world).find("the gzip data ends too early") != std::string::npos);
 }
 
-TEST_CASE("what can't be opened says why in one line") {
+TEST_CASE("reports in one line why a file cannot be opened") {
   const ScratchFolder folder;
   const auto refused = [&](const std::string& path, const std::string& word) {
     const OpenedWorld world = load_world(path);
@@ -140,7 +140,7 @@ TEST_CASE("what can't be opened says why in one line") {
   refused("gopher://example.org/a.wrl", "gopher");
 }
 
-TEST_CASE("the type of a file: first bytes before its name") {
+TEST_CASE("detects the type of a file by its first bytes, then by its name") {
   const auto name_of = [](std::string_view path, std::string_view bytes) {
     return content_type_of(path, byte_span_of(bytes)).name;
   };
@@ -152,7 +152,7 @@ TEST_CASE("the type of a file: first bytes before its name") {
   CHECK(name_of("folder.stl/readme", "hello") == "VRML97");
 }
 
-TEST_CASE("Inlines, EXTERNPROTOs and textures are found beside the file, whatever their case") {
+TEST_CASE("finds Inlines, EXTERNPROTOs and textures beside the file, in any letter case") {
   const ScratchFolder folder;
   folder.write("parts/Box.wrl", kBoxWorld);
   folder.write("parts/lib.wrl",
@@ -178,7 +178,7 @@ TEST_CASE("Inlines, EXTERNPROTOs and textures are found beside the file, whateve
   CHECK(world.images.begin()->second->width == 1);
 }
 
-TEST_CASE("the pictures of a Background's panorama are found, those of one file once") {
+TEST_CASE("loads the panorama images of a Background, each file once") {
   const ScratchFolder folder;
   folder.write("sky/side.gif", kGif);
   folder.write("top.gif", kGif);
@@ -200,7 +200,7 @@ TEST_CASE("the pictures of a Background's panorama are found, those of one file 
   CHECK(world.diagnostics.entries().size() == 1);
 }
 
-TEST_CASE("references that lead nowhere or back are left out, and said") {
+TEST_CASE("leaves out broken and cyclic references, and reports them") {
   const ScratchFolder folder;
   folder.write("b.wrl", "#VRML V2.0 utf8\nInline { url \"a.wrl\" }\nShape { }\n");
   folder.write("x.png", "no picture");
@@ -218,7 +218,7 @@ TEST_CASE("references that lead nowhere or back are left out, and said") {
   CHECK(world.images.empty());
 }
 
-TEST_CASE("an empty url names nothing, and one from a server's root is looked for in the folders above") {
+TEST_CASE("ignores an empty url, and searches a url from a server's root in the folders above") {
   const ScratchFolder folder;
   const auto texture = [](const std::string& url) {
     return "#VRML V2.0 utf8\nShape { geometry Box { } appearance Appearance { texture ImageTexture { url \"" + url +
@@ -236,7 +236,7 @@ TEST_CASE("an empty url names nothing, and one from a server's root is looked fo
   CHECK(outside.diagnostics.warnings() == 1);
 }
 
-TEST_CASE("only the first bytes, where that is asked for, and no complaint about the rest") {
+TEST_CASE("reads only the first bytes on request, without errors about the rest") {
   const ScratchFolder folder;
   LoadOptions options;
   options.max_bytes = 60;

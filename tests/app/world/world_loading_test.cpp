@@ -65,7 +65,7 @@ std::string boxes(int count) {
 
 }  // namespace
 
-TEST_CASE("a world shows before its file ends, and more of it each time") {
+TEST_CASE("shows a world before its file ends, with more of it each time") {
   Web web;
   const std::string text = boxes(3000);
   web.put_script("memory://a/slow.wrl", [&](const net::TransferRequest&, unsigned) {
@@ -93,7 +93,7 @@ TEST_CASE("a world shows before its file ends, and more of it each time") {
   CHECK(world.bytes == text.size());
 }
 
-TEST_CASE("a long IndexedFaceSet shows while it comes") {
+TEST_CASE("shows a long IndexedFaceSet during loading") {
   Web web;
   std::string text = "#VRML V2.0 utf8\nShape { geometry IndexedFaceSet { coord Coordinate { point [ ";
   for (int i = 0; i < 2000; ++i)
@@ -126,7 +126,7 @@ TEST_CASE("a long IndexedFaceSet shows while it comes") {
   CHECK(triangles.back() == at_once.collect({0, 0, 10}).items[0].mesh->indices.size() / 3);
 }
 
-TEST_CASE("Inlines, libraries, textures and importers' files come from beside the document") {
+TEST_CASE("loads Inlines, libraries, textures and importers' files from beside the document") {
   Web web;
   web.put("memory://a/main.wrl",
           "#VRML V2.0 utf8\nEXTERNPROTO B [ field SFFloat r ] [ \"none.wrl#B\" \"sub/lib.wrl#B\" ]\n"
@@ -152,7 +152,7 @@ TEST_CASE("Inlines, libraries, textures and importers' files come from beside th
                     [](const auto& item) { return item.material.diffuse == glm::vec3(0, 1, 0); }));
 }
 
-TEST_CASE("an EXTERNPROTO that says other things than its PROTO is warned about, once (VRML97 4.9.2)") {
+TEST_CASE("warns once of an EXTERNPROTO that differs from its PROTO (VRML97 4.9.2)") {
   Web web;
   web.put("memory://a/main.wrl",
           "#VRML V2.0 utf8\nEXTERNPROTO Good [ eventIn SFFloat r ] \"lib.wrl#Ball\"\n"
@@ -168,7 +168,7 @@ TEST_CASE("an EXTERNPROTO that says other things than its PROTO is warned about,
         "Bad says (VRML97 4.9.2)\n");
 }
 
-TEST_CASE("what fails on the way is said, and the rest shows") {
+TEST_CASE("reports failures during loading, and shows the rest") {
   const std::string text = boxes(400);
   const std::string half = text.substr(0, text.size() / 2);
   struct Case {
@@ -226,7 +226,7 @@ TEST_CASE("what fails on the way is said, and the rest shows") {
   }
 }
 
-TEST_CASE("the time for loading ends what stalls") {
+TEST_CASE("ends stalled loads at the time limit") {
   Web web;
   web.options.timeout_seconds = 0.3;
   web.put("memory://a/world.wrl", boxes(3) + "Inline { url \"never.wrl\" }\n");
@@ -241,7 +241,7 @@ TEST_CASE("the time for loading ends what stalls") {
   CHECK(said(world).find("the time for loading is over") != std::string::npos);
 }
 
-TEST_CASE("a document of the network never reaches files, and offline nothing of the network is read") {
+TEST_CASE("keeps files from a document of the network, and the network from offline sessions") {
   const ScratchFolder folder;
   const std::string secret = folder.write("secret.wrl", boxes(1));
   Web web;
@@ -256,7 +256,7 @@ TEST_CASE("a document of the network never reaches files, and offline nothing of
   CHECK(said(none).find("--offline") != std::string::npos);
 }
 
-TEST_CASE("a stream shows from its front on, and grows") {
+TEST_CASE("shows a stream from its front, and refines it") {
   Web web;
   web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url \"ball.qnv\" } }\n");
   web.put_script("memory://a/ball.qnv", [](const net::TransferRequest&, unsigned) {
@@ -286,7 +286,7 @@ TEST_CASE("a stream shows from its front on, and grows") {
   CHECK(world.clouds.begin()->second->levels->clusters() == clusters.back());
 }
 
-TEST_CASE("beside a stream of more weight, one asks for less at a time") {
+TEST_CASE("slows a stream beside one of more weight") {
   const auto longest = [](double weight) {
     Web web;
     web.options.by_view = true;
@@ -328,7 +328,7 @@ TEST_CASE("beside a stream of more weight, one asks for less at a time") {
   CHECK(other * 2 < favoured);
 }
 
-TEST_CASE("of a long stream only what a view wants is read") {
+TEST_CASE("reads from a long stream only the parts that a view needs") {
   Web web;
   web.options.by_view = true;
   web.put("memory://a/ball.qnv", large_stream());

@@ -35,7 +35,7 @@ struct Loads {
   std::unique_ptr<WorldLoading> loading;
 };
 
-TEST_CASE("Each file that a world reads has a row: its bytes, its end, and when the first of it showed") {
+TEST_CASE("has one row per file of a world, with its bytes, its end and its first appearance") {
   Site site;
   const std::string part = kHeader + "Shape { geometry Box { } }";
   site.put("world.wrl", kHeader +
@@ -63,7 +63,7 @@ TEST_CASE("Each file that a world reads has a row: its bytes, its end, and when 
   CHECK_FALSE(missing.first_picture);
 }
 
-TEST_CASE("A file that is cancelled is left out, and the rest of the world comes") {
+TEST_CASE("leaves out a cancelled file, and loads the rest of the world") {
   Site site;
   site.put("world.wrl", kHeader + "Inline { url \"never.wrl\" } Inline { url \"part.wrl\" }");
   site.never("never.wrl");
@@ -81,7 +81,7 @@ TEST_CASE("A file that is cancelled is left out, and the rest of the world comes
   CHECK(world.scene->inlined(world.scene->roots()[1]));
 }
 
-TEST_CASE("Of a world that is cancelled, what has come is kept") {
+TEST_CASE("keeps the loaded part of a cancelled world") {
   Site site;
   site.put("world.wrl", kHeader + "Shape { geometry Box { } } " + std::string(100'000, ' ') + "Group { }", 2000);
   Loads loads(site);

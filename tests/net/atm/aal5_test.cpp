@@ -101,7 +101,7 @@ TEST_CASE("rejects a PDU with any single wrong bit", "[aal5]") {
   }
 }
 
-TEST_CASE("reassembles PDUs whose channels alternate their cells", "[aal5]") {
+TEST_CASE("reassembles PDUs of two channels with alternating cells", "[aal5]") {
   const auto a = cells_of(pdu_bytes(400, 1), {1, 64}), b = cells_of(pdu_bytes(400, 2), {1, 65});
   Reassembler reassembler;
   std::vector<Pdu> out;

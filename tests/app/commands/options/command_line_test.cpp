@@ -31,7 +31,7 @@ const std::string kBox =
 
 }  // namespace
 
-TEST_CASE("every option of the table stands in the help and the manual page, once") {
+TEST_CASE("lists every option of the table once in the help and in the manual page") {
   std::set<std::string_view> names;
   std::map<std::string_view, Run> helps;
   const std::string manual = manual_page();
@@ -51,7 +51,7 @@ TEST_CASE("every option of the table stands in the help and the manual page, onc
   }
 }
 
-TEST_CASE("wrong usage gives one clear line and status 2") {
+TEST_CASE("reports wrong usage in one clear line with status 2") {
   for (const char* arguments :
        {"--size 0x0 a.wrl", "--size big a.wrl", "--nonsense", "check", "print a b", "--orbit 1 a.wrl",
         "--background 2,0,0 a.wrl", "--headlight maybe a.wrl", "--backend metal a.wrl", "--timeout -1 a.wrl",
@@ -64,7 +64,7 @@ TEST_CASE("wrong usage gives one clear line and status 2") {
   }
 }
 
-TEST_CASE("check reports errors with their places, and measures") {
+TEST_CASE("check reports errors with their positions, and measures files") {
   const ScratchFolder folder;
   const std::string good = folder.write("good.wrl", kBox),
                     bad = folder.write("bad.wrl", "#VRML V2.0 utf8\nShape { bogus 1 }\n");
@@ -83,7 +83,7 @@ TEST_CASE("check reports errors with their places, and measures") {
   CHECK(nlohmann::json::parse(shown.output)["bytes"] == kBox.size());
 }
 
-TEST_CASE("print gives VRML97 that prints the same again") {
+TEST_CASE("print writes VRML97 that prints the same again") {
   const ScratchFolder folder;
   const Run first = run("print " + quoted(folder.write("a.wrl", kBox)));
   CHECK(first.status == kDone);
@@ -92,7 +92,7 @@ TEST_CASE("print gives VRML97 that prints the same again") {
   CHECK(run("print " + quoted(folder.path("missing.wrl"))).status == kFailed);
 }
 
-TEST_CASE("nodes prints the table as PROTOs that parse and as Markdown") {
+TEST_CASE("nodes prints the table as PROTOs that parse, and as Markdown") {
   const ScratchFolder folder;
   const Run text = run("nodes");
   CHECK(text.status == kDone);
@@ -102,7 +102,7 @@ TEST_CASE("nodes prints the table as PROTOs that parse and as Markdown") {
   CHECK(markdown.output.find("| field | SFVec3f | size | 2 2 2 | (0,inf) |") != std::string::npos);
 }
 
-TEST_CASE("fetch tells what came, when there was a picture, and what was lost") {
+TEST_CASE("fetch reports the received bytes, the time of the first picture and the losses") {
   const ScratchFolder folder;
   const std::string world = folder.write("box.wrl", kBox);
   const Run file = run("fetch --json " + quoted(world));
@@ -142,7 +142,7 @@ TEST_CASE("fetch tells what came, when there was a picture, and what was lost") 
   CHECK(words.output.find("granted 20.000 Mbit/s") != std::string::npos);
 }
 
-TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {
+TEST_CASE("snapshot draws, measures, and overwrites pictures only") {
   const ScratchFolder folder;
   const std::string world = folder.write("box.wrl", kBox), out = folder.path("out.png");
   const std::string base = "--backend osmesa --samples 1 --size 64x48 --snapshot " + quoted(out) + " ";
@@ -184,7 +184,7 @@ TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {
   CHECK(folder.read("world") == kBox);
 }
 
-TEST_CASE("a snapshot of what is no world gives one line and status 1") {
+TEST_CASE("snapshot ends with one line and status 1 for a file that is no world") {
   const ScratchFolder folder;
   const std::string out = quoted(folder.path("out.png"));
   for (const std::string& file :
@@ -199,7 +199,7 @@ TEST_CASE("a snapshot of what is no world gives one line and status 1") {
             .output.find("no Viewpoint 'nowhere'; the world has none") != std::string::npos);
 }
 
-TEST_CASE("a world that can't be drawn in time is given up in one line, and leaves no picture") {
+TEST_CASE("snapshot gives up a world in one line that takes too long, and leaves no picture") {
   const ScratchFolder folder;
   // 2^17 boxes in one place, each as large as the picture: minutes of drawing, and below every limit of a picture, so
   // that the time is all there is to say, however far it reaches.
@@ -219,7 +219,7 @@ TEST_CASE("a world that can't be drawn in time is given up in one line, and leav
   CHECK(folder.read("out.png").empty());
 }
 
-TEST_CASE("measurements are written over nothing but measurements") {
+TEST_CASE("overwrites measurements by measurements only") {
   const ScratchFolder folder;
   const std::string world = folder.write("box.wrl", kBox), stats = folder.path("s.json");
   CHECK(run("check --stats " + quoted(stats) + " " + quoted(world)).status == kDone);

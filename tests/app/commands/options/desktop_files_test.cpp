@@ -22,7 +22,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 bool there_is(const std::string& program) { return run_shell("command -v " + program).status == 0; }
 
-TEST_CASE("Each kind of file that opens is a type of the desktop, and the entry and the thumbnailer take it") {
+TEST_CASE("lists every file type in the desktop entry, the thumbnailer and the MIME types") {
   const std::string mime = made("mime"), entry = made("entry"), thumbnailer = made("thumbnailer");
   for (const ContentType& type : content_types()) {
     INFO(type.name << " " << type.mime);
@@ -42,7 +42,7 @@ TEST_CASE("Each kind of file that opens is a type of the desktop, and the entry 
   CHECK(has(thumbnailer, "--snapshot %o %i\n"));
 }
 
-TEST_CASE("Desktop files are right in the words of the desktop's own tools, where those are installed") {
+TEST_CASE("writes desktop files that the desktop's own tools accept, if they are installed") {
   const ScratchFolder folder;
   const struct {
     const char *name, *file, *tool, *arguments;
@@ -64,7 +64,7 @@ TEST_CASE("Desktop files are right in the words of the desktop's own tools, wher
   }
 }
 
-TEST_CASE("Shells complete every option and command of the tables") {
+TEST_CASE("completes every option and command of the tables in shells") {
   const std::string bash = bash_completion(), zsh = zsh_completion(), fish = fish_completion();
   for (const CommandRow& command : command_rows().subspan(1))
     for (const std::string& text : {bash, zsh, fish}) CHECK(has(text, std::string(command.name)));
@@ -75,7 +75,7 @@ TEST_CASE("Shells complete every option and command of the tables") {
   }
 }
 
-TEST_CASE("bash completes commands, their options, words and files") {
+TEST_CASE("completes commands, their options, words and files in bash") {
   const ScratchFolder folder;
   const std::string script = folder.write("completion", bash_completion());
   folder.write("d/world.wrl", "");
@@ -113,7 +113,7 @@ for typed in "$@"; do
 done
 )";
 
-TEST_CASE("zsh completes commands, their options, words and files, where it is installed") {
+TEST_CASE("completes commands, their options, words and files in zsh, if it is installed") {
   if (!there_is("zsh")) {
     WARN("skipped: zsh is not installed");
     return;
@@ -143,7 +143,7 @@ TEST_CASE("zsh completes commands, their options, words and files, where it is i
   CHECK(run_shell(command).output == expected);
 }
 
-TEST_CASE("fish completes commands, their options, words and files, where it is installed") {
+TEST_CASE("completes commands, their options, words and files in fish, if it is installed") {
   if (!there_is("fish")) {
     WARN("skipped: fish is not installed");
     return;
@@ -169,7 +169,7 @@ TEST_CASE("fish completes commands, their options, words and files, where it is 
   CHECK(completed("ghostspace --allow i") == "inner/ ");
 }
 
-TEST_CASE("desktop prints them, and says which there are") {
+TEST_CASE("desktop prints the desktop files, and lists their names") {
   CHECK(run("desktop entry").output == made("entry"));
   const Run wrong = run("desktop nothing");
   CHECK(wrong.status == 2);

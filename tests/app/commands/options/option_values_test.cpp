@@ -11,7 +11,7 @@ namespace gs::app::option_values_test {
 const std::string kBall =
     "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { } } geometry Sphere { } }\n";
 
-TEST_CASE("Numbers of bytes may end in k, M or G, of things too") {
+TEST_CASE("accepts numbers of bytes and things that end in k, M or G") {
   std::uint64_t number = 0;
   CHECK((read_bytes("400k", number) && number == 400 * 1024));
   CHECK((read_bytes("3M", number) && number == 3 << 20));
@@ -27,7 +27,7 @@ TEST_CASE("Numbers of bytes may end in k, M or G, of things too") {
   CHECK((read_bytes("63k", small) && small == 63 * 1024));
 }
 
-TEST_CASE("--max-bytes 1k takes so many bytes of a file") {
+TEST_CASE("reads the given number of bytes for --max-bytes 1k") {
   const ScratchFolder folder;
   const std::string text = kBall + "Shape { geometry Cone { } }" + std::string(4000, ' ') + "Nonsense { }\n";
   const std::string file = folder.write("a.wrl", text);
@@ -36,7 +36,7 @@ TEST_CASE("--max-bytes 1k takes so many bytes of a file") {
   CHECK(run("check --max-bytes some " + quoted(file)).output.find("400k") != std::string::npos);
 }
 
-TEST_CASE("- is standard input: of a file and of a pipe, once, and for what is read only") {
+TEST_CASE("reads standard input for -, from a file or a pipe, once, for inputs only") {
   const ScratchFolder folder;
   const std::string file = folder.write("a.wrl", kBall);
   const Run redirected = run("print - < " + quoted(file));
@@ -59,7 +59,7 @@ TEST_CASE("- is standard input: of a file and of a pipe, once, and for what is r
   CHECK(large.output.find("--memory") != std::string::npos);
 }
 
-TEST_CASE("A word that is neither file nor command is wrong usage, and opens no window") {
+TEST_CASE("reports a word that is neither file nor command as wrong usage, without a window") {
   const Run result = run("frobnicate");
   CHECK(result.status == 2);
   CHECK(result.output.starts_with("ghostspace: frobnicate: neither a file nor a command"));
@@ -72,7 +72,7 @@ TEST_CASE("A word that is neither file nor command is wrong usage, and opens no 
   CHECK(file.status == 0);
 }
 
-TEST_CASE("a picture without a file is of the demo world") {
+TEST_CASE("draws the demo world if no file is given") {
   const ScratchFolder folder;
   const Run result = run("--backend osmesa --size 32x24 --snapshot " + quoted(folder.path("o.png")));
   INFO(result.output);
@@ -80,7 +80,7 @@ TEST_CASE("a picture without a file is of the demo world") {
   CHECK(folder.read("o.png").starts_with("\x89PNG"));
 }
 
-TEST_CASE("a picture of another format than PNG is refused before anything is drawn, by the formats that there are") {
+TEST_CASE("refuses picture formats other than PNG before drawing, and names the formats") {
   const ScratchFolder folder;
   const std::string file = folder.write("a.wrl", kBall);
   for (const char* name : {"o.foo", "o.jpg", "o.tar.gz", "o.png.bak"}) {
@@ -93,7 +93,7 @@ TEST_CASE("a picture of another format than PNG is refused before anything is dr
     CHECK(run("--backend osmesa --size 8x8 --snapshot " + quoted(folder.path(name)) + " " + quoted(file)).status == 0);
 }
 
-TEST_CASE("serve of a folder that is missing says so") {
+TEST_CASE("serve reports a missing folder") {
   const ScratchFolder folder;
   const Run missing = run("serve --http 0 " + quoted(folder.path("nothing")));
   CHECK(missing.status == 1);

@@ -36,7 +36,7 @@ const std::string kDraw = "--backend osmesa --samples 1 ";
 
 }  // namespace
 
-TEST_CASE("Sizes of paper, colours and times are read, and nothing else is") {
+TEST_CASE("accepts sizes of paper, colours and times, and nothing else") {
   CHECK(*read_paper("210x297mm") == glm::dvec2(210, 297));
   CHECK(*read_paper("10x15cm") == glm::dvec2(100, 150));
   CHECK(read_paper("8.5x11in")->x == Approx(215.9));
@@ -58,7 +58,7 @@ TEST_CASE("Sizes of paper, colours and times are read, and nothing else is") {
   CHECK_FALSE(pixels_of(request));
 }
 
-TEST_CASE("A picture is the same where the system limits how many addresses a program may have") {
+TEST_CASE("draws the same picture if the system limits the address space") {
   if (gs::watched()) return;  // it takes terabytes of addresses
   const ScratchFolder folder;
   const std::string world = quoted(folder.write("box.wrl", kBox));
@@ -74,7 +74,7 @@ TEST_CASE("A picture is the same where the system limits how many addresses a pr
   CHECK(draw("ulimit -v 4000000; ", "limited.png") == free);
 }
 
-TEST_CASE("A picture for print has the size of its paper, tells it, and has no background where that is asked for") {
+TEST_CASE("writes a print picture in the size of its paper, without a background on request") {
   const ScratchFolder folder;
   const std::string world = folder.write("a.wrl", kBox);
   const Run drawn = run(kDraw + "--size 25.4x12.7mm --dpi 100 --background transparent --snapshot " +
@@ -89,7 +89,7 @@ TEST_CASE("A picture for print has the size of its paper, tells it, and has no b
   CHECK(number_at(png, png.find("pHYs") + 4) == 3937);
 }
 
-TEST_CASE("An animation leaves as many pictures as it has, and options that do not fit are refused") {
+TEST_CASE("writes as many pictures as an animation has, and refuses conflicting options") {
   const ScratchFolder folder;
   const std::string world = folder.write("a.wrl", kBox);
   const std::string to = " " + quoted(world) + " " + quoted(folder.path("t.%02d.png"));
@@ -110,7 +110,7 @@ TEST_CASE("An animation leaves as many pictures as it has, and options that do n
   CHECK(run("--stereo cinema --snapshot o.png " + quoted(world)).status == 2);
 }
 
-TEST_CASE("Slices, colour maps and bars change the picture of a volume, and a series has the file of its time") {
+TEST_CASE("applies slices, colour maps and bars to volumes, and the file of its time to a series") {
   const ScratchFolder folder;
   const std::string volume = folder.write("run.1.nrrd", block_nrrd());
   folder.write("run.2.nrrd", block_nrrd());
@@ -154,7 +154,7 @@ TEST_CASE("Slices, colour maps and bars change the picture of a volume, and a se
   CHECK(run(draw + "--slice w=3 " + quoted(volume)).status == 2);
 }
 
-TEST_CASE("Pictures are taken from where a camera's text says, by parallel rays, and of what is up") {
+TEST_CASE("takes a picture from a camera text, in parallel projection, with the chosen up axis") {
   const ScratchFolder folder;
   const std::string world = folder.write("a.wrl", kBox);
   // A wedge whose height is along Z.

@@ -12,7 +12,7 @@ namespace gs::app::color_key_test {
 
 const std::vector<vrml::Color> kRainbow{{0, 0, 1}, {0, 1, 1}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}};
 
-TEST_CASE("A colour stands for a value, and a value for a colour") {
+TEST_CASE("converts a value to a colour, and a colour to a value") {
   for (const auto& colors : {kRainbow, viridis_colors()}) {
     const ColorKey key{"pressure (Pa)", -20, 80, colors};
     CHECK(key.color_of(-20) == colors.front());
@@ -28,7 +28,7 @@ TEST_CASE("A colour stands for a value, and a value for a colour") {
   CHECK(one.value_of({1, 0, 0}) == 5);
 }
 
-TEST_CASE("What colours stand for is a text in a WorldInfo, and reads back") {
+TEST_CASE("writes the meaning of colours to a WorldInfo, and reads it back") {
   const ColorKey key{"pressure (Pa)", -0.125, 101325, viridis_colors()};
   const std::string text = color_key_text(key);
   CHECK(text == "color key: -0.125 101325 #440154 #3b528b #21918c #5ec962 #fde725 pressure (Pa)");
@@ -51,7 +51,7 @@ TEST_CASE("What colours stand for is a text in a WorldInfo, and reads back") {
   CHECK_FALSE(read_color_key(many + " #123456"));
 }
 
-TEST_CASE("A world says what its colours stand for, whoever has written it") {
+TEST_CASE("reads the meaning of colours from worlds of any program") {
   const OpenedWorld world = world_of(
       "PROTO P [ ] { WorldInfo { info \"color key: 9 9 #000000 #ffffff\" } } "
       "WorldInfo { title \"A wing\" info [ \"by nobody\", \"color key: 0 2 #0000ff #ff0000 Mach\" ] }");
@@ -62,7 +62,7 @@ TEST_CASE("A world says what its colours stand for, whoever has written it") {
   CHECK_FALSE(color_key_of(*world_of("Shape { geometry Box { } }").scene));
 }
 
-TEST_CASE("A stream says in its metadata what its colours stand for") {
+TEST_CASE("writes the meaning of colours to the metadata of a stream") {
   const ColorKey key{"pressure (Pa)", -0.125, 101325, viridis_colors()};
   const auto said = color_key_metadata(key);
   CHECK(said.first == "color key");

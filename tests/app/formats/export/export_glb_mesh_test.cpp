@@ -45,7 +45,7 @@ OpenedWorld loaded(const ScratchFolder& folder, const qnv::Cloud& cloud) {
 
 }  // namespace
 
-TEST_CASE("a cloud with triangles is a mesh in GLB, with its colours") {
+TEST_CASE("exports triangles of a point set as a mesh in GLB, with their colours") {
   const ScratchFolder folder;
   OpenedWorld world = loaded(folder, square(false));
   INFO(said(world));
@@ -62,7 +62,7 @@ TEST_CASE("a cloud with triangles is a mesh in GLB, with its colours") {
   CHECK(!list.items[0].texture.image);
 }
 
-TEST_CASE("what shows a picture has it in GLB, pixel by pixel, beside what has colours") {
+TEST_CASE("exports a texture to GLB pixel by pixel, beside coloured triangles") {
   const ScratchFolder folder;
   OpenedWorld world = loaded(folder, square(true));
   INFO(said(world));
@@ -87,7 +87,7 @@ TEST_CASE("what shows a picture has it in GLB, pixel by pixel, beside what has c
   CHECK(most == glm::vec2(0.75f, 0.75f));
 }
 
-TEST_CASE("who shows no picture has its colours at vertices") {
+TEST_CASE("exports vertex colours if textures are not shown") {
   qnv::Cloud cloud = square(true);
   color_by_picture(cloud, own_budget());
   CHECK(cloud.colors[0] == qnv::Rgb8{255, 0, 0});
@@ -99,7 +99,7 @@ TEST_CASE("who shows no picture has its colours at vertices") {
   CHECK(plain.colors[5] == qnv::Rgb8{255, 0, 0});
 }
 
-TEST_CASE("a mesh of nothing is no file, and splats can be had of a mesh") {
+TEST_CASE("refuses to export an empty mesh, and exports splats of a mesh on request") {
   qnv::Cloud cloud = square(false);
   const Exported splats = export_glb_splats(cloud);
   REQUIRE(std::holds_alternative<std::vector<std::byte>>(splats));

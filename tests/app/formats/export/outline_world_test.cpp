@@ -136,7 +136,7 @@ std::size_t different_pixels(const render::Image& a, const render::Image& b, int
 
 }  // namespace
 
-TEST_CASE("A model keeps its looks, its area and its shading as outline groups, as text and as stream") {
+TEST_CASE("keeps appearance, area and shading of a model as outline groups, as text and as stream") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
   REQUIRE(made.model.appearances.size() == 2);
@@ -174,7 +174,7 @@ TEST_CASE("A model keeps its looks, its area and its shading as outline groups, 
   }
 }
 
-TEST_CASE("Every prefix of an outline stream shows its groups, and the area only becomes truer") {
+TEST_CASE("shows the groups of every prefix of an outline stream, with ever better area") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
   const std::string stream = outline_stream_of(made), path = folder.write("outlines.qnv", stream);
@@ -197,7 +197,7 @@ TEST_CASE("Every prefix of an outline stream shows its groups, and the area only
   CHECK(outlines == Approx(made.area).epsilon(0.1));
 }
 
-TEST_CASE("A stream of outlines is what an OutlineGroup's url names, and no QNV node takes it") {
+TEST_CASE("loads an outline stream by the url of an OutlineGroup, and rejects it in a QNV node") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
   (void)folder.write("outlines.qnv", outline_stream_of(made));
@@ -215,7 +215,7 @@ TEST_CASE("A stream of outlines is what an OutlineGroup's url names, and no QNV 
   CHECK(opened.diagnostics.entries()[0].message.find("which an OutlineGroup takes") != std::string::npos);
 }
 
-TEST_CASE("The fallback of a world of outlines shows the polygons that stay") {
+TEST_CASE("shows the remaining polygons by the fallback of an outline world") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
   std::string text = string_of(outline_world(made.groups, made.model.appearances, "x"));
@@ -227,7 +227,7 @@ TEST_CASE("The fallback of a world of outlines shows the polygons that stay") {
   CHECK(area_of(collected(world)) == Approx(made.area).epsilon(1e-4));
 }
 
-TEST_CASE("Merging what is coplanar changes no more than a pixel of flat-shaded CAD parts", "[optimised]") {
+TEST_CASE("changes no more than a pixel of flat-shaded CAD parts by merging coplanar polygons", "[optimised]") {
   OutlineStudio studio;
   if (!studio.good()) {
     WARN("nothing can be drawn here; not tested");
@@ -265,7 +265,7 @@ TEST_CASE("Merging what is coplanar changes no more than a pixel of flat-shaded 
   }
 }
 
-TEST_CASE("creaseAngle is found from normals") {
+TEST_CASE("derives creaseAngle from normals") {
   const auto of = [](const std::string& geometry) {
     vrml::SceneGraph scene("a.wrl");
     vrml::Diagnostics diagnostics;
@@ -286,7 +286,7 @@ TEST_CASE("creaseAngle is found from normals") {
   CHECK(of(roof + "3 }") > 0.92f);  // the slopes meet at 53 degrees
 }
 
-TEST_CASE("encode --outlines writes worlds and streams, and says what it made") {
+TEST_CASE("encode --outlines writes worlds and streams, and reports its result") {
   const ScratchFolder folder;
   const std::string in = folder.write("model.wrl", kModel);
   for (const char* name : {"out.wrl", "out.wrz", "out.qnv"}) {

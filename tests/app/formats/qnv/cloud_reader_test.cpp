@@ -40,7 +40,7 @@ std::size_t discs(qnv::LodStream& stream, float error_pixels) {
 
 }  // namespace
 
-TEST_CASE("a large packed stream stays where it lies, and may become shorter while one looks") {
+TEST_CASE("reads a large octree stream in place, also if the file becomes shorter") {
   const ScratchFolder folder;
   const std::string file = folder.write("ball.qnv", large_stream());
   const OpenedWorld world = load_world(file);
@@ -62,7 +62,7 @@ TEST_CASE("a large packed stream stays where it lies, and may become shorter whi
   CHECK(levels_of(second).problems().empty());
 }
 
-TEST_CASE("a large packed stream that is cut, thinned out or damaged is the same stream with less") {
+TEST_CASE("opens a truncated, thinned or damaged large octree stream with less detail") {
   const ScratchFolder folder;
   const std::string file = folder.write("ball.qnv", large_stream());
   LoadOptions cut;
@@ -85,7 +85,7 @@ TEST_CASE("a large packed stream that is cut, thinned out or damaged is the same
   CHECK(discs(levels_of(early), 0) < all);
 }
 
-TEST_CASE("a stream that cannot be opened where it lies is taken from its bytes") {
+TEST_CASE("copies a stream to memory that cannot be read in place") {
   const auto* first = reinterpret_cast<const std::byte*>(large_stream().data());
   vrml::Diagnostics diagnostics;
   CHECK(stream_source("nowhere/at/all.qnv") == nullptr);
@@ -102,7 +102,7 @@ TEST_CASE("a stream that cannot be opened where it lies is taken from its bytes"
   CHECK(diagnostics.errors() + diagnostics.warnings() == 0);
 }
 
-TEST_CASE("The scene of a stream has its one colour, and says what its colours stand for") {
+TEST_CASE("gives the scene of a stream its one colour, and the meaning of its colours") {
   qnv::Cloud cloud;
   cloud.color = {51, 102, 204};
   cloud.description.metadata = {{"title", "a part"}, {"color key", "0 10 #000000 #ffffff heat (K)"}};

@@ -15,7 +15,7 @@
 using namespace gs;
 using namespace gs::app;
 
-TEST_CASE("a volume that is truncated after it was opened gives no more slices") {
+TEST_CASE("stops returning slices of a volume that was truncated after opening") {
   const ScratchFolder folder;
   static_assert(128 * 128 * 128 >= net::MappedFile::kMappedSize);
   const std::string path = folder.write("v.raw", std::string(std::size_t{128} * 128 * 128, '\7'));
@@ -32,7 +32,7 @@ TEST_CASE("a volume that is truncated after it was opened gives no more slices")
   CHECK_FALSE(volume.read(0, slice));
 }
 
-TEST_CASE("a world that is truncated while it is read says so, and shows what came before") {
+TEST_CASE("reports a world that is truncated during reading, and shows its beginning") {
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
   while (text.size() < (std::size_t{12} << 20) / watched_step(3)) text += "Group { children Group { } }\n";

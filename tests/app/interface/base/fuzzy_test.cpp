@@ -4,7 +4,7 @@
 
 namespace gs::app::fuzzy_test {
 
-TEST_CASE("A part of a name finds it, better at the beginning of a word") {
+TEST_CASE("finds a name by a part, with a better score at the beginning of a word") {
   REQUIRE(fuzzy_score("Full screen", "screen"));
   CHECK(*fuzzy_score("Full screen", "full") > *fuzzy_score("Full screen", "screen"));
   CHECK(*fuzzy_score("Full screen", "screen") > *fuzzy_score("Full screen", "creen"));

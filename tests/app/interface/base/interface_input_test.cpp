@@ -93,7 +93,7 @@ struct Form {
   bool entered = false;
 };
 
-TEST_CASE("Ctrl+V that was let go of within a frame pastes, Ctrl+A selects") {
+TEST_CASE("pastes on Ctrl+V also if released within a frame, and selects all on Ctrl+A") {
   Form form;
   std::vector<WindowEvent> events;
   add_text(events, "old");
@@ -104,7 +104,7 @@ TEST_CASE("Ctrl+V that was let go of within a frame pastes, Ctrl+A selects") {
   CHECK_FALSE(ImGui::GetIO().KeyCtrl);
 }
 
-TEST_CASE("What is typed within a frame comes in its order") {
+TEST_CASE("keeps the order of text typed within a frame") {
   Form form;
   std::vector<WindowEvent> events;
   add_text(events, "abd");
@@ -118,7 +118,7 @@ TEST_CASE("What is typed within a frame comes in its order") {
   CHECK(form.entered);
 }
 
-TEST_CASE("Text waits for the field that is to have it") {
+TEST_CASE("holds text until its field has the focus") {
   Form form;
   std::vector<WindowEvent> events;
   add_text(events, "a");
@@ -130,7 +130,7 @@ TEST_CASE("Text waits for the field that is to have it") {
   CHECK(std::string(form.text) == "a");
 }
 
-TEST_CASE("A click within a frame counts where it was made, and each of two counts") {
+TEST_CASE("clicks at the position of the press, also for two clicks within a frame") {
   Form form;
   const auto at = [](Kind kind, float x, float y) {
     WindowEvent event;
@@ -152,7 +152,7 @@ TEST_CASE("A click within a frame counts where it was made, and each of two coun
   CHECK(ImGui::GetIO().MousePos.x < -1e6f);
 }
 
-TEST_CASE("Nothing is held any more once the window has lost the keys") {
+TEST_CASE("releases all keys when the window loses the focus") {
   Form form;
   form.frame({key(Kind::key_down, kControl, Key::control)});
   CHECK(ImGui::GetIO().KeyCtrl);

@@ -4,7 +4,7 @@
 
 namespace gs::app::notices_test {
 
-TEST_CASE("A second line does not take the place of the first") {
+TEST_CASE("queues a second line instead of replacing the first") {
   Notices notices;
   CHECK_FALSE(notices.next());
   notices.show("Could not open a.wrl", true, 10);
@@ -19,7 +19,7 @@ TEST_CASE("A second line does not take the place of the first") {
   CHECK(notices.lines().empty());
 }
 
-TEST_CASE("Of what changes step by step only the newest line is shown") {
+TEST_CASE("shows only the newest line of a repeated notice") {
   Notices notices;
   notices.show("Speed 1 m/s", false, 0, "speed");
   notices.show("The roof", false, 0, "viewpoint");
@@ -31,7 +31,7 @@ TEST_CASE("Of what changes step by step only the newest line is shown") {
   CHECK(notices.lines()[2].text == "Speed 2 m/s");
 }
 
-TEST_CASE("Lines are shown once, a few at a time, and closed one by one") {
+TEST_CASE("shows lines once, a few at a time, and closes them one by one") {
   Notices notices;
   for (int i = 0; i < 3; ++i) notices.show("Louder", false, i);
   REQUIRE(notices.lines().size() == 1);

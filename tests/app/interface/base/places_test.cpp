@@ -14,7 +14,7 @@ using Paths = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("A typed path goes on as far as all that fit agree") {
+TEST_CASE("completes a typed path as far as all matches agree") {
   const ScratchFolder scratch;
   for (const char* name : {"castle_north.wrl", "castle_south.wrl", "Tower/x.wrl", "notes.txt", ".hidden.wrl"})
     scratch.write(name, "x");
@@ -33,7 +33,7 @@ TEST_CASE("A typed path goes on as far as all that fit agree") {
   CHECK(suggested_paths(folder, listing, 2).size() == 2);
 }
 
-TEST_CASE("What is typed is told apart: paths, URLs, words") {
+TEST_CASE("distinguishes typed paths, URLs and words") {
   CHECK(looks_like_path("/a"));
   CHECK(looks_like_path("~/a"));
   CHECK(looks_like_path("worlds/a"));
@@ -47,7 +47,7 @@ TEST_CASE("What is typed is told apart: paths, URLs, words") {
   CHECK(opened_path("   ").empty());
 }
 
-TEST_CASE("A folder that cannot be read says so") {
+TEST_CASE("reports a folder that cannot be read") {
   FolderListing listing;
   CHECK(listing.entries_of("/nowhere/at/all").empty());
   CHECK_FALSE(listing.problem().empty());

@@ -8,7 +8,7 @@
 
 namespace gs::app::sight_order_test {
 
-TEST_CASE("A text from left to right is seen as it is written") {
+TEST_CASE("shows left-to-right text unchanged") {
   const SightOrder order = sight_order(U"abc");
   CHECK(order.characters == U"abc");
   CHECK(order.places == std::vector<std::size_t>{0, 1, 2});
@@ -21,7 +21,7 @@ TEST_CASE("A text from left to right is seen as it is written") {
   CHECK_FALSE(has_right_to_left(U"abc"));
 }
 
-TEST_CASE("What is written from right to left is seen so, with a caret beside the letter that follows") {
+TEST_CASE("shows right-to-left text in visual order, with the caret beside the next letter") {
   const std::u32string text = U"ab \u05d0\u05d1\u05d2 12";  // in a line from left to right: ab 12 gimel bet alef
   REQUIRE(has_right_to_left(text));
   const SightOrder order = sight_order(text);
@@ -37,7 +37,7 @@ TEST_CASE("What is written from right to left is seen so, with a caret beside th
     for (const bool right : {false, true}) CHECK(order.index_at(place, right) <= text.size());
 }
 
-TEST_CASE("A line from right to left begins on the right, and letters of Arabic are joined") {
+TEST_CASE("begins right-to-left lines on the right, and joins Arabic letters") {
   const SightOrder hebrew = sight_order(U"\u05d0\u05d1");
   CHECK(hebrew.characters == U"\u05d1\u05d0");
   CHECK(hebrew.caret(0) == 2);
@@ -48,7 +48,7 @@ TEST_CASE("A line from right to left begins on the right, and letters of Arabic 
   CHECK(arabic.characters.find(U'\uFEFB') != std::u32string::npos);
 }
 
-TEST_CASE("No line is too long to be shown") {
+TEST_CASE("shows lines of any length") {
   const std::u32string text(100'000, U'\u05d0');
   CHECK(sight_order(text).characters == text);
 }

@@ -25,7 +25,7 @@ bool overlap(const DockRectangle& a, const DockRectangle& b) {
 
 }  // namespace
 
-TEST_CASE("Without open panels the picture has all of it") {
+TEST_CASE("gives the picture the whole window without open panels") {
   const DockLayout layout = three_sides().lay_out(kWhole, 1);
   for (const auto& area : layout.areas) CHECK_FALSE(area);
   CHECK(layout.picture.left == 0);
@@ -34,7 +34,7 @@ TEST_CASE("Without open panels the picture has all of it") {
   CHECK(layout.picture.height == 760);
 }
 
-TEST_CASE("Panels stand beside the picture, never over it, however small the window") {
+TEST_CASE("docks panels beside the picture, never over it, at any window size") {
   Dock dock = three_sides();
   for (const std::size_t panel : {0, 1, 2}) dock.open(panel);
   dock.set_size(DockSide::left, 200);
@@ -70,7 +70,7 @@ TEST_CASE("Panels stand beside the picture, never over it, however small the win
   CHECK(tight.picture.height >= Dock::kLeastHeight);
 }
 
-TEST_CASE("A panel that closes leaves the front to its neighbour") {
+TEST_CASE("brings the neighbour of a closed panel to the front") {
   Dock dock({DockSide::bottom, DockSide::bottom, DockSide::bottom});
   for (const std::size_t panel : {0, 1, 2}) dock.open(panel);
   CHECK(dock.is_front(2));
@@ -85,7 +85,7 @@ TEST_CASE("A panel that closes leaves the front to its neighbour") {
   CHECK_FALSE(dock.front_at(DockSide::bottom));
 }
 
-TEST_CASE("A panel's key opens it, brings it to the front, then closes it") {
+TEST_CASE("opens a panel by its key, brings it to the front, then closes it") {
   Dock dock({DockSide::bottom, DockSide::bottom});
   dock.toggle(0);
   dock.toggle(1);
@@ -97,7 +97,7 @@ TEST_CASE("A panel's key opens it, brings it to the front, then closes it") {
   CHECK(dock.is_front(1));
 }
 
-TEST_CASE("A panel goes to another side as it is") {
+TEST_CASE("moves a panel to another side unchanged") {
   Dock dock({DockSide::left, DockSide::right});
   dock.open(0);
   dock.move(0, DockSide::right);
@@ -108,7 +108,7 @@ TEST_CASE("A panel goes to another side as it is") {
   CHECK(dock.side_of(1) == DockSide::bottom);
 }
 
-TEST_CASE("A divider leaves an area where it was dragged to") {
+TEST_CASE("keeps the size of an area after a divider was dragged") {
   Dock dock = three_sides();
   for (const std::size_t panel : {0, 1, 2}) dock.open(panel);
   const auto middle = [&](DockSide side) {
@@ -128,7 +128,7 @@ TEST_CASE("A divider leaves an area where it was dragged to") {
   CHECK(dock.size(DockSide::left) == Dock::kLeastArea);
 }
 
-TEST_CASE("Numbers that are no panel's do nothing") {
+TEST_CASE("ignores numbers that belong to no panel") {
   Dock dock({DockSide::left});
   dock.open(7);
   dock.toggle(7);

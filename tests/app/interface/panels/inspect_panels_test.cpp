@@ -109,7 +109,7 @@ struct Screen : OneWorld {
   Inspection inspection;
 };
 
-TEST_CASE("Lines of the scene tree are chosen by a click, and by arrows, which open and close them as well") {
+TEST_CASE("selects lines of the scene tree by click and arrow keys, which also open and close them") {
   Screen screen("DEF First Group { children [ DEF Inner Shape { geometry Box {} } ] } DEF Second Transform {}");
   screen.open(Action::scene_tree);
   CHECK(screen.inspection.outline().size() == 2);
@@ -126,7 +126,7 @@ TEST_CASE("Lines of the scene tree are chosen by a click, and by arrows, which o
   CHECK(screen.inspection.outline().size() == 2);
 }
 
-TEST_CASE("What is typed into the search is found") {
+TEST_CASE("finds the text that is typed into the search") {
   Screen screen("DEF First Group { children [ DEF Inner Shape { geometry Box {} } ] } DEF Second Transform {}");
   screen.open(Action::scene_tree);
   REQUIRE(screen.click_until(60, 30, 120, [] { return ImGui::GetIO().WantTextInput; }));
@@ -137,7 +137,7 @@ TEST_CASE("What is typed into the search is found") {
   CHECK(screen.inspection.outline().size() == 3);
 }
 
-TEST_CASE("The console runs what is entered, and brings it back") {
+TEST_CASE("runs entered lines in the console, and recalls them") {
   Screen screen("DEF S Script { field SFFloat x 4 url \"javascript: ;\" }");
   screen.open(Action::script_console);
   screen.inspection.select({screen.document->world.scene.get(), screen.document->world.scene->roots()[0]}, false);
@@ -158,7 +158,7 @@ TEST_CASE("The console runs what is entered, and brings it back") {
   CHECK(screen.inspection.console().lines().size() == 4);
 }
 
-TEST_CASE("All panels are drawn for every type of field, and without a world") {
+TEST_CASE("draws all panels for every field type, and without a world") {
   Screen screen(
       "DEF All Script { field SFBool a TRUE field SFColor b 1 0 0 field SFImage d 1 1 1 0 field SFNode e NULL "
       "eventIn SFRotation f eventOut MFVec3f g field MFString h [ \"x\" ] exposedField MFColor i 1 1 1 } "

@@ -20,7 +20,7 @@ std::optional<bool> seen_from_right(const Driver& user) {
   return *gimel < *bet && *bet < *alef;
 }
 
-TEST_CASE("The script console shows what is written from right to left so, runs it, and brings it back") {
+TEST_CASE("shows right-to-left text in the script console in visual order, runs it, and recalls it") {
   Driver user;
   user.show_world("DEF S Script { url \"javascript: ;\" }");
   user.press(letter_key('J'), true, true);
@@ -44,7 +44,7 @@ TEST_CASE("The script console shows what is written from right to left so, runs 
   CHECK_FALSE(user.place_of(kAlef));
 }
 
-TEST_CASE("The inspector shows a text from right to left so while it is changed, and sends it as it was written") {
+TEST_CASE("shows right-to-left text in the inspector in visual order, and sends it unchanged") {
   Driver user;
   user.show_world("Anchor { description \"\u05d0\u05d1\u05d2\" }");
   user.press(letter_key('I'), true, true);

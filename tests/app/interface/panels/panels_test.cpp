@@ -13,7 +13,7 @@ namespace gs::app::panels_test {
 
 using driver::Driver;
 
-TEST_CASE("each panel has a row with a name in settings, a title and an action of its own") {
+TEST_CASE("has one row per panel, with a setting, a title and an action") {
   std::set<std::string_view> ids, titles;
   std::set<Action> toggles;
   for (std::size_t i = 0; i < panel_rows().size(); ++i) {
@@ -32,7 +32,7 @@ TEST_CASE("each panel has a row with a name in settings, a title and an action o
   CHECK_FALSE(find_panel("nothing"));
 }
 
-TEST_CASE("How far pictures are stands beside the bar, not on it") {
+TEST_CASE("shows the progress of saving pictures beside its bar, not over it") {
   Driver user;
   user.show_world("Shape { geometry Box {} }");
   user.click("File");
@@ -50,7 +50,7 @@ TEST_CASE("How far pictures are stands beside the bar, not on it") {
   CHECK(std::abs(places[0].x - places[1].x) < 20);
 }
 
-TEST_CASE("A panel that has nothing to show says so within its width") {
+TEST_CASE("shows an empty panel's notice within its width") {
   Driver user({}, {700, 500});
   user.show_world("Shape { geometry Box {} }");
   user.press(Key::f4);

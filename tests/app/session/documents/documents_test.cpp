@@ -32,7 +32,7 @@ OpenedWorld world_of(qnv::Cloud cloud) {
 
 }  // namespace
 
-TEST_CASE("A file is read once, and again when that is asked for") {
+TEST_CASE("reads a file once, and again on request") {
   DocumentList list;
   CHECK_FALSE(list.begin("a.wrl"));
   list.add("");
@@ -64,7 +64,7 @@ TEST_CASE("A file is read once, and again when that is asked for") {
   CHECK(list.begin("a.wrl"));
 }
 
-TEST_CASE("Several files are read at a time, and end in any order") {
+TEST_CASE("reads several files at once, which may end in any order") {
   DocumentList list;
   list.add("a");
   list.add("b");
@@ -76,7 +76,7 @@ TEST_CASE("Several files are read at a time, and end in any order") {
   CHECK(list.document("a")->world.path == "a");
 }
 
-TEST_CASE("A file that cannot be opened leaves the list, unless it was open") {
+TEST_CASE("removes a file that cannot be opened from the list, unless it was open") {
   DocumentList list;
   list.add("bad");
   list.add("good");
@@ -93,7 +93,7 @@ TEST_CASE("A file that cannot be opened leaves the list, unless it was open") {
   CHECK_FALSE(list.awaited("good"));
 }
 
-TEST_CASE("What was cancelled does not arrive") {
+TEST_CASE("drops the result of a cancelled load") {
   DocumentList list;
   list.add("a");
   list.cancel("a");  // nothing is being read yet
@@ -112,7 +112,7 @@ TEST_CASE("What was cancelled does not arrive") {
   CHECK(list.entries().empty());
 }
 
-TEST_CASE("Where a world is entered") {
+TEST_CASE("chooses navigation and Viewpoint at the entry of a world") {
   const auto entered = [](std::initializer_list<const char*> types, const char* viewpoint, bool& found) {
     return view_of(make_document(world_with(types)), {800, 600}, viewpoint, &found);
   };
@@ -144,7 +144,7 @@ TEST_CASE("Where a world is entered") {
   }
 }
 
-TEST_CASE("A document knows of its clouds") {
+TEST_CASE("reports the point sets of a document") {
   qnv::Cloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 1, 1}};
   cloud.normals = {{0, 0, 1}, {0, 1, 0}};
@@ -169,7 +169,7 @@ TEST_CASE("A document knows of its clouds") {
   CHECK_FALSE(make_document(world_with({"Group"}))->has_clouds());
 }
 
-TEST_CASE("The label of a file is the last part of its path") {
+TEST_CASE("labels a file with the last part of its path") {
   CHECK(file_label("/home/somebody/world.wrl") == "world.wrl");
   CHECK(file_label("world.wrl") == "world.wrl");
   CHECK(file_label("http://example.org/a/b.wrz") == "b.wrz");

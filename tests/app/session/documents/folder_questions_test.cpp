@@ -4,7 +4,7 @@
 
 using namespace gs::app;
 
-TEST_CASE("each folder is asked about once, and worlds are read again when it is allowed") {
+TEST_CASE("asks once per folder, and reads worlds again after permission") {
   FolderQuestions questions;
   CHECK(questions.current() == nullptr);
   CHECK(questions.answer(true).empty());

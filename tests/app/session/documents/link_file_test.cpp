@@ -17,7 +17,7 @@ SceneLink good(const std::string& text) {
   return std::get<SceneLink>(read);
 }
 
-TEST_CASE("A link file names a scene, a Viewpoint and a budget, and reads back") {
+TEST_CASE("names a scene, a Viewpoint and a budget in a link file, and reads it back") {
   const SceneLink link = good(
       "[GhostSpace link]\r\n# of the archive\nurl = https://example.org/a%20b.qnv \nViewpoint=The gate\n"
       "Budget=400000\nFuture=1\nnonsense\n");
@@ -32,7 +32,7 @@ TEST_CASE("A link file names a scene, a Viewpoint and a budget, and reads back")
   CHECK(good("\xef\xbb\xbf[GhostSpace link]\nURL=cells://10.0.0.1:9/a.qnv").budget == 0);
 }
 
-TEST_CASE("A link leads to the network only, and says what is wrong with it") {
+TEST_CASE("restricts a link to the network, and reports its errors") {
   for (const char* bad :
        {"", "#VRML V2.0 utf8", "[GhostSpace link]\n", "[GhostSpace link]\nURL=\n",
         "[GhostSpace link]\nURL=/etc/passwd\n", "[GhostSpace link]\nURL=file:///etc/passwd\n",
@@ -48,7 +48,7 @@ TEST_CASE("A link leads to the network only, and says what is wrong with it") {
       read_link_file("[GhostSpace link]\nURL=http://a/" + std::string(70'000, 'x'))));
 }
 
-TEST_CASE("URLs of the scheme ghostspace lead where the rest says") {
+TEST_CASE("opens the address after the scheme ghostspace") {
   const auto place = [](const std::string& url) {
     const auto link = read_link_url(url);
     if (!link) return std::string("none");
@@ -68,7 +68,7 @@ TEST_CASE("URLs of the scheme ghostspace lead where the rest says") {
     CHECK(place(bad) == "refused");
 }
 
-TEST_CASE("What the user gives may be a link, by its name") {
+TEST_CASE("detects a link by its name in user input") {
   const ScratchFolder folder;
   const std::string link =
       folder.write("A.GSLINK", "[GhostSpace link]\nURL=http://example.org/a.wrl\nViewpoint=Gate\nBudget=7\n");
@@ -84,7 +84,7 @@ TEST_CASE("What the user gives may be a link, by its name") {
   CHECK_FALSE(scene_link_of("http://example.org/a.gslink"));
 }
 
-TEST_CASE("A bad link is told of, and opens nothing") {
+TEST_CASE("reports a bad link, and opens nothing") {
   const ScratchFolder folder;
   Session session({}, {}, {});
   const std::string link = folder.write("bad.gslink", "[GhostSpace link]\nURL=file:///etc/passwd\n");

@@ -49,7 +49,7 @@ vrml::MFNode only(vrml::NodeId node) {
 
 }  // namespace
 
-TEST_CASE("pictures and meshes of removed nodes go, and others in their places have none of them") {
+TEST_CASE("drops images and meshes of removed nodes, also when their slots are reused") {
   World world("Group { }");
   vrml::SceneGraph& scene = *world.opened.scene;
   for (int round = 0; round < 10; ++round) {
@@ -85,7 +85,7 @@ TEST_CASE("pictures and meshes of removed nodes go, and others in their places h
   }
 }
 
-TEST_CASE("a list that is behind outlives the Inline that it shows") {
+TEST_CASE("keeps an outdated list valid after its Inline is removed") {
   World world("Group { } Inline { }");
   vrml::SceneGraph& scene = *world.opened.scene;
   auto content = std::make_shared<vrml::SceneGraph>("part.wrl", scene.budget());
@@ -106,7 +106,7 @@ TEST_CASE("a list that is behind outlives the Inline that it shows") {
   CHECK(watched.expired());
 }
 
-TEST_CASE("a world that is replaced is shown as the new one") {
+TEST_CASE("shows the new world after a replacement") {
   World world("Group { children Shape { geometry Box { } } }");
   CHECK(world.list().items.size() == 1);
   CHECK(

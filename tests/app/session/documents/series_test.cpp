@@ -6,7 +6,7 @@
 
 namespace gs::app::series_test {
 
-TEST_CASE("A series plays file by file, read ahead of their times, round and round") {
+TEST_CASE("plays a series file by file in a loop, and reads ahead") {
   const ScratchFolder folder;
   for (const char* name : {"a.1.vti", "a.2.vti", "a.10.vti"}) folder.write(name, "");
   const std::string name = folder.path("a.%02d.vti");
@@ -39,7 +39,7 @@ TEST_CASE("A series plays file by file, read ahead of their times, round and rou
   CHECK_FALSE(list.next_due());
 }
 
-TEST_CASE("A file of a series is shown at once, and ends the play") {
+TEST_CASE("shows a chosen file of a series at once, and stops the play") {
   const ScratchFolder folder;
   for (const char* name : {"a.1.vti", "a.2.vti", "a.3.vti"}) folder.write(name, "");
   const std::string name = folder.path("a.%d.vti");

@@ -19,7 +19,7 @@ vrml::Diagnostics said(const Lines& messages) {
   return all;
 }
 
-TEST_CASE("The log of a session keeps what was said of each file, and tells it once") {
+TEST_CASE("keeps the messages of each file in the session log, and reports them once") {
   SessionLog log;
   log.note("a.wrl", said({"one"}));
   CHECK(log.take_untold() == Lines{"a.wrl:1:1: error: one"});
@@ -48,7 +48,7 @@ Frame steps_until(Session& session, const std::function<bool(const Frame&)>& don
   return {};
 }
 
-TEST_CASE("Files that failed stay in the log when another one shows, and each is told of") {
+TEST_CASE("keeps failed files in the log while another one shows, and reports each") {
   const ScratchFolder folder;
   const std::string good =
       folder.write("good.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\nNoSuchNode { } NoSuchNode { }\n");

@@ -54,7 +54,7 @@ std::vector<WorldReader::News> all_news(WorldReader& reader) {
 
 }  // namespace
 
-TEST_CASE("A reader tells what there is to see, and in the end hands over the world") {
+TEST_CASE("reports visible parts while reading, and hands over the world at the end") {
   std::atomic<int> woken = 0;
   WorldReader reader("memory://a/slow.wrl", slow_world(3000), [&] { ++woken; });
   const std::vector<WorldReader::News> news = all_news(reader);
@@ -75,7 +75,7 @@ TEST_CASE("A reader tells what there is to see, and in the end hands over the wo
   while (!reader.ended()) std::this_thread::yield();
 }
 
-TEST_CASE("A picture that is late delays no world, and is taken in when it comes") {
+TEST_CASE("hands over a world before a late image, and adds the image later") {
   LoadOptions options;
   options.memory = std::make_shared<net::MemoryNetwork>();
   const std::string text =
@@ -127,7 +127,7 @@ TEST_CASE("A picture that is late delays no world, and is taken in when it comes
   CHECK(document->first_scene->scene.gathered() == 1);
 }
 
-TEST_CASE("Cancelling a reader keeps what has come, and ending one waits for nothing") {
+TEST_CASE("keeps the received parts of a cancelled reader, and ends one without waiting") {
   WorldReader reader("memory://a/slow.wrl", slow_world(3000), {});
   while (!reader.take().document) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   reader.cancel();

@@ -22,7 +22,7 @@ PictureSource source_of(const std::shared_ptr<const render::RenderList>& list) {
   return source;
 }
 
-TEST_CASE("A picture stands as long as nothing that it was made of is another") {
+TEST_CASE("keeps a picture while none of its parts changes") {
   const auto list = std::make_shared<const render::RenderList>(), other = std::make_shared<const render::RenderList>();
   PictureLedger ledger;
   const PictureSource source = source_of(list);
@@ -56,7 +56,7 @@ TEST_CASE("A picture stands as long as nothing that it was made of is another") 
   CHECK_FALSE(changed([](PictureSource& now) { now.draw.go_on = [] { return false; }; }));
 }
 
-TEST_CASE("A list that was made where one that is gone stood is another one") {
+TEST_CASE("detects a new list at the address of a removed one") {
   PictureLedger ledger;
   auto list = std::make_shared<const render::RenderList>();
   ledger.note(0, source_of(list), drawn(), 0);
@@ -67,7 +67,7 @@ TEST_CASE("A list that was made where one that is gone stood is another one") {
   CHECK_FALSE(ledger.is_same(0, same_place));
 }
 
-TEST_CASE("What can get better is drawn again, but not while it would keep somebody waiting") {
+TEST_CASE("redraws a picture that can improve, unless that delays the user") {
   const auto list = std::make_shared<const render::RenderList>();
   const PictureSource source = source_of(list);
   PictureLedger ledger;
@@ -87,7 +87,7 @@ TEST_CASE("What can get better is drawn again, but not while it would keep someb
   CHECK(ledger.wants_more(0));
 }
 
-TEST_CASE("A picture that was given up is none") {
+TEST_CASE("ignores an abandoned picture") {
   const auto list = std::make_shared<const render::RenderList>();
   const PictureSource source = source_of(list);
   PictureLedger ledger;

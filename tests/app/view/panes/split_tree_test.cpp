@@ -34,7 +34,7 @@ void check_place(const Viewport& place, int left, int top, int width, int height
 
 }  // namespace
 
-TEST_CASE("Several files make several viewports") {
+TEST_CASE("opens several viewports for several files") {
   CHECK(layout_for(0) == ViewportLayout::one);
   CHECK(layout_for(1) == ViewportLayout::one);
   CHECK(layout_for(2) == ViewportLayout::two);
@@ -46,7 +46,7 @@ TEST_CASE("Several files make several viewports") {
   CHECK(next_layout(ViewportLayout::four) == ViewportLayout::one);
 }
 
-TEST_CASE("The active viewport is in sight in every layout") {
+TEST_CASE("keeps the active viewport visible in every layout") {
   CHECK(panes_in_sight(split_of(ViewportLayout::one, 0)) == Panes_{0});
   CHECK(panes_in_sight(split_of(ViewportLayout::one, 3)) == Panes_{3});
   CHECK(panes_in_sight(split_of(ViewportLayout::two, 1)) == Panes_{0, 1});
@@ -60,7 +60,7 @@ TEST_CASE("The active viewport is in sight in every layout") {
   CHECK(layout_of(split("1|2|3!2")) == ViewportLayout::one);
 }
 
-TEST_CASE("Layouts cover the area without gaps") {
+TEST_CASE("covers the area by layouts without gaps") {
   auto places = arrange(split_of(ViewportLayout::one, 0), kWindow);
   REQUIRE(places.size() == 1);
   check_place(places[0], 0, 34, 1025, 735);
@@ -88,7 +88,7 @@ TEST_CASE("Layouts cover the area without gaps") {
   }
 }
 
-TEST_CASE("Every pixel of the area belongs to one viewport of any split") {
+TEST_CASE("assigns every pixel of the area to one viewport of any split") {
   const Viewport area{3, 5, 7, 9};
   for (const char* text : {"1", "1+2", "(1|2)/(3|4)", "1|(2/3)", "1:3|2", "(1/2/3):2|4:0.5|5"}) {
     CAPTURE(text);
@@ -111,7 +111,7 @@ TEST_CASE("Every pixel of the area belongs to one viewport of any split") {
   CHECK_FALSE(viewport_at(places, {-1, 50}));
 }
 
-TEST_CASE("A viewport is split on the right and below, again and again") {
+TEST_CASE("splits a viewport to the right and below repeatedly") {
   SplitTree tree = split("1");
   tree = split_pane(tree, 0, SplitAxis::columns, 1);
   CHECK(split_text(tree) == "1|2");
@@ -131,14 +131,14 @@ TEST_CASE("A viewport is split on the right and below, again and again") {
   CHECK_FALSE(split_pane(with_maximised(tree, 2), 2, SplitAxis::rows, 7).maximised);
 }
 
-TEST_CASE("A split along the longer side becomes columns or rows where it stands") {
+TEST_CASE("makes columns or rows of a split along the longer side") {
   CHECK(split_text(resolved(split("1+2"), {0, 0, 200, 100})) == "1|2");
   CHECK(split_text(resolved(split("1+2"), {0, 0, 100, 200})) == "1/2");
   CHECK(split_text(split_pane(resolved(split("1+2"), {0, 0, 200, 100}), 1, SplitAxis::columns, 2)) == "1:2|2|3");
   CHECK(split_text(resolved(split("(1+2)|3"), {0, 0, 800, 100})) == "1|2|3:2");
 }
 
-TEST_CASE("The neighbour takes the place of a viewport that is closed") {
+TEST_CASE("gives the area of a closed viewport to its neighbour") {
   CHECK(split_text(without_pane(split("1|2"), 0)) == "2");
   CHECK(split_text(without_pane(split("1|2"), 1)) == "1");
   CHECK(split_text(without_pane(split("1|(2/3)"), 1)) == "1|3");
@@ -155,7 +155,7 @@ TEST_CASE("The neighbour takes the place of a viewport that is closed") {
   CHECK(without_pane(split("1|2|3!2"), 0).maximised == 1u);
 }
 
-TEST_CASE("Closing what was split gives back what was there") {
+TEST_CASE("restores the former viewport when a split is closed") {
   for (const char* text : {"1", "1|2", "1/2", "1|(2/3)", "(1|2)/(3|4)"}) {
     const SplitTree before = split(text);
     for (const std::size_t pane : panes_of(before))
@@ -167,7 +167,7 @@ TEST_CASE("Closing what was split gives back what was there") {
   }
 }
 
-TEST_CASE("Dividers stand between viewports, and are dragged as far as there is room") {
+TEST_CASE("places dividers between viewports, and drags them within the minimum sizes") {
   const Viewport area{10, 20, 400, 200};
   const SplitTree tree = split("1|(2/3)|4");
   const auto dividers = dividers_of(tree, area);
@@ -200,7 +200,7 @@ TEST_CASE("Dividers stand between viewports, and are dragged as far as there is 
   (void)with_divider_at(tree, dividers[0], {0, 0, 1, 1}, 0, 50);
 }
 
-TEST_CASE("Viewports change places, are maximised, evened out, and follow each other") {
+TEST_CASE("swaps, maximises, equalises and cycles viewports") {
   const SplitTree tree = split("1:3|(2/3)");
   CHECK(panes_of(with_swapped(tree, 0, 2)) == Panes_{2, 1, 0});
   CHECK(with_swapped(with_swapped(tree, 0, 2), 2, 0) == tree);
@@ -227,7 +227,7 @@ TEST_CASE("Viewports change places, are maximised, evened out, and follow each o
   CHECK_FALSE(has_pane(tree, 3));
 }
 
-TEST_CASE("Splits are texts that read back the same") {
+TEST_CASE("restores splits from their text") {
   for (const char* text :
        {"1", "12", "1|2", "2/1", "1:2|(2/3)", "1:1.25|2|3:40", "1+2", "1|2|3", "(1|2)/(3|4)", "1|(2/(3|4))", "1|2!2"})
     CHECK(split_text(split(text)) == text);
@@ -243,7 +243,7 @@ TEST_CASE("Splits are texts that read back the same") {
   CHECK_FALSE(split("1!1").maximised);
 }
 
-TEST_CASE("What is no split is refused with a reason") {
+TEST_CASE("rejects invalid splits with a reason") {
   CHECK(why_not("") == "there must be numbers of viewports, from 1 to 12");
   CHECK(why_not("0") == "there must be numbers of viewports, from 1 to 12");
   CHECK(why_not("13") == "there must be numbers of viewports, from 1 to 12");

@@ -17,7 +17,7 @@ std::string labels(double least, double largest, std::size_t most) {
 
 }  // namespace
 
-TEST_CASE("Ticks stand at 1, 2 and 5 times powers of ten, as many as fit") {
+TEST_CASE("places ticks at 1, 2 and 5 times powers of ten, as many as fit") {
   CHECK(labels(0, 255, 6) == "0 50 100 150 200 250");
   CHECK(labels(0, 255, 5) == "0 100 200");
   CHECK(labels(-1024, 3071, 10) == "-1000 -500 0 500 1000 1500 2000 2500 3000");
@@ -28,7 +28,7 @@ TEST_CASE("Ticks stand at 1, 2 and 5 times powers of ten, as many as fit") {
   CHECK(labels(1e-8, 3e-8, 5).find("e-08") != std::string::npos);
 }
 
-TEST_CASE("Ticks lie in their range in order, whatever that is") {
+TEST_CASE("places ticks in order within any range") {
   const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
   for (const auto& [least, largest] : {std::pair{0.0, 0.0},
                                        {1.0, -1.0},
@@ -50,7 +50,7 @@ TEST_CASE("Ticks lie in their range in order, whatever that is") {
     }
 }
 
-TEST_CASE("A bar is titled by what the file says of its values") {
+TEST_CASE("titles a bar by the file's description of its values") {
   qnv::Description volume;
   volume.value_range = {-10, 30};
   volume.metadata = {{"array", "temperature"}, {"sample units", "K"}};

@@ -26,7 +26,7 @@ void check_bytes(const char* name, float place, const glm::vec3& expected, float
 
 }  // namespace
 
-TEST_CASE("Colour maps have the colours that their authors have published") {
+TEST_CASE("uses the published colours of colour maps") {
   // Of the tables of matplotlib, which the polynomials follow within some hundredths.
   check_bytes("viridis", 0, {68, 1, 84}, 8);
   check_bytes("viridis", 0.5f, {33, 145, 140}, 8);
@@ -45,8 +45,7 @@ TEST_CASE("Colour maps have the colours that their authors have published") {
   check_bytes("grey", 0.2f, {51, 51, 51}, 1);
 }
 
-TEST_CASE(
-    "The luminance of sequential maps rises all the way, that of diverging ones up to the middle and down again") {
+TEST_CASE("raises the luminance of sequential maps throughout, and of diverging maps to the middle") {
   for (const ColorMap& map : color_maps()) {
     if (map.name == "turbo") continue;  // a rainbow: by design it does not
     INFO(map.name);
@@ -62,7 +61,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("Places that are no places have the colours of the ends, and names that are none no map") {
+TEST_CASE("clamps invalid positions to the ends, and rejects unknown map names") {
   const ColorMap* map = find_color_map("viridis");
   REQUIRE(map);
   CHECK(color_at(*map, -3) == color_at(*map, 0));
@@ -72,7 +71,7 @@ TEST_CASE("Places that are no places have the colours of the ends, and names tha
   CHECK(color_map_names() == "grey, viridis, cividis, inferno, magma, turbo, coolwarm");
 }
 
-TEST_CASE("A transfer function takes the colours of a map and keeps its opacities") {
+TEST_CASE("applies the colours of a map to a transfer function, and keeps its opacities") {
   const Transfer transfer{{0.1f, {9, 9, 9}, 0}, {0.45f, {9, 9, 9}, 0.8f}, {0.9f, {9, 9, 9}, 0.2f}};
   const ColorMap* map = find_color_map("magma");
   REQUIRE(map);

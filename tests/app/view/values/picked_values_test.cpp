@@ -6,7 +6,7 @@
 
 namespace gs::app::picked_values_test {
 
-TEST_CASE("A place in a stream of a volume has the value of the vector that is nearest to it") {
+TEST_CASE("returns the value of the nearest vector in a volume stream") {
   qnv::Cloud cloud;
   CHECK_FALSE(value_near(cloud, {0, 0, 0}));
   cloud.description.kind = qnv::Kind::volume;
@@ -28,7 +28,7 @@ TEST_CASE("A place in a stream of a volume has the value of the vector that is n
   CHECK_FALSE(value_near(cloud, {std::nan(""), 0, 0}));
 }
 
-TEST_CASE("A place on a coloured surface has the value between those of its corners") {
+TEST_CASE("interpolates the value on a coloured surface between the corners") {
   ColorKey key{"t", 0, 100, {{0, 0, 1}, {0, 1, 1}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}};
   vrml::Mesh mesh;
   mesh.indices = {0, 1, 2, 2, 1, 3};

@@ -34,7 +34,7 @@ glm::vec2 pixel(const Pose& pose, const glm::dvec3& place) {
 
 }  // namespace
 
-TEST_CASE("A slice is held at its edges, and nowhere else") {
+TEST_CASE("grabs a slice at its edges only") {
   const auto grid = cube();
   Pose pose;
   pose.position = {0, 0, 30};
@@ -67,7 +67,7 @@ TEST_CASE("A slice is held at its edges, and nowhere else") {
   CHECK_FALSE(slice_at_edge(*grid, slices, world, pose, kSize, {400, 300}, 1000));
 }
 
-TEST_CASE("What is held of a slice stays under the pointer while it is drawn through the volume") {
+TEST_CASE("keeps the grabbed point of a slice under the pointer during the drag") {
   const auto grid = cube();
   VolumeSlices slices;
   slices.shown = {true, false, false};
@@ -95,7 +95,7 @@ TEST_CASE("What is held of a slice stays under the pointer while it is drawn thr
   }
 }
 
-TEST_CASE("Who looks along the way of a slice draws up and down") {
+TEST_CASE("drags a slice up and down if the viewer looks along its axis") {
   const auto grid = cube();
   Pose pose;
   pose.position = {0, 0, 60};

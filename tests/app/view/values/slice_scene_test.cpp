@@ -35,7 +35,7 @@ std::shared_ptr<const VolumeGrid> grid_of(std::uint64_t most = VolumeGrid::kMost
 
 }  // namespace
 
-TEST_CASE("A grid has the values of its voxels, and between them what a formula that is linear has") {
+TEST_CASE("returns the values of voxels, and interpolates linearly between them") {
   const auto grid = grid_of();
   CHECK(grid->step() == 1);
   CHECK(grid->value_range() == std::pair<float, float>{0, 123});
@@ -52,7 +52,7 @@ TEST_CASE("A grid has the values of its voxels, and between them what a formula 
   CHECK_FALSE(grid->between({3.1, 0, 0}));
 }
 
-TEST_CASE("Of a grid that is too large every second voxel is kept") {
+TEST_CASE("keeps every second voxel of a grid that is too large") {
   const auto grid = grid_of(10);
   CHECK(grid->step() == 2);
   CHECK(grid->kept(0) == 2);
@@ -68,7 +68,7 @@ TEST_CASE("Of a grid that is too large every second voxel is kept") {
   CHECK(std::holds_alternative<std::string>(VolumeGrid::take(small_volume(), &stop, own_budget(), 1000)));
 }
 
-TEST_CASE("A slice has a pixel a voxel, the window's ends black and white, and holes where values are missing") {
+TEST_CASE("draws a slice with a pixel per voxel, black to white over the window, and holes at missing values") {
   const auto grid = grid_of();
   VolumeSlices slices;
   slices.window = {{0, 102}};
@@ -95,7 +95,7 @@ TEST_CASE("A slice has a pixel a voxel, the window's ends black and white, and h
   CHECK(side.pixels[(1 * 3 + 1) * 3] == std::lround(12.0 / 102 * 255));
 }
 
-TEST_CASE("Slices stand where their voxels are, beside the volume or alone") {
+TEST_CASE("places slices at their voxels, beside the volume or alone") {
   const auto grid = grid_of();
   render::RenderList list;
   qnv::Cloud cloud;
@@ -135,7 +135,7 @@ TEST_CASE("Slices stand where their voxels are, beside the volume or alone") {
   CHECK(scene.with_slices(list, grid, slices).changes != moved);
 }
 
-TEST_CASE("Planes are named by voxels or parts, and nothing else") {
+TEST_CASE("accepts planes by voxel or fraction, and nothing else") {
   VolumeSlices slices;
   const auto half = read_slice_wish("y=50%"), third = read_slice_wish("z=3");
   REQUIRE((half && third));

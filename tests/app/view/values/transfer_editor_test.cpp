@@ -40,7 +40,7 @@ float side(const glm::vec4& plane, const glm::vec3& p) { return glm::dot(glm::ve
 
 }  // namespace
 
-TEST_CASE("Transfer functions are linear between points and constant beyond") {
+TEST_CASE("interpolates transfer functions linearly, and extends them constantly") {
   const Transfer transfer = ramp();
   CHECK(transfer_at(transfer, 0.1f).opacity == 0);
   CHECK(transfer_at(transfer, 0.4f).opacity == Approx(0.4));
@@ -52,7 +52,7 @@ TEST_CASE("Transfer functions are linear between points and constant beyond") {
   CHECK(transfer_at(transfer, kNaN).opacity == 0);
 }
 
-TEST_CASE("The editor shows what the renderer draws") {
+TEST_CASE("shows in the editor the colours that the renderer draws") {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> part(0, 1);
   for (int round = 0; round < 50; ++round) {
@@ -71,7 +71,7 @@ TEST_CASE("The editor shows what the renderer draws") {
   }
 }
 
-TEST_CASE("Points are added where the curve is pointed at, in the colour that is there") {
+TEST_CASE("adds points on the curve under the pointer, in its colour") {
   Transfer transfer = ramp();
   const auto index = add_point(transfer, 0.4f, 0.9f);
   REQUIRE(index);
@@ -90,7 +90,7 @@ TEST_CASE("Points are added where the curve is pointed at, in the colour that is
   check_transfer(transfer);
 }
 
-TEST_CASE("Points are moved between their neighbours") {
+TEST_CASE("moves points between their neighbours") {
   Transfer transfer = ramp();
   move_point(transfer, 1, 0.7f, 0.3f);
   CHECK(transfer[1] == qnv::TransferPoint{0.7f, {200, 100, 50}, 0.3f});
@@ -107,7 +107,7 @@ TEST_CASE("Points are moved between their neighbours") {
   check_transfer(transfer);
 }
 
-TEST_CASE("All points but the last one can be removed") {
+TEST_CASE("removes all points but the last one") {
   Transfer transfer = ramp();
   CHECK_FALSE(remove_point(transfer, 3));
   CHECK(remove_point(transfer, 1));
@@ -117,7 +117,7 @@ TEST_CASE("All points but the last one can be removed") {
   CHECK(transfer.size() == 1);
 }
 
-TEST_CASE("Any editing leaves a sound transfer function") {
+TEST_CASE("keeps a transfer function valid under any edits") {
   std::mt19937 random(1);
   const float values[] = {-1, 0, 0.3f, 0.30001f, 0.9f, 1, 2, kNaN, kInfinity, -kInfinity};
   const auto any = [&] { return values[random() % std::size(values)]; };
@@ -139,7 +139,7 @@ TEST_CASE("Any editing leaves a sound transfer function") {
   }
 }
 
-TEST_CASE("What files say is made sound") {
+TEST_CASE("corrects invalid transfer functions of files") {
   check_transfer(sound_transfer({}));
   const Transfer sorted =
       sound_transfer({{0.9f, {1, 1, 1}, 7}, {kNaN, {}, 0}, {-2, {2, 2, 2}, -1}, {0.5f, {3, 3, 3}, kInfinity}});
@@ -159,7 +159,7 @@ TEST_CASE("What files say is made sound") {
   CHECK(own_transfer(volume) == ramp());
 }
 
-TEST_CASE("Presets are sound in any range, and know Hounsfield units") {
+TEST_CASE("offers valid presets in any range, and in Hounsfield units") {
   for (const TransferPreset& preset : transfer_presets())
     for (const auto& range : {std::pair{0.0f, 1.0f},
                               {-1024.0f, 3071.0f},
@@ -179,7 +179,7 @@ TEST_CASE("Presets are sound in any range, and know Hounsfield units") {
         Approx(transfer_at(bone, 1600 / 4000.0f).opacity));  // the same with 1000 added
 }
 
-TEST_CASE("Volumes are summed up by class and magnitude") {
+TEST_CASE("summarises volumes by class and magnitude") {
   auto first = std::make_shared<qnv::Cloud>(), second = std::make_shared<qnv::Cloud>();
   for (const float weight : {4.0f, 3.0f, 2.0f, kNaN, 0.0f}) {
     first->weights.push_back(weight);
@@ -201,7 +201,7 @@ TEST_CASE("Volumes are summed up by class and magnitude") {
   CHECK(summarize({}).largest() == 0);
 }
 
-TEST_CASE("The magnitudes of many vectors are told from some of all of them") {
+TEST_CASE("estimates the magnitudes of many vectors from a sample of all") {
   auto cloud = std::make_shared<qnv::Cloud>();
   for (int i = 0; i < 300000; ++i) cloud->weights.push_back(static_cast<float>(i + 1));
   const std::vector<std::shared_ptr<const qnv::Cloud>> volumes{cloud};
@@ -210,7 +210,7 @@ TEST_CASE("The magnitudes of many vectors are told from some of all of them") {
   CHECK(share_left(summary, 100000) == Approx(2 / 3.0).margin(0.001));
 }
 
-TEST_CASE("Sliders are proportional and come back to where they were") {
+TEST_CASE("maps sliders proportionally and back") {
   const LogScale scale{0.1f, 10, true};
   CHECK(scale.value_at(0) == 0);
   CHECK(scale.value_at(0.5f) == Approx(1));
@@ -233,7 +233,7 @@ TEST_CASE("Sliders are proportional and come back to where they were") {
   }
 }
 
-TEST_CASE("Clipping planes cross the scene from one end to the other") {
+TEST_CASE("moves clipping planes across the whole scene") {
   const vrml::Bounds bounds = box({-1, 10, 0}, {3, 20, 2});
   ClipChoice choice;
   choice.axis = ClipAxis::y;
@@ -251,7 +251,7 @@ TEST_CASE("Clipping planes cross the scene from one end to the other") {
   CHECK(side(clip_plane(choice, bounds), {0, 0, 0.9f}) == Approx(0.1).margin(1e-5));
 }
 
-TEST_CASE("A flipped plane stays where it is") {
+TEST_CASE("keeps the position of a flipped plane") {
   const vrml::Bounds bounds = box({-1, 10, 0}, {3, 20, 2});
   for (const ClipAxis axis : {ClipAxis::x, ClipAxis::y, ClipAxis::z, ClipAxis::view}) {
     ClipChoice choice;
@@ -263,7 +263,7 @@ TEST_CASE("A flipped plane stays where it is") {
   }
 }
 
-TEST_CASE("The choice is told from the plane") {
+TEST_CASE("derives the choice from the plane") {
   const vrml::Bounds bounds = box({-1, 10, 0}, {3, 20, 2});
   for (const ClipAxis axis : {ClipAxis::x, ClipAxis::y, ClipAxis::z, ClipAxis::view})
     for (const bool flip : {false, true}) {

@@ -22,7 +22,7 @@ std::string problem(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("A transfer function that is saved is read back the same") {
+TEST_CASE("restores a saved transfer function") {
   const Transfer transfer{{0, {10, 20, 30}, 0}, {0.25f, {255, 0, 128}, 0.125f}, {1, {1, 2, 3}, 1}};
   const std::pair<float, float> range{-1024, 3071};
   const TransferFile file = good(transfer_text(transfer, range, "HU"));
@@ -37,7 +37,7 @@ TEST_CASE("A transfer function that is saved is read back the same") {
   }
 }
 
-TEST_CASE("Values mean the same in other data, whose range cuts the function where it has its colours") {
+TEST_CASE("keeps the values of a function in other data, and cuts it at their range") {
   const TransferFile file = good(
       R"({"range":[0,100],"points":[{"value":0,"color":[0,0,0],"opacity":0},{"value":100,"color":"#c86400","opacity":1}]})");
   const Transfer half = transfer_over(file, {25, 75});
@@ -54,14 +54,14 @@ TEST_CASE("Values mean the same in other data, whose range cuts the function whe
   CHECK(transfer_at(beyond, 0.5f).opacity == 1);
 }
 
-TEST_CASE("Without a range, the values are parts of whatever range the data have") {
+TEST_CASE("scales a function without a range to the range of the data") {
   const TransferFile file = good(R"({"points":[{"value":0.5,"color":"#102030","opacity":0.5}]})");
   CHECK_FALSE(file.has_values);
   CHECK(transfer_over(file, {-5, 1000}).front().value == 0.5f);
   CHECK(transfer_over(file, {3, 3}).front().value == 0.5f);
 }
 
-TEST_CASE("What is no transfer function is refused with the place and what was expected") {
+TEST_CASE("rejects invalid transfer functions with their position and the expected text") {
   CHECK(problem("{\"points\":\n [}").starts_with("t.json:2:3: error: this is no JSON"));
   CHECK(problem("[]").find("expected an object with an array `points`") != std::string::npos);
   CHECK(problem(R"({"points":[]})").find("expected 1 to 64") != std::string::npos);
@@ -85,7 +85,7 @@ TEST_CASE("What is no transfer function is refused with the place and what was e
   CHECK(problem(many + "]}").find("expected 1 to 64") != std::string::npos);
 }
 
-TEST_CASE("Every prefix of a file is refused or read, never more than that") {
+TEST_CASE("rejects or reads every prefix of a file, and reads no further") {
   const std::string text = transfer_text({{0, {1, 2, 3}, 0.5f}, {1, {4, 5, 6}, 0.5f}}, {0, 1}, "K");
   for (std::size_t n = 0; n + 2 < text.size(); ++n) CHECK_FALSE(problem(text.substr(0, n)).empty());
 }
