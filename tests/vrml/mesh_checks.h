@@ -33,7 +33,7 @@ struct GeometryScene {
     REQUIRE(found != nullptr);
     return scene.create(*found);
   }
-  /// An instance of a PROTO whose body is `body`.
+  /// Makes an instance of a PROTO with the body `body`.
   NodeId instance_of(NodeId body) {
     auto type = std::make_unique<NodeType>();
     type->name = "Wrapper";
@@ -75,7 +75,7 @@ struct GeometryScene {
   return 1;
 }
 
-/// What mesh.h promises of every mesh.
+/// Checks the promises of mesh.h.
 inline void check_promises(const Mesh& mesh, bool exact_bounds = true) {
   REQUIRE(mesh.indices.size() % corners_of(mesh.primitive) == 0);
   const std::size_t count = mesh.positions.size();

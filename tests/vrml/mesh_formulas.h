@@ -38,7 +38,7 @@ struct FormulaCorner {
 };
 using FormulaTriangle = std::array<FormulaCorner, 3>;
 
-/// What of a corner is compared besides its place.
+/// Compared parts of a corner besides its position.
 struct FormulaParts {
   bool texture_coordinate = false, normal = false, color = false;
 };

@@ -9,7 +9,7 @@ namespace {
 struct InterpolatorRow {
   const char* type;
   const char* values;      // for keys 1 and 3
-  const char* at_first;    // what is sent for a key or what lies outside of both
+  const char* at_first;    // for the first key and before it
   const char* in_between;  // for 2
   const char* at_last;
 };

@@ -11,7 +11,7 @@ namespace gs::vrml::traces {
 
 namespace {
 
-// What an interpolator sends for a fraction, or "" for nothing.
+// Returns the value that an interpolator sends for a fraction, or "" if it sends none.
 std::string sent(World& world, double at, float fraction) {
   world.step(at);
   world.send("I.set_fraction", SFFloat{fraction});

@@ -70,7 +70,7 @@ TEST_CASE("uses the union of the boxes of a VisibilitySensor with several instan
   world.execution().set_viewer(looking_at_x(100));
   world.step(2);
   CHECK(world.take().empty());
-  // A box around the viewer, boxes of no sense, and one behind a viewer who is nowhere.
+  // A box around the viewer, boxes with invalid sizes, and a box behind a viewer at infinity.
   world.send("N.size", SFVec3f(100, 100, 100));
   world.send("V.size", SFVec3f(-1, 1, 1));
   world.execution().set_viewer(looking_at_x(0));

@@ -82,7 +82,7 @@ TEST_CASE("accepts set_x of every exposedField of every node type, and sends x_c
       print_value(expected, value, world.scene());
       CHECK(sent[0] == expected);
       CHECK((world.scene().node(node).values[field.slot] == value));
-      // What loops is active from then on, and ignores some of the others (4.6.9).
+      // A looping node stays active, and ignores some of the other events (4.6.9).
       if (has(type->role, Role::time_dependent) && field.name == "loop")
         CHECK(world.execution().send(world.scene(), node, *event, SFBool{false}));
     }

@@ -35,7 +35,7 @@ inline bool find_path(const SceneGraph& scene, const MFNode& children, NodeId wa
   return false;
 }
 
-/// A pointing device that looks along -z from z = 10, at geometry whose surface is the plane z = 0 of the world.
+/// Pointing device that looks along -z from z = 10 at geometry in the world's plane z = 0.
 class PointingDevice {
  public:
   explicit PointingDevice(World& world) : world_(world) {}

@@ -253,7 +253,7 @@ TEST_CASE("removes an Inline with its whole content") {
           Lines{std::to_string(round) + ".5 W.isBound FALSE", std::to_string(round) + ".5 V.isBound TRUE"});
     CHECK(told.size() == 2);
     told.clear();
-    // What shows the Inline is told.
+    // The node that shows the Inline is reported as changed.
     const auto changes = world.execution().take_changes();
     CHECK(std::any_of(changes.begin(), changes.end(),
                       [&](const NodeChange& one) { return one.node == world.node("Part"); }));

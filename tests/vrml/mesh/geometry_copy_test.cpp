@@ -44,7 +44,7 @@ TEST_CASE("makes an equal mesh from a copied geometry on another thread, with sh
   REQUIRE(copy.scene);
   const NodeId face_set = scene->resolve(geometry);
   CHECK(copy.scene->get<MFInt32>(copy.geometry, "coordIndex").shares_with(scene->get<MFInt32>(face_set, "coordIndex")));
-  // What events do to the original meanwhile is not in it.
+  // Later events of the original do not change the copy.
   scene->set(face_set, "coordIndex", MFInt32{0, 1, 2, -1});
   scene->set(face_set, "color", SFNode{});
   Mesh made;

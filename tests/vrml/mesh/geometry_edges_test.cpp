@@ -105,7 +105,8 @@ TEST_CASE("keeps holes open that a bridge joins to the outline of a face (VRML97
 }
 
 TEST_CASE("covers faces that touch themselves once") {
-  // Two squares that share a corner; a frame whose inner side touches the outer one; a comb with a corner on its back.
+  // Two squares with a common corner, a frame with touching inner and outer sides, and a comb with a corner on its
+  // back.
   const Mesh squares =
       face({{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}, {1, 2}, {0, 1}}, {0, 1, 2, 3, 4, 5, 2, 6, -1}).mesh();
   CHECK(area_of(squares) == Approx(2));

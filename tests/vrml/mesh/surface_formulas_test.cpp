@@ -335,7 +335,7 @@ struct RandomBinding {
       index.push_back(-1);
     }
   }
-  /// Of corner number `corner` of face `face`, whose first entry of coordIndex is `start`.
+  /// Returns the index of corner `corner` of face `face`, which starts at `start` in coordIndex.
   [[nodiscard]] std::size_t value(std::size_t face, std::size_t start, std::size_t corner, int vertex) const {
     if (per_vertex) return static_cast<std::size_t>(indexed ? index[start + corner] : vertex);
     return indexed ? static_cast<std::size_t>(index[face]) : face;

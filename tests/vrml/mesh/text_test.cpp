@@ -11,8 +11,8 @@ using namespace gs::vrml::test;
 
 namespace {
 
-/// A font whose every byte is a block that fills its place: half an em wide and, from edge to edge of the line, one
-/// high; in vertical text one em high and one wide. So the box of a mesh is that of its lines.
+/// Font with a block for every byte: half an em wide and one line high, in vertical text one em high and wide. The box
+/// of a mesh is therefore the box of its lines.
 class Blocks : public TextShaper {
  public:
   LineEdges edges(const FontRequest&) override { return {0.75f, 0.25f}; }

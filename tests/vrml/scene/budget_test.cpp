@@ -186,7 +186,7 @@ TEST_CASE("stops instantiation when the budget's stop function returns true") {
   budget->stop_when([] { return true; });
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\n" + laughs(16) + "P16 { }", scene, diagnostics);
-  CHECK(diagnostics.errors() == 0);  // whose time it was says so
+  CHECK(diagnostics.errors() == 0);  // the owner of the stop function reports it
   CHECK(scene.node_count() < 10'000);
 }
 

@@ -19,7 +19,7 @@ TEST_CASE("turns a Billboard without an axis to the viewer, with its Y axis upwa
       if (glm::length(glm::cross(viewer, up)) < 1e-9) continue;
       const glm::dmat3 turned(billboard_matrix(SFVec3f(0), viewer, up));
       const dvec3 z = glm::normalize(viewer);
-      // What of his up direction lies in the plane that faces him.
+      // Component of the up direction in the plane that faces the viewer.
       const dvec3 y = glm::normalize(up - z * glm::dot(up, z));
       CHECK(glm::length(turned[2] - z) < 1e-12);
       CHECK(glm::length(turned[1] - y) < 1e-12);

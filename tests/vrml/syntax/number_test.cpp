@@ -44,7 +44,7 @@ std::vector<Path<std::int32_t>> paths(std::int32_t) {
 std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
 std::uint32_t bits_of(std::int32_t value) { return std::bit_cast<std::uint32_t>(value); }
 
-/// Text whose first byte follows an unreadable page and whose last byte is followed by one.
+/// Text between two unreadable pages.
 class GuardedText {
  public:
   explicit GuardedText(std::size_t capacity) {
