@@ -123,8 +123,8 @@ inline std::size_t u16(std::span<const std::byte> bytes, std::size_t at) {
 /// The header alone, so that chunks can be added by themselves.
 inline std::span<const std::byte> header_of(std::span<const std::byte> bytes) { return bytes.first(u16(bytes, 12)); }
 
-/// What of a model comes back: its polygons, every coordinate at the nearest point of the lattice; corners of a ring
-/// that are there twice in a row once.
+/// Returns a model after the round trip: all coordinates at the nearest lattice point, and repeated corners of a ring
+/// merged.
 inline std::vector<One> expected(const OutlineGroups& groups, const OutlineHeader& header) {
   const auto nearest = [](const auto& lattice, float value) {
     const double step = std::ldexp(1.0, lattice.exponent);

@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-/// Polygon models whose groups are known, for tests.
+/// Polygon models with known groups.
 namespace gs::qnv {
 
 inline void add_polygon(PolygonModel& model, const std::vector<glm::vec3>& polygon, std::uint32_t appearance = 0) {
@@ -26,7 +26,7 @@ inline void add_polygon(PolygonModel& model, const std::vector<glm::vec3>& polyg
   model.appearances.push_back(appearance);
 }
 
-/// The square of edge 1 in the plane z = 0 whose lower left corner is x, y.
+/// Adds a square of edge 1 in the plane z = 0, with its lower left corner at x, y.
 inline void add_square(PolygonModel& model, float x, float y, std::uint32_t appearance = 0) {
   add_polygon(model, {{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}, appearance);
 }
@@ -77,7 +77,7 @@ inline OutlineGroups groups_of(const PolygonModel& model, const OutlineOptions& 
   return std::move(std::get<OutlineGroups>(made));
 }
 
-/// What is shown in the end.
+/// Returns the polygons shown in the end.
 inline const OutlinePolygons& surface_of(const OutlineGroup& group) {
   return group.inner.empty() ? group.outline : group.inner;
 }

@@ -188,7 +188,7 @@ TEST_CASE("leaves no hole and no overlap with chunks in any order and with any l
     if (lost == 0) REQUIRE(same(cloud, expected));
     check_cover(cloud, parts.stream.header.cube, finest);
     CHECK(total_weight(cloud) == Approx(4 * std::numbers::pi).epsilon(0.1));
-    // What was lost comes at last.
+    // The lost chunks are received at last.
     for (const Bytes& payload : parts.payloads) decoder.add(ChunkType::packed, payload);
     REQUIRE(same(decoder.cloud(), expected));
   }
@@ -280,9 +280,9 @@ TEST_CASE("rejects cycles, duplicate numbers and second roots") {
     return decoder.refused_chunks() == ++refused && same(decoder.cloud(), expected);
   };
   CHECK(refuses(parts.payloads[0]));                            // the same again
-  CHECK(refuses(parts.payloads[1]));                            // likewise
+  CHECK(refuses(parts.payloads[1]));                            // another repeated one
   CHECK(refuses(with_ids(parts.payloads[0], 700, kNoParent)));  // a second root
-  CHECK(refuses(with_ids(parts.payloads[1], 701, 0)));          // what is divided already
+  CHECK(refuses(with_ids(parts.payloads[1], 701, 0)));          // already divided
   CHECK(refuses(with_ids(parts.payloads[0], 702, 0)));          // levels that do not fit
   CHECK(refuses(with_ids(parts.payloads[1], kNoParent, 0)));    // no number
   CHECK(refuses({}));

@@ -110,7 +110,7 @@ TEST_CASE("restores a base mesh from its bytes") {
 
 TEST_CASE("keeps the creases of a base mesh, without those at its boundary") {
   const BaseMesh base = base_of(simplify(mesh_of(sheet(60)), 300), 9);
-  // Those whose ends lie on the same side of a plane.
+  // Edges with both ends on one side of a plane.
   const auto crease = [&](std::uint32_t a, std::uint32_t b) {
     return (base.vertices[a].x > 256) == (base.vertices[b].x > 256) && (a + b) % 3 == 0;
   };

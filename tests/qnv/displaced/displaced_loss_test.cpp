@@ -97,7 +97,7 @@ TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives l
     REQUIRE_EACH(triangles >= std::max<std::size_t>(before, 300));
     before = triangles;
   }
-  // Where there is room for a part of it alone, it is that part.
+  // If only a part of the mesh fits, the stream ends with that part.
   options.max_bytes = parts.head.size() + 700;
   const auto smaller = encode_displaced(source_of(source), options);
   REQUIRE(std::holds_alternative<EncodedStream>(smaller));

@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-// Surfaces whose vertices are shared, for the tests of displaced streams.
+// Surfaces with shared vertices, for tests of displaced streams.
 namespace gs::qnv::displaced {
 
-/// A unit sphere of 8 n^2 triangles: an octahedron whose sides were divided.
+/// Returns a unit sphere of 8 n^2 triangles: a subdivided octahedron.
 inline Triangles ball(int n, const std::function<Rgb8(const glm::vec3&)>& color = {}) {
   Triangles out;
   const auto put = [&](const std::array<glm::ivec3, 3>& corners, const glm::ivec3& sign) {

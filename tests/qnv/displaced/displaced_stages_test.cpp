@@ -31,7 +31,7 @@ Parts parts_of(const Bytes& stream) {
   (void)reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
     if (type == ChunkType::displaced) parts.chunks.emplace_back(payload.begin(), payload.end());
     if (type != ChunkType::piece) return;
-    // What comes in pieces counts as if it had come in chunks.
+    // A chunk in pieces counts like a whole chunk.
     const auto piece = read_piece_header(payload);
     REQUIRE(piece);
     (void)groups[piece->group].add(*piece, payload);
@@ -96,7 +96,7 @@ TEST_CASE("keeps the previous stage if the base mesh of a stage is lost") {
   const Cloud cloud = decoded(parts, without).cloud();
   CHECK(same(cloud, decoded(parts, first).cloud()));
   CHECK(!same(cloud, decoded(parts, parts.chunks).cloud()));
-  // One whose first stage is damaged is shown from its second on.
+  // A stream with a damaged first stage is shown from its second one on.
   StreamReader reader;
   (void)reader.push(parts.head, [](ChunkType, std::span<const std::byte>, std::uint64_t) {});
   StreamHeader header = *reader.header();

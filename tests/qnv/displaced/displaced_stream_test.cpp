@@ -341,7 +341,7 @@ TEST_CASE("decodes at most the maximum number of vectors of a displaced stream")
 }
 
 TEST_CASE("allocates little memory for a few hostile bytes") {
-  // A base of many triangles whose deepest level has 2^26 vertices, of which a small cluster brings a few.
+  // A base of many triangles with 2^26 vertices on its deepest level, of which a small cluster contains a few.
   const Sample& s = samples()[0];
   StreamReader reader;
   (void)chunks_of(s.stream, reader);

@@ -16,7 +16,7 @@
 namespace gs::qnv::displaced::vectors_test {
 namespace {
 
-/// What tests/qnv/vectors/displaced.py says of a stage.
+/// Data that tests/qnv/vectors/displaced.py states of a stage.
 struct Told {
   int depth = 0, step_exponent = 0, colored = 0, clusters = 0, bits = 0;
   std::vector<glm::ivec3> vertices;

@@ -121,7 +121,7 @@ TEST_CASE("points the gradients of a ball to its centre, for any axes") {
   std::size_t far_away = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const float distance = glm::distance(centre, cloud.positions[i]);
-    if (distance < 5) continue;  // where the distance is not smooth on the scale of a voxel
+    if (distance < 5) continue;  // skips points where the distance changes too fast for a voxel
     ++far_away;
     REQUIRE(cloud.weights[i] == Approx(1).margin(0.05));
     REQUIRE(glm::dot(cloud.normals[i], (centre - cloud.positions[i]) / distance) > 0.99f);

@@ -44,7 +44,7 @@ struct Bits {
   }
 };
 
-/// What can be said of a mesh whose corners are joined where their floats are equal.
+/// Properties of a mesh, with corners joined at equal floats.
 struct Mesh {
   double area = 0, volume = 0;
   std::size_t points = 0;

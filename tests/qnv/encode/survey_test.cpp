@@ -16,7 +16,7 @@ TEST_CASE("averages the colours of a surface by area") {
   survey.add(Triangles{triangle_of(o, 3.0f * x, y, {100, 80, 40})});  // three times as large
   CHECK(survey.colored);
   CHECK(survey.mean_color() == Rgb8{125, 70, 30});
-  // What is not finite does not count.
+  // Triangles that are not finite do not count.
   survey.add(Triangles{triangle_of(o, x, glm::vec3(std::numeric_limits<float>::infinity()), {0, 0, 255})});
   CHECK(survey.mean_color() == Rgb8{125, 70, 30});
 }

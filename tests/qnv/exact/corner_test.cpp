@@ -18,7 +18,7 @@ namespace {
 using Bytes = std::vector<std::byte>;
 constexpr std::size_t kMost = std::size_t{1} << 20;
 
-/// Where a place of a triangle lies in the texture.
+/// Maps a point of a triangle to its texture coordinate.
 using Mapped = std::function<glm::vec2(const glm::vec3& place, const Triangle& of)>;
 
 TexturedSurface textured(const Triangles& triangles, const Mapped& mapped) {
@@ -61,7 +61,7 @@ std::vector<Dressed> dressed(const ExactMesh& mesh) {
       corners[k] = {p.x, p.y, p.z, q.x, q.y};
     }
     std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
-    Dressed least = corners;  // where two corners are the same
+    Dressed least = corners;  // for two equal corners
     for (int k = 0; k < 2; ++k) {
       std::rotate(corners.begin(), corners.begin() + 1, corners.end());
       least = std::min(least, corners);
@@ -273,7 +273,7 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
       REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.positions.size()));
       REQUIRE_EACH(cloud.texture_coordinates.size() <= cloud.positions.size());
       if (cloud.texture_coordinates.empty()) continue;
-      // What is shown with the picture comes last, and nothing of it without one.
+      // The textured part comes last, and only together with the texture.
       REQUIRE_EACH(cloud.picture);
       partly = partly || cloud.first_textured() > 0;
       bool pictured = false;

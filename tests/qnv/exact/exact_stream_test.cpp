@@ -100,7 +100,7 @@ void check_sound(const Cloud& cloud) {
   for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
 }
 
-/// What a cloud shows, put back on the lattice.
+/// Returns the shown triangles of a point set on the lattice.
 std::vector<Turned> triangles_shown(const Cloud& cloud, int bits, bool rgb) {
   const displaced::Frame frame(cloud.description.box);
   const float step = frame.size / static_cast<float>((1 << bits) - 1);
@@ -155,7 +155,7 @@ TEST_CASE("ends an exact stream with the mesh itself") {
     for (const glm::vec3& p : cloud.positions)
       for (int axis = 0; axis < 3; ++axis)
         REQUIRE_EACH((p[axis] >= box.lower[axis] - 1e-5f && p[axis] <= box.upper[axis] + 2e-3f));
-    // What is shown has the area of the source.
+    // The shown part has the area of the source.
     double area = 0;
     for (const float w : cloud.weights) area += static_cast<double>(w);
     CHECK(area == Approx(area_of(s.source.triangles)).epsilon(0.01));

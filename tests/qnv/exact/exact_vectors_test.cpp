@@ -93,7 +93,7 @@ TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
   }
 }
 
-// The same of displaced_low_bits, whose tail has fewer bits than its mesh.
+// Pinned low bits of displaced_low_bits, a stream with fewer bits in its tail than in its mesh.
 TEST_CASE("decodes low bits after a tail to their pinned positions") {
   std::vector<glm::ivec3> wanted;
   std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_low_bits.txt");
@@ -123,7 +123,7 @@ TEST_CASE("decodes low bits after a tail to their pinned positions") {
   CHECK(mesh->vertices == wanted);
 }
 
-// The same of displaced_covered, whose tail has ranks and says what it covers, in pieces; so are its low bits.
+// Pinned ranks and covered patches of displaced_covered, a stream with its tail and low bits in pieces.
 TEST_CASE("decodes a tail with ranks and its table of covered patches as pinned") {
   std::vector<glm::ivec3> wanted;
   std::vector<displaced::Corners> faces;
@@ -178,7 +178,7 @@ TEST_CASE("decodes a tail with ranks and its table of covered patches as pinned"
   CHECK(covered.size() > 300);
 }
 
-// The same of displaced_textured, whose corners have texture coordinates and normals of their own, with a picture.
+// Pinned corners of displaced_textured, a stream with texture coordinates, own normals and a texture.
 TEST_CASE("decodes a textured tail to its pinned corners, normals and texture files") {
   TextureLattice lattice;
   std::vector<displaced::Corners> faces;
@@ -236,7 +236,7 @@ TEST_CASE("decodes a textured tail to its pinned corners, normals and texture fi
   REQUIRE(cloud.texture_coordinates.size() == cloud.size());
   for (std::size_t corner = 0; corner < cloud.triangles.size(); ++corner)
     REQUIRE_EACH(cloud.texture_coordinates[cloud.triangles[corner]] == lattice.at(coordinates[corner / 3][corner % 3]));
-  // What they are expected from is worked out in f32: a step of the square's.
+  // The expected normals are computed in f32 from the corners of the square, within one step.
   for (const auto& [corner, n] : normals) REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 0.01f);
   REQUIRE(cloud.picture);
   CHECK(cloud.picture->bytes.size() == files[0][0]);

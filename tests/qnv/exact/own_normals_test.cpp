@@ -58,7 +58,7 @@ TEST_CASE("encodes smooth normals once per vertex, in fewer bits than their prec
   const ExactMesh mesh = decoded_mesh(displaced::ball(24));
   const std::vector<glm::vec3> shaded = shaded_normals(mesh, kSmooth);
   CHECK(8 * encode_normals(mesh, shaded, bent(mesh, false)).size() < 14 * mesh.vertices.size());
-  // Where they are as the rule has them, it takes next to nothing.
+  // Normals that match the shading rule take almost no bits.
   CHECK(8 * encode_normals(mesh, shaded, shaded).size() < mesh.vertices.size());
 }
 

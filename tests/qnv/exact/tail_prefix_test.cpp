@@ -18,7 +18,7 @@
 #include <span>
 #include <variant>
 
-// What a tail shows before all of it has come.
+// Tests of the picture of a partly received tail.
 namespace gs::qnv::exact::prefix_test {
 namespace {
 

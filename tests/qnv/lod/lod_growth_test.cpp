@@ -167,7 +167,7 @@ TEST_CASE("lists the missing chunks of several viewports in turn without duplica
   auto expected = offsets(both);
   expected.erase(std::unique(expected.begin(), expected.end()), expected.end());
   CHECK(offsets(all) == expected);
-  // What comes is wanted no more, and who does not look any more wants nothing.
+  // A received chunk is no longer wanted, and a closed view wants nothing.
   REQUIRE(lod->add(all[0].offset, parts.at(all[0])));
   CHECK(lod->wanted_by_all().size() == all.size() - 1);
   lod->forget(0);

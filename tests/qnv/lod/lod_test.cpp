@@ -89,7 +89,7 @@ TEST_CASE("makes the same cuts with a small cache, and keeps it small", "[optimi
     CHECK(small->cached_bytes() < kSmall + 2 * 20'000 * (2 * 36 + 16));
   }
   CHECK(large->cached_bytes() > 1.5 * most_bytes);
-  // What one viewport does not need any more goes.
+  // Clusters that a closed viewport needed are dropped.
   small->forget(0);
   small->forget(1);
   LodView far = from({0, 0, 1000});

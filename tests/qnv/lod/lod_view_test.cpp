@@ -5,7 +5,7 @@
 
 #include <set>
 
-// What a view gets, and what it keeps.
+// Tests of the results and the cache of a view.
 namespace gs::qnv {
 namespace {
 
@@ -152,7 +152,7 @@ TEST_CASE("keeps existing detail until it is clearly too fine", "[optimised]") {
   // Half as large: nobody needs it any more.
   view.eye.z = 8;
   CHECK(count(lod->cut(view)) == fresh(view));
-  // What a viewport keeps, another does not get.
+  // A viewport does not see the kept detail of another one.
   LodView kept = from({0, 0, 3.3f}, 300), other = kept;
   other.viewport = 1;
   (void)lod->cut(from({0, 0, 3}, 300));
@@ -182,7 +182,7 @@ TEST_CASE("leaves out only clusters that face away", "[optimised]") {
     const auto everywhere = all->cut(view);
     view.leave_backs = true;
     const auto fronts = lod->cut(view);
-    // Every disc whose front is seen is there at the same detail.
+    // All front-facing splats are drawn at the same detail.
     CHECK(facing(fronts, eye) == facing(everywhere, eye));
     left += count(fronts);
     discs += count(everywhere);

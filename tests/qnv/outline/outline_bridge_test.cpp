@@ -78,7 +78,7 @@ TEST_CASE("connects holes by bridges, whatever their order is", "[outline]") {
 }
 
 TEST_CASE("avoids bridges across corners that hide each other", "[outline]") {
-  Rings rings;  // a comb whose teeth stand between the left side and the hole
+  Rings rings;  // a comb with its teeth between the left side and the hole
   rings.add({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 7}, {5, 4.2f}, {0, 6}, {0, 2}, {5, 3.8f}, {0, 1}});
   rings.add_hole(6, 3.5f, 1);
   glm::dvec3 outer = vector_area(std::vector(rings.positions.begin(), rings.positions.begin() + 10));

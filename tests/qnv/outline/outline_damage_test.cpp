@@ -50,7 +50,7 @@ bool holds(const std::vector<One>& whole, const std::vector<One>& part) {
   return std::includes(whole.begin(), whole.end(), part.begin(), part.end());
 }
 
-/// Where the records of a chunk begin, from its payload's start, and the end of the last.
+/// Returns the starts of the records of a chunk, from its payload's start, and the end of the last one.
 std::vector<std::size_t> records_of(const ChunkAt& chunk, const OutlineHeader& header) {
   outline::ChunkHead head;
   std::size_t at = 0;
@@ -291,7 +291,7 @@ void put(Bytes& bytes, std::size_t at, std::size_t value, int size) {
     bytes[at + static_cast<std::size_t>(i)] = static_cast<std::byte>(value >> (8 * i) & 255);
 }
 
-/// The payload with its checksums made right, as one who wants to do harm would.
+/// Corrects the checksums of a payload, as an attacker would.
 void seal(Bytes& payload, const std::vector<std::size_t>& begins) {
   for (std::size_t i = 0; i + 1 < begins.size(); ++i)
     payload[begins[i + 1] - 1] =

@@ -18,7 +18,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// What holds for the polygons of any model.
+// Checks the invariants of groups of any model.
 void require_sound(const PolygonModel& model, const OutlineGroups& made) {
   REQUIRE(made.group_of.size() == model.ends.size());
   for (const std::uint32_t group : made.group_of)

@@ -97,7 +97,7 @@ TEST_CASE("reports its appearances and its contents in the header of a stream") 
   CHECK(header->outlines.groups == 4);
   CHECK(header->outlines.outline_polygons == 5);
   CHECK(header->outlines.inner_polygons == 3);
-  CHECK(header->vectors == 6);  // what is shown in the end
+  CHECK(header->vectors == 6);  // polygons shown in the end
   CHECK(header->description.total == Approx(100 - 2 - 1.59375 + 32 + 0.25 + 0.0625).margin(0.1));
   CHECK(header->description.box == Box{{-4, 0, -2}, {16, 12, 7}});
   CHECK(header->description.two_sided);

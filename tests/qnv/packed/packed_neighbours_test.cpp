@@ -84,7 +84,7 @@ TEST_CASE("predicts a plane exactly that continues into its neighbours") {
     const PredictedPlane plane = predicted_plane(0, 0, 4, changes, c, true, true);
     CHECK(plane.u == 0);
     CHECK(plane.v == 0);
-    // 4/64 of the voxel above its centre: 8/64 of the child's edge, from whose centre it is half an edge away.
+    // 4/64 of the voxel above its centre: 8/64 of the child's edge. The child's centre is half an edge away.
     CHECK(plane.offset == (c < 4 ? 32 : 8 - 32));
   }
 }
@@ -109,7 +109,7 @@ TEST_CASE("predicts turning normals as by hand") {
   const std::array<std::uint32_t, 7> seam{0, bits_of(1014, -120, 0), 0, 0, 0, 0, bits_of(1014, 120, 0)};
   CHECK(face_changes(1014, 120, 0, seam).u[1] == 3 * 20);
   CHECK(face_changes(1014, 120, 0, seam).v[1] == 0);
-  // What turns by more than 700 is another surface; a sheet of two sides has no neighbours.
+  // A turn of over 700 means another surface. A two-sided sheet has no neighbours.
   const std::array<std::uint32_t, 7> other{0, bits_of(700, 1, 9), 0, 0, 0, 0, bits_of(0, 0, 0)};
   CHECK(face_changes(0, 0, 0, other).u == std::array<int, 6>{});
   CHECK(face_changes(0, 0, 0, other).offset == std::array<int, 6>{});

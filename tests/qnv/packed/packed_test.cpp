@@ -60,7 +60,7 @@ struct Packed {
 
 std::uint64_t key_of(const PackedVoxels& v, std::size_t i) { return morton_encode(v.x[i], v.y[i], v.z[i]); }
 
-// What the encoder promises of every voxel: there is surface in it, and its plane is the true one but for half a step.
+// Checks the encoder's promises of every voxel: it contains surface, and its plane is exact within half a step.
 void check_promises(const Packed& packed) {
   std::vector<std::size_t> seen(packed.truth.size());
   for (std::size_t c = 0; c < packed.clusters.size(); ++c) {

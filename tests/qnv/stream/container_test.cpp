@@ -382,7 +382,7 @@ TEST_CASE("restores a directory with boxes that are never smaller") {
       REQUIRE(all[i].box.upper[axis] <= entries[i].box.upper[axis] + step);
     }
   }
-  // What is no whole entry is left out.
+  // An incomplete entry is dropped.
   CHECK(decode_directory(std::span(read.chunks[0].second).first(63), box).size() == 1);
   CHECK(encode_directory({}, box).empty());
 }

@@ -30,7 +30,7 @@ std::vector<Bytes> all_of(const CutGroup& cut) {
   return all;
 }
 
-/// What comes out of pieces, in the order in which they come.
+/// Returns the payloads that pieces restore, in the order of the pieces.
 std::vector<Bytes> came(const std::vector<Bytes>& pieces) {
   PieceGroup group;
   std::vector<Bytes> out;

@@ -42,7 +42,7 @@ std::vector<Made> clusters_of(Surface& surface, bool colored) {
   return made;
 }
 
-/// Vertices whose places differ by more than rounding, or whose normals or colours do.
+/// Counts vertices of different positions (beyond rounding), normals or colours.
 std::size_t differences(const PatchSurface& a, const PatchSurface& b) {
   REQUIRE(a.level() == b.level());
   REQUIRE(a.size() == b.size());

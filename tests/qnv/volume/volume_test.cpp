@@ -109,7 +109,7 @@ TEST_CASE("rejects layouts that cannot be used") {
   CHECK(broken([](VolumeLayout& l) { l.axes[2] = glm::vec3(0); }));
   CHECK(broken([](VolumeLayout& l) { l.axes[2].y = std::nanf(""); }));
   CHECK(broken([](VolumeLayout& l) { l.origin.x = INFINITY; }));
-  // What would make areas that are no finite floats.
+  // These layouts have areas that are not finite.
   CHECK(broken([](VolumeLayout& l) { l.axes[1].y = -1.7e38f; }));
   CHECK(broken([](VolumeLayout& l) {
     for (glm::vec3& axis : l.axes) axis *= 1e-20f;

@@ -106,7 +106,7 @@ TEST_CASE("sorts edge costs in order, equal ones by insertion") {
   for (; queue.pop(next); ++count) {
     CHECK(costs[next.u] >= last / 1.032);
     last = std::max(last, costs[next.u]);
-    // What costs less than what is next comes at once.
+    // An entry of lower cost than the next one comes first.
     if (count == 1500) {
       queue.push(1e-40, {77, 1, 0});
       REQUIRE(queue.pop(next));

@@ -57,7 +57,7 @@ TEST_CASE("omits the finest levels only of a stage that another one certainly fo
   CHECK(shorter.header.depth == whole.header.depth);
   CHECK(finest_of(shorter) == 4);
   CHECK(shorter.error > error);
-  // What of it is there is the same.
+  // The clusters of both are equal.
   std::size_t same = 0;
   for (const StageCluster& cluster : shorter.clusters)
     same += std::any_of(whole.clusters.begin(), whole.clusters.end(), [&](const StageCluster& other) {
