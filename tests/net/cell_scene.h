@@ -14,8 +14,7 @@
 
 namespace gs::net {
 
-/// A source whose every byte follows from its place, so that a reader can check
-/// all that it gets.
+/// Source with bytes that follow from their positions, so that a reader can check them.
 class PatternSource : public CellSource {
  public:
   struct Stream {
@@ -88,7 +87,7 @@ class PatternLibrary : public CellLibrary {
   }
 };
 
-/// What one client got, checked byte by byte.
+/// Data of one client, checked byte by byte.
 struct ReceivedCells {
   bool ok = true, base = false, ended = false, failed = false, refused = false;
   Instant base_at{}, ended_at{}, first_piece_at{};

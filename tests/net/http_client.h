@@ -113,7 +113,7 @@ class RawClient {
       at += static_cast<std::size_t>(sent);
     }
   }
-  /// What comes next; empty at the end of the connection.
+  /// Returns the next bytes, or an empty text at the end of the connection.
   [[nodiscard]] std::string receive(std::size_t most = 65536) const {
     std::string text(most, '\0');
     const ssize_t got = ::recv(socket_, text.data(), most, 0);

@@ -16,7 +16,7 @@
 #include "net/load/loader.h"
 #include "net/load/transport_memory.h"
 
-/// What the tests of the loader share.
+/// Helpers of tests of the loader.
 namespace gs::net::test {
 
 /// A folder of its own for each test, gone at its end.
@@ -55,7 +55,7 @@ inline std::string pattern(std::size_t size, unsigned version = 0) {
   return result;
 }
 
-/// What a server of the memory transport has: a VRML file of this text.
+/// Returns a VRML file of this text for the memory transport.
 inline MemoryResource resource(const std::string& text, const std::string& etag = "\"1\"") {
   MemoryResource result;
   result.bytes = bytes_of(text);
@@ -72,7 +72,7 @@ inline Request ranges_of(const std::string& url, std::vector<ByteRange> ranges) 
   return request;
 }
 
-/// What came of one request. Fails the test where the order of events is not the promised one.
+/// Result of one request. Fails the test if the order of events is wrong.
 struct Outcome {
   std::string events;  // a letter each: Head, data (one d for all in a row), Restarted, done (.), error (!)
   LoadHead head;

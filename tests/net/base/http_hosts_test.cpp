@@ -1,4 +1,4 @@
-// Who asks, by which name, and for whom: host names, pages of other sites, proxies.
+// Tests of the rights of clients: host names, pages of other sites, proxies.
 #include "net/base/host_names.h"
 
 #include "tests/net/served_site.h"
@@ -42,7 +42,7 @@ TEST_CASE("accepts its own host names and configured ones on loopback") {
   CHECK(HostNames("127.0.0.9", {}).admits("127.0.0.9:1"));
   CHECK(HostNames("::1", {}).admits("[::1]"));
   CHECK_FALSE(HostNames("::1", {}).admits("evil.example"));
-  // Who is asked from elsewhere may have any name, unless some are given.
+  // A server for other machines accepts any name, unless names are configured.
   CHECK(HostNames("*", {}).admits("any.example"));
   CHECK(HostNames("192.0.2.1", {}).admits("any.example"));
   CHECK_FALSE(HostNames("*", {"a.example"}).admits("any.example"));
@@ -179,7 +179,7 @@ TEST_CASE("HTTP server: keeps other clients of a proxy served when one reaches i
   }
   CHECK(refused);
   for (std::size_t i = 1; i < connections.size(); ++i) {
-    // What a client writes in front of its own address changes nothing.
+    // Addresses that a client writes before its own are ignored.
     connections[i]->send(ask("198.51.100.1, 198.51.100." + std::to_string(10 + i)));
     CHECK(connections[i]->receive().starts_with("HTTP/1.1 200"));
   }

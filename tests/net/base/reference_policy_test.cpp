@@ -1,4 +1,4 @@
-// Who may refer to what. docs/security.md names these tests.
+// Tests of allowed references. docs/security.md names these tests.
 #include "net/base/reference_policy.h"
 
 #include <catch2/catch.hpp>

@@ -112,7 +112,7 @@ TEST_CASE("survives random bytes after the header", "[cell_contract]") {
     for (int k = 0; k < 4; ++k)
       bytes[9 + Link::next_random(random) % (bytes.size() - 9)] = static_cast<std::byte>(Link::next_random(random));
     if (const auto message = decode_contract(bytes)) {
-      // What was taken can be said again.
+      // A decoded message can be encoded again.
       REQUIRE(decode_contract(encode_contract(*message)));
     }
   }

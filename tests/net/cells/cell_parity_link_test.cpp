@@ -77,7 +77,7 @@ TEST_CASE("adds no bytes for parity without loss", "[cell_parity]") {
 
 TEST_CASE("restores lost datagrams without another request", "[cell_parity][optimised]") {
   struct Case {
-    double loss, chunks, most_sent;  // of what is sent without loss
+    double loss, chunks, most_sent;  // relative to the bytes without loss
   };
   // Beside 1 / (1 - loss): 1.01, 1.11, 1.43, 2.
   const Case cases[] = {{0.01, 0.99, 1.18}, {0.1, 0.995, 1.45}, {0.3, 0.98, 2.2}, {0.5, 0.95, 3.5}};
@@ -97,7 +97,7 @@ TEST_CASE("restores lost datagrams without another request", "[cell_parity][opti
         sum.sent += measured.sent / kSeeds;
         const CellClientStatistics statistics = scene->clients[0]->client.statistics();
         REQUIRE(statistics.rebuilt > 0);
-        REQUIRE(statistics.rebuilt <= statistics.lost);  // what was rebuilt stays lost in what is reported
+        REQUIRE(statistics.rebuilt <= statistics.lost);  // rebuilt datagrams still count as lost in reports
         trial.link.loss = 0;
       }
       INFO((packed ? "clusters" : "records") << ", loss " << at.loss << ": chunks " << sum.chunks << ", bytes "

@@ -163,15 +163,15 @@ TEST_CASE("estimates the loss rate and its pattern", "[cell_parity]") {
   // Of 200, 128 stay: 6.4 lost.
   meter.add(290, 110, 200s);
   REQUIRE(meter.share() == Approx(106.4 / 328));
-  // What no client can say.
+  // No client can send this.
   meter.add(0, 0, 200s);
   REQUIRE(meter.share() == Approx(106.4 / 328));
   meter.add(~std::uint64_t{0}, ~std::uint64_t{0}, 100s);
   REQUIRE(meter.share() <= 1);
   REQUIRE(meter.likely() <= 0.9);
 
-  // Independent losses, and runs of four (whose index of dispersion for long
-  // spans is (1 + 0.722) / (1 - 0.722) = 6.2).
+  // Independent losses, and runs of four, with an index of dispersion for long spans of (1 + 0.722) / (1 - 0.722) =
+  // 6.2.
   std::uint64_t random = 3;
   const auto runs = [&](double burst) {
     LossMeter measured;

@@ -171,7 +171,7 @@ TEST_CASE("sends regions and wishes first", "[cell_sender]") {
   const auto& order = scene.clients[0]->got.order;
   REQUIRE(order.size() > 80);
   const auto place = [&](ChunkName name) { return std::find(order.begin(), order.end(), name) - order.begin(); };
-  // What was under way before the first report came: a few.
+  // A few were under way before the first report.
   REQUIRE(place({1, 999}) < 15);
   for (std::uint32_t i = 0; i < 20; ++i) {
     REQUIRE(place({0, 500 + i}) < 40);

@@ -27,7 +27,7 @@ ControlTerms terms() {
 
 struct Peer {
   explicit Peer(ControlProtocol protocol) : connection(protocol, of) {}
-  /// What it is sent in answer.
+  /// Passes bytes to the connection, and returns its answer.
   std::string say(std::string_view bytes) {
     connection.receive(bytes);
     for (std::string& one : connection.take_messages()) messages.push_back(std::move(one));

@@ -52,7 +52,7 @@ class LineClient {
     return true;
   }
   void say_no_more() const { ::shutdown(socket_, SHUT_WR); }
-  /// What comes next; empty at the end.
+  /// Returns the next bytes, or an empty text at the end.
   [[nodiscard]] std::string receive() const {
     std::string text(65536, '\0');
     const ssize_t got = ::recv(socket_, text.data(), text.size(), 0);
@@ -349,7 +349,7 @@ TEST_CASE("disconnects a client that does not read, within bounded memory") {
     ++sent;
   }
   CHECK(served.server->is_behind(number));
-  // Who reads again is not behind any more, and is told of by a wake.
+  // A client that reads again catches up, and a wake reports it.
   const int wakes = served.wakes;
   std::size_t got = 0;
   while (got < static_cast<std::size_t>(sent) * (text.size() + 1)) got += client.receive().size();

@@ -168,7 +168,7 @@ TEST_CASE("reads ranges of an open file, and returns fewer bytes at its end") {
   CHECK(at(~std::uint64_t{0}, 5).empty());
   CHECK(at(std::uint64_t{1} << 63, 5).empty());
   CHECK(at(2, 0).empty());
-  // What was moved from has nothing.
+  // A moved-from file is empty.
   std::vector<std::byte> to(4);
   CHECK(first.read(0, to) == 0);
   fs::resize_file(folder / "f", 5);

@@ -73,7 +73,7 @@ TEST_CASE("reads zeros and reports it when a mapped file is truncated") {
   CHECK(whole.changed()->starts_with("the file was changed while it was read"));
   fs::resize_file(file.path, 0);
   CHECK(whole.bytes()[5] == std::byte{0});
-  // What is mapped now is what is there now, and another file is not concerned.
+  // A new mapping shows the present content, and other files are unaffected.
   std::ofstream(file.path, std::ios::binary) << std::string(kMappedLarge, 'y');
   const MappedFile again = mapped_file_of(file.path);
   CHECK(count_of_bytes(again.bytes(), 'y') == kMappedLarge);

@@ -111,7 +111,7 @@ TEST_CASE("collects ranges of one version in one file") {
     add("\"2\"", 10, 20);
     CHECK(cache->find("k", 1000)->present() == RangeSet(std::array{ByteRange{10, 20}}));
     CHECK(files(folder.path(), ".data").size() == 1);
-    CHECK(read(*found, 1200, 2500) == text.substr(1200, 1300));  // who reads the old one goes on
+    CHECK(read(*found, 1200, 2500) == text.substr(1200, 1300));  // a reader of the old version continues
   }
   SECTION("a part that nothing identifies is not kept") {
     add("W/\"1\"", 10, 20);

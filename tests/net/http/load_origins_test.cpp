@@ -1,4 +1,4 @@
-// What the loader lets a text have of hosts. docs/security.md names these tests.
+// Tests of the hosts that a text may reach. docs/security.md names these tests.
 #include <catch2/catch.hpp>
 
 #include <atomic>

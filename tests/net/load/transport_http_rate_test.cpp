@@ -51,7 +51,7 @@ TEST_CASE("limits the rate of a client over HTTP across all its transfers, from 
   }
   const auto seconds = [&] { return std::chrono::duration<double>(now - begin).count(); };
   const double block = kRate / 10.0;
-  double shared = 0;  // of what both had got when the first was there
+  double shared = 0;  // bytes of both clients when the first one was complete
   for (int step = 0; step < 100'000 && counter.ended.size() < 2; ++step) {
     transport->step(counter, now);
     INFO(seconds() << " s, " << counter.all << " bytes");

@@ -151,7 +151,7 @@ TEST_CASE("counts clients behind a proxy by their requests, and the proxy's conn
   CHECK(counts.begin(key_of(1), Instant(0)));
   for (int i = 0; i < 5; ++i) counts.close(key_of(9), true, Instant(0));
   CHECK(counts.connections() == 0);
-  // What a client behind a proxy asks counts with what it asks directly.
+  // Requests through a proxy count together with the client's direct ones.
   CHECK_FALSE(counts.open(key_of(1), false, Instant(0)));
   CHECK(counts.connections() == 0);
 }

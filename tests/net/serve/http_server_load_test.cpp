@@ -167,7 +167,7 @@ TEST_CASE("HTTP server: lets transfers end at a stop, and cuts them at the deadl
     std::thread stop([&] { site.server->stop(std::chrono::milliseconds(patient ? 60'000 : 1)); });
     const std::size_t size = first.size() + busy.receive_all().size();
     CHECK((size > std::size_t{8} << 20) == patient);
-    CHECK(idle.receive_all().size() < 8);  // what was left of its answer
+    CHECK(idle.receive_all().size() < 8);  // the rest of its answer
     stop.join();
     CHECK(site.get("/health").code == CURLE_COULDNT_CONNECT);
   }
