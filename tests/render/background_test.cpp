@@ -27,7 +27,7 @@ glm::vec3 color_at(Drawing& drawing, const Background& background, float from_ze
   return pixel(drawing.draw(list, looking_up(kHalfTurn / 2 - from_zenith)), 32, 32);
 }
 
-/// Which face one sees who looks `ahead` with `up` upwards (VRML97 6.5).
+/// The panorama face in view direction `ahead`, with `up` upwards (VRML97 6.5).
 struct Look {
   Background::Face face;
   glm::vec3 ahead, up;

@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-/// What the tests of splatted clouds share.
+/// Helpers of tests of splatted point sets.
 namespace gs::test {
 
 inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -70,7 +70,7 @@ inline glm::vec3 random_direction(std::mt19937& random) {
   return v / std::max(std::sqrt(glm::dot(v, v)), 1e-6f);
 }
 
-/// A volume whose transfer function is white and has one opacity for all classes.
+/// Returns a volume with a white transfer function and one opacity for all classes.
 inline qnv::Cloud empty_volume(float opacity, float spacing) {
   qnv::Cloud cloud;
   cloud.description.kind = qnv::Kind::volume;
@@ -101,7 +101,7 @@ inline qnv::Cloud random_volume(std::size_t count, unsigned seed, float spacing)
   return cloud;
 }
 
-/// A sphere of discs, evenly spread, whose areas add up to its area.
+/// Returns a sphere of evenly spread discs with the area of the sphere in total.
 inline qnv::Cloud disc_sphere(std::size_t count, float radius, const glm::vec3& center = glm::vec3(0)) {
   qnv::Cloud cloud;
   const auto all = static_cast<float>(count);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests that draw have in common: small meshes, an OSMesa renderer, pixels.
+// Helpers of tests that draw: small meshes, an OSMesa renderer, pixels.
 
 #include "render/draw/renderer.h"
 

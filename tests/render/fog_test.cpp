@@ -20,7 +20,7 @@ double table_4_8(bool exponential, double distance, double visibility) {
   return exponential ? std::exp(-distance / (visibility - distance)) : (visibility - distance) / visibility;
 }
 
-/// Where the middle of a pixel meets the plane z = 0, seen from z = 10 at the default angle of view.
+/// Returns the point of the plane z = 0 at the centre of a pixel, seen from z = 10 at the default field of view.
 glm::dvec3 point_at(std::uint32_t x, std::uint32_t y, double size) {
   constexpr double kTangent = 0.41421356;
   return {((x + 0.5) / size * 2 - 1) * kTangent * 10, (1 - (y + 0.5) / size * 2) * kTangent * 10, 0};
@@ -216,7 +216,7 @@ TEST_CASE("fades splats and volumes like surfaces, on both paths") {
       const glm::vec3 half = pixel(drawing.draw(list), 32, 32);
       list.fog.visibility_range = 9;
       const glm::vec3 hidden = pixel(drawing.draw(list), 32, 32);
-      // What shows through a volume is not fogged: the part that it covers is what the third picture tells.
+      // The background behind a volume gets no fog. The third picture gives the part that the volume covers.
       const float covered = hidden.x / 255;
       CHECK(covered > 0.3f);
       CHECK(hidden.y < 2);

@@ -116,8 +116,8 @@ inline Image flat(std::uint32_t width, std::uint32_t height, std::vector<std::ui
   return image;
 }
 
-/// A 4x4 GIF whose pixels are the palette indices 0 1 2 3 in each row. Codes of 3 bits, a clear code before
-/// each pair so that they never grow: 4 a b, low bits first, and 5 at the end.
+/// A 4x4 GIF with the palette indices 0 1 2 3 in each row. Codes have 3 bits, with a clear code before each pair so
+/// that they never grow: 4 a b, low bits first, and 5 at the end.
 struct GifOptions {
   int canvas_width = 4, canvas_height = 4, left = 0, top = 0;
   int transparent = -1;

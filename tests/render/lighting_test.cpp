@@ -47,7 +47,7 @@ glm::dvec3 equation(const Material& m, const glm::dvec3& diffuse_color, const st
 
 constexpr double kTangent = 0.41421356;  // of half the default field of view
 
-/// Where the middle of a pixel meets the plane z = 0, seen from z = 10.
+/// Returns the point of the plane z = 0 at the centre of a pixel, seen from z = 10.
 glm::dvec3 point_at(std::uint32_t x, std::uint32_t y, double size) {
   return {((x + 0.5) / size * 2 - 1) * kTangent * 10, (1 - (y + 0.5) / size * 2) * kTangent * 10, 0};
 }

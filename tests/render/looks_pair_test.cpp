@@ -162,7 +162,7 @@ TEST_CASE("draws small texts in one batch as one by one") {
       // A point light is not the same for all pixels of a text.
       CHECK((drawing.statistics.draw_calls == 1) == (about.find("Point") == std::string::npos));
       CHECK(drawing.statistics.items == 6);
-      // What shines a little has a colour for each pixel.
+      // A slightly specular item gets a colour per pixel.
       for (DrawItem& item : list.items) item.material.specular = glm::vec3(1e-6f);
       list.generation = 0;
       const Image single = drawing.draw(list, camera);

@@ -1,4 +1,4 @@
-// What a surface must look like whatever the cut and the path: closed, and steady while it turns.
+// Tests of surfaces on every cut and path: closed, and steady during rotation.
 
 #include "tests/render/drawing.h"
 #include "tests/render/splat_scenes.h"
@@ -46,7 +46,7 @@ struct Holes {
   std::size_t pixels = 0, open = 0;
 };
 
-/// Pixels whose rays come within `within` of the origin, and those of them through which the background shows.
+/// Counts pixels with rays within `within` of the origin, and those that show the background.
 Holes holes_in(Drawing& drawing, const RenderList& list, float distance, float within) {
   Holes holes;
   const auto size = static_cast<float>(drawing.options.width);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of volumes have in common: several volumes at once, exactly; and a target to draw them into.
+// Helpers of tests of volumes: an exact picture of several volumes, and a target to draw into.
 
 #include "render/rays/raycast.h"
 #include "render/volume/volume_lens.h"
@@ -22,7 +22,7 @@ namespace gs::test {
 
 using Pixels = std::vector<std::uint8_t>;  // RGBA, rows from the bottom
 
-/// raycast_volume for several volumes whose vectors are mixed by depth, and with stops (one a pixel, or none).
+/// Draws several volumes exactly, mixed by depth, with stops (one per pixel, or none). Extends raycast_volume.
 inline render::RayImage exact_volumes(std::span<const render::VolumeItem> items, const render::SplatView& view,
                                       std::span<const float> stops = {}) {
   struct Vector {
@@ -136,7 +136,7 @@ class VolumePicture {
     return reversed_ = true;
   }
 
-  /// What the pass works with, of the world.
+  /// Returns the view that the pass uses, in world space.
   [[nodiscard]] render::SplatView view() const {
     render::SplatView result;
     result.camera_from_node = glm::inverse(camera.world_from_camera);

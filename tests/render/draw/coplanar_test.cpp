@@ -127,7 +127,7 @@ TEST_CASE("draws a fine checker on a slanted plane in its mean grey, without moi
     for (std::uint32_t y = 65; y < 128; ++y) {
       const float slope = (static_cast<float>(y) + 0.5f - 64) * pixel_angle, distance = 2 / slope;
       const float wide = distance * pixel_angle / cell;  // cells in a pixel, across
-      // Where a pixel's width has two cells at least, its mean is grey but for the edges of the square that it is.
+      // A pixel of two cells or more is grey on average, except at the edges of the square.
       if (wide < 2 || distance > 2 * kHalf - 2) continue;
       for (std::uint32_t x = 32; x < 96; ++x) {
         const double off = std::abs(pixel(image, x, y).x - 127.5);

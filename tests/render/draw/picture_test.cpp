@@ -150,7 +150,7 @@ TEST_CASE("turns both eyes around the point at screen distance in parallel proje
   CHECK(right_of(eyes.left, {0, 0, 2}) == Approx(0).margin(1e-9));
   CHECK(right_of(eyes.right, {0, 0, 2}) == Approx(0).margin(1e-9));
   CHECK(eyes.left.world_from_camera[3].x < 0);
-  // What is behind is farther right for the right eye, by twice the sine of half the angle for each unit.
+  // For the right eye, a point behind moves right by twice the sine of half the angle per unit.
   const double shift = 2 * 10 * std::sin(std::atan(0.25 / 8));
   CHECK(right_of(eyes.right, {0, 0, -8}) - right_of(eyes.left, {0, 0, -8}) == Approx(shift));
   CHECK(right_of(eyes.right, {0, 0, 12}) - right_of(eyes.left, {0, 0, 12}) == Approx(-shift));

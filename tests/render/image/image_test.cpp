@@ -99,7 +99,7 @@ TEST_CASE("writes images of many rows as the same PNG each time, compressed in s
       CHECK(decoded(bytes).pixels == image.pixels);
       CHECK(encode_png(image) == bytes);
     }
-  // What is smooth becomes small.
+  // A uniform image compresses well.
   const Image flat{1000, 700, 3, std::vector<std::uint8_t>(std::size_t{2'100'000}, 77)};
   CHECK(encode_png(flat).size() < 20'000);
 }

@@ -55,7 +55,7 @@ TEST_CASE("makes trees of large meshes only for callers that request them", "[op
   const auto hit = tree->tree->nearest(*second, {{0.4, 9, 0.6}, {0, -1, 0}});
   REQUIRE(hit);
   CHECK(hit->distance == Approx(7));
-  CHECK(trees.find(second) != tree);  // it belonged to who found it
+  CHECK(trees.find(second) != tree);  // it belonged to the caller that found it
   // Those that nobody has asked for lately are not made any more.
   MeshTrees idle;
   idle.ask();

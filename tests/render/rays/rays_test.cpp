@@ -123,7 +123,7 @@ TEST_CASE("builds a tree of NaN, huge and coincident triangles") {
   for (int i = 0; i < 500; ++i) check_same(mesh, broken, source.line(1));
   spoil(huge);
   spoil(-huge);
-  const MeshBvh vast(mesh);  // what it finds of such triangles is up to rounding
+  const MeshBvh vast(mesh);  // the hits on such triangles depend on rounding
   for (int i = 0; i < 500; ++i)
     if (const auto hit = vast.nearest(mesh, source.line(1))) CHECK(hit->distance >= 0);
   vrml::Mesh same;

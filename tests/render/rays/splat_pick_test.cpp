@@ -310,7 +310,7 @@ TEST_CASE("picks a volume where it absorbs half of the light") {
   CHECK(first->opacity > 0.99f);
   CHECK(deeper->distance > first->distance + 0.15f);
   CHECK_FALSE(pick_here(dense, {}, down(2, 0)));
-  // Where it never comes to a half, in the middle of what is there.
+  // Without half opacity, the middle of the volume counts.
   VolumeOptions faint;
   faint.opacity = 0.1f;
   const auto veil = pick_here(thin, faint, down(0, 0));

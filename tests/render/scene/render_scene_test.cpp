@@ -12,7 +12,7 @@
 namespace gs::render::render_scene_test {
 namespace {
 
-/// A world whose nodes are sent events, the scene that follows them, and what gathering everything gives.
+/// World that receives events, with the scene that follows them and a full collection to compare.
 class World {
  public:
   explicit World(const std::string& body) : scene_(std::make_unique<vrml::SceneGraph>("text.wrl")) {

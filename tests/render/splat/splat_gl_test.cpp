@@ -233,7 +233,7 @@ TEST_CASE("draws tints and normals as colours with OpenGL") {
   SplatGl splats(open.gl);
   SplatView view = view_of_sphere();
   const auto plain = sphere(4000), colored = sphere(4000, true);
-  // The middle of the sphere is drawn by its first discs, whose normal is +Z.
+  // The first splats of the sphere, with normal +Z, cover its middle.
   const auto middle = [&](const std::vector<SharedSplatPiece>& pieces) {
     const auto drawn = splats.draw(pieces, view);
     REQUIRE(drawn);
@@ -246,7 +246,7 @@ TEST_CASE("draws tints and normals as colours with OpenGL") {
   check_color(middle({{plain, 0, 4000, 1, red}}), glm::vec3(250, 10, 20) / 255.0f);
   check_color(middle({{colored, 0, 4000, 1, red}}), glm::vec3(250, 10, 20) / 255.0f);
   check_color(middle({{plain, 0, 2000, 1, green}, {colored, 2000, 2000, 1, red}}), glm::vec3(0, 200, 1) / 255.0f);
-  // Where some are tinted, the others keep the colour of their cloud.
+  // Pieces without a tint keep the colour of their point set.
   check_color(middle({{plain, 0, 2000}, {colored, 2000, 2000, 1, red}}), glm::vec3(0.8f));
   view.color_by_normal = true;
   check_color(middle({{colored, 0, 4000, 1, red}}), {0.5f, 0.5f, 1}, 4);

@@ -16,7 +16,7 @@ namespace {
 
 bool add_cloud(SplatStore& store, std::shared_ptr<const qnv::Cloud> cloud) { return store.add(std::span(&cloud, 1)); }
 
-/// What the GPU holds of a cloud.
+/// Returns the codes of a point set on the GPU.
 std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store, const qnv::Cloud& cloud) {
   const auto get = reinterpret_cast<PFNGLGETBUFFERSUBDATAPROC>(open.context->proc_address("glGetBufferSubData"));
   REQUIRE(get);

@@ -209,7 +209,7 @@ TEST_CASE("draws a cut with edges of a pixel like the whole surface", "[optimise
   const SplatLayer fine = rasterize_patches(surface, cut_for(surface, view, 1), view, {});
   const SplatLayer coarse = rasterize_patches(surface, cut_for(surface, view, 30), view, {});
   CHECK(fine.discs < whole.discs);
-  CHECK(likeness(whole, fine) > 29);  // where something lies
+  CHECK(likeness(whole, fine) > 29);  // on pixels with geometry
   CHECK(likeness(whole, coarse) < likeness(whole, fine) - 6);
   CHECK(!whole.colors.empty());
 }

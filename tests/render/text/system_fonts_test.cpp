@@ -45,7 +45,7 @@ struct FreeTypeFont {
     REQUIRE(FT_Load_Char(face, c, FT_LOAD_NO_SCALE) == 0);
     return static_cast<double>(face->glyph->metrics.horiAdvance) / face->units_per_EM;
   }
-  /// What FreeType's rasteriser covers of the glyph, in square ems.
+  /// Returns the area that FreeType's rasteriser covers, in square ems.
   [[nodiscard]] double area(char32_t c) const {
     constexpr int kPixels = 400;
     REQUIRE(FT_Set_Pixel_Sizes(face, kPixels, kPixels) == 0);
@@ -89,7 +89,7 @@ std::size_t triangles_of(const ShapedText& text) {
   return count;
 }
 
-/// Where the glyph of the character begins in a line; the first one.
+/// Returns the position of the first glyph of a character in a line.
 float place_of(SystemFonts& fonts, const ShapedText& line, const char* character) {
   const ShapedText alone = fonts.shape(kFamilies[1], character, TextDirection::right, 1);
   REQUIRE(alone.glyphs.size() == 1);
