@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-/// What the tests of clouds share.
+/// Helpers of tests of point sets.
 namespace gs::test {
 
 using gs::qnv::Cloud;
@@ -35,7 +35,7 @@ inline Cloud sphere(std::size_t count, float radius = 1, glm::vec3 center = glm:
   return cloud;
 }
 
-/// What every imported cloud must keep.
+/// Checks the invariants of every imported point set.
 inline void check_sound(const Cloud& cloud) {
   REQUIRE(cloud.normals.size() == cloud.size());
   REQUIRE(cloud.weights.size() == cloud.size());

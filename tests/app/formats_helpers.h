@@ -23,7 +23,7 @@
 #include <string_view>
 #include <vector>
 
-/// What the tests of the importers share.
+/// Helpers of tests of importers.
 namespace gs::test {
 
 using Bytes = std::vector<std::byte>;
@@ -111,7 +111,7 @@ inline bool all_finite(const vrml::MFVec3f& values) {
   return true;
 }
 
-/// What every scene of an importer must keep, however broken its file was.
+/// Checks the invariants of every imported scene, also of broken files.
 inline void check_sound(const Imported& result) {
   const vrml::SceneGraph& scene = *result.scene;
   for (const vrml::NodeId node : result.all("IndexedFaceSet")) {

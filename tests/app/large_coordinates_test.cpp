@@ -17,7 +17,7 @@ using pairs::Studio;
 
 std::string vector(const glm::dvec3& v) { return number(v.x) + number(v.y) + number(v.z); }
 
-/// Where float32 has steps of 1, 0.5 and 0.25 metres; all of them numbers that it has.
+/// At these coordinates float32 has steps of 1, 0.5 and 0.25 metres, and represents them exactly.
 const glm::dvec3 kFar(10'000'000, -5'000'000, 3'000'000);
 
 /// A stair of boards of some millimetres and a lamp, seen from 30 cm: `to_place` is the way there, the rest is near its

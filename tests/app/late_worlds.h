@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-// Worlds whose parts come while they live, from servers that answer as the test says.
+// Worlds with parts that load at run time, from servers that the test controls.
 namespace gs::app::late_worlds {
 
 inline const std::string kHeader = "#VRML V2.0 utf8\n";
@@ -68,7 +68,7 @@ struct Site {
   }();
 };
 
-/// memory://a/world.wrl, which lives, and one who looks at it.
+/// The running world memory://a/world.wrl with one view.
 struct World {
   enum class Begins : std::uint8_t { with_its_own_file, with_all_that_it_names };
 
@@ -94,7 +94,7 @@ struct World {
     CHECK(living->send(scene(), node, "set_url", vrml::FieldValue(list)));
     living->step(time += 1);
   }
-  /// What has been asked for, when it is there.
+  /// Returns the requested resources when they are loaded.
   Arrivals fetch() {
     loading.request(living->take_url_requests());
     while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));

@@ -54,7 +54,8 @@ class Studio {
     if (!list.viewpoints.empty()) {
       camera.world_from_camera = list.viewpoints.front().world_from_camera;
       camera.field_of_view = list.viewpoints.front().field_of_view;
-      list = loading.collect(glm::vec3(camera.world_from_camera[3]));  // what depends on where the viewer is
+      list = loading.collect(glm::vec3(camera.world_from_camera[3]));  // collects the parts that depend on the viewer's
+                                                                       // position
     }
     drawing_.options.headlight = list.navigation.headlight;
     const OpenedWorld world = loading.take();

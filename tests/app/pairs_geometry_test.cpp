@@ -42,7 +42,7 @@ vrml::Mesh mesh_of(const std::string& geometry, int segments) {
   return vrml::tessellate(scene, scene.get<vrml::SFNode>(scene.roots()[0], "geometry"), {.segments = segments});
 }
 
-/// What is round is drawn as finely as it is seen: like one of the finenesses there are.
+/// Checks that a curved geometry looks like one of its levels of detail.
 template <class Text>
 void check_alike_in_some_fineness(Studio& studio, const std::string& what, const std::string& a, const Text& b) {
   INFO(what);

@@ -181,7 +181,7 @@ TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.
   alike("all of it", transformed("rotation 0.7 center 0.4 0.1 scale 1.5 0.7 translation 0.2 0.6"),
         textured("", by_formula({0.4, 0.1}, 0.7, {1.5, 0.7}, {0.2, 0.6})));
   alike("repeated", textured("", "0 0, 2 0, 2 2, 0 2"), textured("", "-3 5, -1 5, -1 7, -3 7"));
-  // What is clamped shows the colours of the edge: of the right column from s = 1 on, of the top row from t = 1 on.
+  // Clamped coordinates show the colours of the edge: of the right column from s = 1 on, of the top row from t = 1 on.
   alike("clamped", textured("repeatS FALSE repeatT FALSE", "2 2, 3 2, 3 3, 2 3"),
         view + shape("texture PixelTexture { image 1 1 3 0x808080 }", kSquare));
   alike(
@@ -256,7 +256,7 @@ TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a
     return text;
   }();
   check_alike(studio, "one mesh and three", in_order, three, 0);
-  // What is nearest counts last: half of it, a quarter of the next, an eighth of the third (4.14.4).
+  // The nearest light comes last: it contributes half, the next a quarter, the third an eighth (4.14.4).
   for (const std::string& world : {view + blue + red + green, in_order}) {
     const render::Image image = studio.picture(world);
     const std::uint8_t* middle = image.pixels.data() + (std::size_t{32} * image.width + 32) * image.components;

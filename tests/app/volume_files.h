@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-/// What the tests of the readers of volumes share.
+/// Helpers of tests of volume readers.
 namespace gs::test {
 
 using qnv::VoxelType;
@@ -88,7 +88,7 @@ inline void check_values(const qnv::VolumeSource& source, float slope = 1, float
     REQUIRE(values[i] == Approx(static_cast<float>(kValues[i]) * slope + intercept));
 }
 
-/// Whatever a file holds, it opens to a sound volume whose slices can be had, or to a message.
+/// Checks that a file opens to a valid volume with readable slices, or to a message.
 inline void check_sound(const std::string& path, const app::RawVolume& raw = {}) {
   const auto result = app::open_volume(path, raw);
   if (const auto* problem = std::get_if<std::string>(&result)) {

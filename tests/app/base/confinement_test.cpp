@@ -1,4 +1,4 @@
-// What a confined process can still do: each attempt is made in a process of its own.
+// Tests of the rights of a confined process. Each attempt is made in its own process.
 #include "app/base/confinement.h"
 #include "app/base/environment.h"
 
@@ -202,7 +202,7 @@ TEST_CASE("denies sockets, other processes and changes of the machine to a confi
     rlimit limit{};
     return ::getrlimit(RLIMIT_CORE, &limit) == 0 && ::setrlimit(RLIMIT_CORE, &limit) == 0;
   }));
-  // What is needed: memory, threads, limits that are read.
+  // A confined process needs memory, threads and the limits that it reads.
   CHECK(can([] {
     rlimit limit{};
     int sum = 0;

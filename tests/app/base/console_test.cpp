@@ -1,4 +1,4 @@
-// What the program prints: nothing that controls a terminal, and nothing that is lost in silence.
+// Tests of printing: no control of the terminal, and no failure without a message.
 #include "app/base/console.h"
 
 #include "app/commands/options/options.h"
@@ -39,7 +39,7 @@ bool is_plain(const std::string& output) {
          output.find('\xc0') == std::string::npos;
 }
 
-// What a line of the shell writes to a terminal.
+// Returns the bytes that a shell line writes to a terminal.
 std::string on_terminal(const std::string& line) {
   int terminal = -1;
   const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);

@@ -217,7 +217,7 @@ DEF G Group { })";
       pointed(world, "", "{\"t\":0.1,\"press\":\"T\"}\n{\"t\":0.2,\"drag\":[300,0]}\n{\"t\":0.3,\"release\":true}\n");
   CHECK(left.find("946684800.2 T.isOver FALSE\n946684800.3 T.isActive FALSE\n") != std::string::npos);
   CHECK(left.find("touchTime") == std::string::npos);
-  // Behind the viewer; to the left of who turns to it is to the right in the world.
+  // The sensor is behind the viewer. After the turn, left is right in the world.
   const std::string dragged = pointed(world, "",
                                       "{\"t\":0.1,\"press\":\"PlaneSensor#1\"}\n{\"t\":0.2,\"drag\":[-9,-9]}\n"
                                       "{\"t\":0.3,\"release\":true}\n");

@@ -1,6 +1,6 @@
 #pragma once
 
-// What tests of encode, info and export have in common: the program as a user runs it, and what it is given.
+// Helpers of tests of encode, info and export: runs of the program, and its inputs.
 #include "app/base/exit_status.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"

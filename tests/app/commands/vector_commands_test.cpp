@@ -128,7 +128,7 @@ TEST_CASE("encode: adds the mesh itself with --exact, and export writes it") {
   CHECK(places == std::set<std::array<float, 3>>{{0, 0, 0}, {2047, 0, 0}, {1000, 2000, 0}, {500, 700, 1500}});
   REQUIRE(run("encode --exact=16 " + quoted(mesh) + " " + quoted(stream)).status == kDone);
   CHECK(info(stream)["exact"]["bits"] == 16);
-  // What has come of it is told, too.
+  // info describes a truncated stream, too.
   const std::string bytes = folder.read("mesh.qnv");
   const nlohmann::json part = info(folder.write("part.qnv", bytes.substr(0, bytes.size() - 300)));
   CHECK(!part.contains("exact"));

@@ -33,7 +33,7 @@ struct Site {
     if (session) session->remove_guest(control);
   }
   void say(const Json& call) { channel.news.push_back({1, false, call.dump()}); }
-  /// Steps until the client is sent something of which `wanted` is true; null: that never came.
+  /// Advances the session until the client receives a message that satisfies `wanted`. Returns null if there is none.
   template <class Wanted>
   Json until(const Wanted& wanted) {
     SessionInput input;

@@ -90,7 +90,7 @@ TEST_CASE("sends time and value of a watched eventOut until the watch ends (1477
   CHECK(told[0]["value"] == Json{1, 0, 0});
   CHECK(told[0]["time"].get<double>() == Approx(1001));
   world.call("unadvise", {{"watch", watch}});
-  (void)world.told("event");  // what came before that call was done
+  (void)world.told("event");  // drops events from before the call
   world.step(1);
   CHECK(world.told("event").empty());
   CHECK(world.problem("unadvise", {{"watch", watch}}) == "nothing is watched by this number");

@@ -67,7 +67,7 @@ class World {
     now += seconds;
     return session.step(now, input);
   }
-  /// What a client says arrives in a step without time.
+  /// Sends a message of a client in a step without time.
   Frame say(const std::string& message, std::uint64_t client = 1) {
     channel.news.push_back({client, false, message});
     return step(0);
@@ -104,7 +104,7 @@ class World {
     REQUIRE(got.contains("error"));
     return got["error"]["message"];
   }
-  /// What it was told of by itself, and a method of it.
+  /// Returns the received notifications of one method, and keeps the others.
   std::vector<Json> told(const std::string& method, std::uint64_t client = 1) {
     std::vector<Json> all = std::exchange(others[client], {});
     for (Json& one : take(client)) all.push_back(std::move(one));

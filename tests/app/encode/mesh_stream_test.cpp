@@ -44,7 +44,7 @@ MeshTriangles triangles_of_stream(const std::string& text) {
   return all;
 }
 
-/// What is encoded of the file as a world.
+/// Encodes the file as a world.
 template <class Import>
 MeshTriangles triangles_of_world(const std::string& text, Import import) {
   vrml::SceneGraph scene("test");

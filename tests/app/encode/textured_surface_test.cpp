@@ -67,7 +67,7 @@ glm::vec3 color_at(const Image& image, glm::vec2 at, bool repeat) {
   const std::uint8_t* c = image.pixels.data() + (std::size_t{y} * image.width + x) * image.components;
   return image.components < 3 ? glm::vec3(c[0]) : glm::vec3(c[0], c[1], c[2]);
 }
-/// What a triangle shows at a place of its own, from its three corners' weights.
+/// Returns the colour of a triangle at a point, given by the weights of its corners.
 glm::vec3 shown(const qnv::TexturedSurface& surface, const Image& image, std::size_t t, const glm::vec3& weights) {
   const auto& at = surface.coordinates[t];
   return color_at(image, at[0] * weights.x + at[1] * weights.y + at[2] * weights.z, surface.repeat_s);

@@ -71,7 +71,7 @@ TEST_CASE("reads distant points without loss, from text and binary files") {
   std::string xyz;
   for (const glm::dvec3& p : places) xyz += text_of(p) + " 0 0 1\n";
   CHECK(farthest(cloud_of(import_points_xyz, bytes_of(xyz)), places) < 0.1 * kMicrometre);
-  // What lies about 0 has no origin.
+  // Points around 0 have no origin.
   CHECK(cloud_of(import_points_xyz, bytes_of("1 2 3 0 0 1\n2 3 5 0 0 1\n-4 1 1 0 0 1\n")).description.origin ==
         glm::dvec3(0));
 }

@@ -72,7 +72,7 @@ std::string piece(const std::vector<glm::vec3>& points, const std::vector<Cell>&
          array_of("UInt8", "types", joined(types)) + of_cells + "</Cells></Piece>\n";
 }
 
-// Two boxes side by side along X, the second a voxel of VTK, whose corners go by rows.
+// Two boxes side by side along X. The second is a VTK voxel, with its corners in rows.
 const std::vector<glm::vec3> kBoxPoints = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1},
                                            {1, 1, 1}, {0, 1, 1}, {2, 0, 0}, {2, 1, 0}, {2, 0, 1}, {2, 1, 1}};
 const std::vector<Cell> kBoxes = {{12, {0, 1, 2, 3, 4, 5, 6, 7}}, {11, {1, 8, 2, 9, 5, 10, 6, 11}}};
@@ -213,7 +213,7 @@ TEST_CASE("joins the pieces of a grid, packed and appended, with cell data") {
   CHECK(result.colors().back() == viridis_colors().back());
 }
 
-// A box of six faces, and a roof of five upon it, whose floor is a face of the box; then a tetrahedron elsewhere.
+// A box of six faces below a roof of five with a common face, and a separate tetrahedron.
 const std::vector<glm::vec3> kHousePoints = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},   {0, 0, 1},
                                              {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {0, .5f, 2}, {1, .5f, 2},
                                              {4, 0, 0}, {5, 0, 0}, {4, 1, 0}, {4, 0, 1}};
@@ -267,7 +267,7 @@ TEST_CASE("shows the outer faces of polyhedra as each version of VTK writes them
 }
 
 TEST_CASE("matches the faces of a hexahedron with coincident corners with its neighbours") {
-  // A wedge as a hexahedron, on whose triangle a tetrahedron stands.
+  // A wedge, written as a hexahedron, with a tetrahedron on one of its triangles.
   const Imported result = imported(
       import_vtk_legacy, bytes_of(legacy({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0, 0, 2}},
                                          {{12, {0, 1, 2, 2, 3, 4, 5, 5}}, {10, {3, 4, 5, 6}}})));

@@ -436,7 +436,7 @@ TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
   CHECK(position < 0.0015f);
   CHECK(area < 0.08f);
   CHECK(color <= 3);
-  // Where two axes are equally long, the steps decide which is the smallest.
+  // If two axes are equally long, quantisation decides which one is the smallest.
   CHECK(static_cast<double>(turned) < 0.05 * static_cast<double>(a.size()));
   CHECK(a.description.total == Approx(b.description.total).epsilon(0.002));
   CHECK(near(a.description.box.upper, {0.414307f, 3.18018f, 0.532227f}, 0.001f));

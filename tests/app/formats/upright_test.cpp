@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-// What is up in files.
+// Tests of the up axis of files.
 namespace gs::app::upright_test {
 
 using Metadata = std::vector<std::pair<std::string, std::string>>;

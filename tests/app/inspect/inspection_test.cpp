@@ -11,7 +11,7 @@ namespace gs::app::inspection_test {
 
 using namespace sessions;
 
-/// Somebody who looks into one world.
+/// An inspector of one world.
 struct Inspected : OneWorld {
   explicit Inspected(const std::string& body, const InspectionWants& shown = {true, true, true, true, false})
       : OneWorld(body), wants(shown) {
@@ -158,7 +158,7 @@ TEST_CASE("marks the selected node in the picture, and flies to it") {
   for (const auto& [a, b] : world.inspection.marks()[0].lines) middle += (a + b) / 24.0f;
   CHECK(middle.x == Approx(100).margin(1));
   CHECK(middle.y == Approx(50).margin(1));
-  // What is nowhere is not flown to.
+  // The camera does not fly to a node without a position.
   world.choose("Clock");
   CHECK_FALSE(world.inspection.fly_to_selected());
   CHECK(world.inspection.marks()[0].lines.empty());
@@ -209,7 +209,7 @@ TEST_CASE("runs lines in the selected Script, or alone") {
   CHECK(last().text == "this Script has no program that runs");
 }
 
-// Where no Script was, the console's own stands nowhere in the tree.
+// In a world without Scripts the console's own Script is not in the tree.
 TEST_CASE("runs lines in a world without programs") {
   Inspected world("DEF G Group {}");
   world.inspection.evaluate("Browser.createVrmlFromString('Group {}').length");

@@ -108,7 +108,7 @@ TEST_CASE("updates the tree with the world") {
   const NodeAt a = tree.node("A"), b = tree.node("B");
   tree.world.scene->set<vrml::MFNode>(a.id, "children", vrml::MFNode{b.id, vrml::NodeId{}});
   tree.outline.refresh();
-  // What is open stays so at another place.
+  // A moved node stays open.
   CHECK(tree.lines() ==
         Lines{"-[0] Group 'A'", "  -children[0] Group 'B'", "     children[0] Shape", "   children[1] NULL"});
   tree.world.scene->set<vrml::MFNode>(a.id, "children", vrml::MFNode{});
@@ -136,7 +136,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   tree.execution.remove_content(*tree.world.scene, tree.node("I").id);
   tree.world.scene->attach_inline(tree.node("I").id, nullptr);
   content.reset();
-  // What is gone is not looked at.
+  // A removed node has no path.
   CHECK(tree.index.way_to(inside).empty());
   tree.learn();
   CHECK(tree.lines() == Lines{" [0] Inline 'I'"});

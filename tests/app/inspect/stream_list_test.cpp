@@ -16,7 +16,7 @@ TEST_CASE("measures a rate over the last second, and limits its history") {
   CHECK(history.note(2000, 10.5));
   CHECK(history.rate() == Approx(16'000));
   CHECK(history.samples().size() == 2);
-  // Who has not looked for a second sees it on an average.
+  // After a gap of a second the history shows the average.
   CHECK(history.note(6000, 11.5));
   CHECK(history.samples().size() == 6);
   CHECK(history.rate() == Approx(32'000));
@@ -68,7 +68,7 @@ TEST_CASE("limits the rate of a world, and wakes its reader") {
   ledger.set_rate(0);
   CHECK(ledger.rate() == 0U);
   CHECK(woken == 2);
-  // What has come is counted, of rows that have ended, too.
+  // Received bytes are counted, also of finished rows.
   ledger.receive(ledger.begin("a", "http", nullptr), 100, {});
   ledger.receive(ledger.begin("b", "http", nullptr), 20, {});
   CHECK(ledger.received() == 120);

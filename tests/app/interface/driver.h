@@ -121,9 +121,9 @@ class Driver final : public DeskWindow {
   Desk& desk() { return desk_; }
   Session& session() { return desk_.session(); }
   const Frame& frame() const { return frame_; }
-  /// What was asked for in the frames since this was called last; the newest of each kind.
+  /// Newest action of each kind since the last call.
   const UiActions& actions() const { return actions_; }
-  /// What the picture took, as the model has it.
+  /// Measured times of the picture, as in the model.
   DeskMeasures& measures() { return measures_; }
   bool closed() const { return closed_; }
   int full_screens() const { return full_screens_; }
@@ -172,7 +172,7 @@ class Driver final : public DeskWindow {
   void settle() {
     for (int i = 0; i < 4 || desk_.ui().has_input_left(); ++i) step();
   }
-  /// Until this is so; false: it never is.
+  /// Runs frames until `so` returns true. Returns false if it never does.
   bool wait_for(const std::function<bool()>& so) {
     for (int i = 0; i < 5000; ++i) {
       step();
@@ -192,7 +192,7 @@ class Driver final : public DeskWindow {
     for (const auto& [word, place] : words()) text += (text.empty() ? "" : " ") + word;
     return text;
   }
-  /// Where a text is on the screen, of what is in front the first: its middle.
+  /// Finds a text on the screen, the frontmost first, and returns its centre.
   std::optional<glm::vec2> find(std::string_view text) const {
     const std::string wanted = without_blanks(text);
     const std::vector<SeenCharacter> seen = seen_characters();
@@ -220,7 +220,7 @@ class Driver final : public DeskWindow {
     step({event(WindowEvent::Kind::button_up, button)});
     settle();
   }
-  /// What is called so on the screen.
+  /// Clicks a text on the screen.
   void click(std::string_view text, MouseButton button = MouseButton::left) {
     INFO("\"" << text << "\" on the screen: " << screen());
     const auto place = find(text);
@@ -294,7 +294,7 @@ class Driver final : public DeskWindow {
     step(events);
     settle();
   }
-  /// Where the first letter of this kind is on the screen, from left to right.
+  /// Returns the position of the first such letter on the screen, counted from the left.
   std::optional<float> place_of(char32_t letter) const {
     for (const SeenCharacter& one : seen_characters())
       if (one.character == static_cast<ImWchar>(letter)) return one.left;

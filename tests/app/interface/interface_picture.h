@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <utility>
 
-/// What the interface would draw in its last frame, without a GPU or OpenGL: Dear ImGui's triangles, each pixel that
-/// has its middle in one, over a background of one colour (a viewport of the 3D picture is not drawn).
+/// Picture of the interface without a GPU or OpenGL: rasterises Dear ImGui's triangles of the last frame by pixel
+/// centres, over one background colour. The 3D viewport is not drawn.
 namespace gs::app::driver {
 
 namespace interface_picture {

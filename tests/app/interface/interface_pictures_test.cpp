@@ -29,7 +29,7 @@ const char* const kBody =
     "Viewpoint { description \"Front\" } DEF Lamp PointLight { } "
     "DEF Things Group { children [ DEF Ball Shape { geometry Sphere { radius 2 } } Shape { geometry Box {} } ] }";
 
-// Nothing: there is no such picture.
+// Returns nullopt if there is no such picture.
 std::optional<Image> kept(const std::string& name) {
   std::ifstream file(std::string(GHOSTSPACE_TESTS) + "/app/interface/pictures/" + name + ".png", std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());

@@ -59,7 +59,7 @@ TEST_CASE("finds actions, Viewpoints and panels in the palette by a part of thei
   user.press(Key::enter);
   CHECK(user.session().view()->viewpoint == 1);
   CHECK_FALSE(user.sees("Viewpoint: Roof"));
-  // Where nothing is called so, what is typed next is still for the palette.
+  // If nothing matches, further typing still goes to the palette.
   user.press(letter_key('P'), true, true);
   user.type("qqzz");
   user.press(Key::enter);
@@ -98,7 +98,7 @@ TEST_CASE("takes the space of a panel from the picture, and returns it") {
   const Viewport beside = user.picture();
   CHECK(beside.height < whole.height);
   CHECK(beside.top == whole.top);
-  // What the session draws in is what the panels leave.
+  // The session draws in the area that the panels leave.
   CHECK(user.frame().pictures.front().place.height == beside.height);
   // Its divider is dragged.
   const auto edge = static_cast<float>(beside.top + beside.height) + 2;
@@ -147,7 +147,7 @@ TEST_CASE("shows names of any script by system fonts") {
   user.step();
   const ImFont& font = *ImGui::GetFont();
   CHECK(font.FindGlyphNoFallback(0x0391));  // Greek stands in the first font
-  // Where the system has a font with Chinese, its glyphs are made when they are needed.
+  // If the system has a Chinese font, its glyphs are made on demand.
   const bool has_chinese = font.FindGlyphNoFallback(0x4F60) != nullptr;
   if (has_chinese) CHECK(font.FindGlyphNoFallback(0x597D));
   CHECK_FALSE(font.FindGlyphNoFallback(0x4F61));  // nobody has asked for that
@@ -170,7 +170,7 @@ TEST_CASE("goes back and forward through visited worlds and viewer positions") {
   CHECK_FALSE(user.session().can_travel(1));
   user.press(Key::left, false, false, true);
   user.show_world("Shape { geometry Cone { } }", "third.wrl");
-  CHECK_FALSE(user.session().can_travel(1));  // who goes elsewhere leaves what was ahead
+  CHECK_FALSE(user.session().can_travel(1));  // a new destination drops the forward history
 }
 
 TEST_CASE("goes back after an Anchor to the earlier position") {

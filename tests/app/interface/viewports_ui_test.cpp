@@ -228,7 +228,7 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   user.settle();
   CHECK(user.sees("no limit"));
   CHECK(rate("memory://a/b.wrl") == 0U);
-  // What both show comes as fast as it may for one of them.
+  // A file in both viewports gets the higher of their limits.
   user.session().open_in(1, "memory://a/a.wrl");
   user.settle();
   CHECK(rate("memory://a/a.wrl") == 0U);
@@ -258,7 +258,7 @@ TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   CHECK(user.sees("late.wrl could not be opened"));
   CHECK_FALSE(user.session().panes().at(1).failure->error.empty());
   CHECK(user.sees("Open again"));
-  // What it showed before is still there.
+  // Its earlier file is still there.
   CHECK(shown(user, 1) == "box.wrl");
   CHECK_FALSE(user.session().panes().at(0).failure);
   // The same again, with the file there.
@@ -343,7 +343,7 @@ TEST_CASE("shows a three-line introduction without arguments until it is closed"
   user.session().open_in(0, scratch.path("demo.wrl"));
   REQUIRE(user.wait_for([&] { return user.sees("Page Down leads on"); }));
   CHECK(user.sees("Drop a file or press Ctrl+O"));
-  // What the ruler says stands where they are.
+  // The ruler's text covers the introduction.
   bool measuring = true;
   user.set_model([&](UiModel& model) { model.tools.measuring = measuring; });
   user.settle();

@@ -1,4 +1,4 @@
-// What is heard of whole worlds, in simulated time: levels and times by the formulas of the standard.
+// Tests of the sound of whole worlds, in simulated time. The standard's formulas give levels and times.
 #include "app/base/exit_status.h"
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
@@ -113,7 +113,7 @@ TEST_CASE("moves a Sound with its Transform and the viewer, without steps (6.42)
   float steepest = 0;
   for (std::size_t i = 1; i < ears.pairs.size() / 2; ++i)
     steepest = std::max(steepest, std::abs(ears.pairs[2 * i] - ears.pairs[2 * i - 2]));
-  CHECK(steepest < 0.11f);  // where it begins, and nowhere else
+  CHECK(steepest < 0.11f);  // at its beginning only
 }
 
 TEST_CASE("mutes a Sound that a Switch hides, and resumes it in world time (6.42)") {

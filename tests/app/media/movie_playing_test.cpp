@@ -32,7 +32,7 @@ struct Shown {
   std::uint64_t version = 0;
 };
 
-/// What a world's only texture shows after so much time.
+/// Returns the picture of a world's only texture after a time.
 Shown shown_at(const std::string& fields, double seconds, const std::string& file = "movie/counting.mp4") {
   const ScratchFolder folder;
   (void)folder.write("a.mpg", movie(file));
@@ -133,7 +133,7 @@ TEST_CASE("decodes frames on another thread, and shows them a little later") {
     }
     CHECK(number_of(*player->image()) == number);
   }
-  // What there is no room for is not played.
+  // A movie beyond the budget is not played.
   auto small = std::make_shared<vrml::Budget>(vrml::Limits{.memory = 1 << 16});
   CHECK_FALSE(
       players.open(file, render::Image{256, 256, 3, std::vector<std::uint8_t>(std::size_t{256} * 256 * 3)}, small));

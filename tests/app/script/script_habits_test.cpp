@@ -7,7 +7,7 @@ using scripts::run;
 using scripts::value;
 using scripts::World;
 
-// What programs of the time when VRML97 was new do, and no standard has.
+// Tests of programs from the time of VRML97 that use no standard.
 
 TEST_CASE("calls constructors also without new") {
   CHECK(value("SFVec3f(1, 2, 3).add(SFVec3f(1, 1, 1)) + ' ' + SFColor(1) + ' ' + SFRotation(0, 0, 1, 2) + ' ' + "
@@ -61,7 +61,7 @@ TEST_CASE("accepts for each, functions without braces, open comments, toSource a
         Lines{"4 3", "2,3"});
   CHECK(printed("function initialize() { print('runs'); } /* and so on") == Lines{"runs"});
   CHECK(printed("function initialize() { print([1].toSource() + uneval('a').length); }") == Lines{"[1]3"});
-  // What has a meaning today is left as it is.
+  // A word with a meaning today stays unchanged.
   CHECK(printed("var each = 2; function initialize() { for (var each in { k: 1 }) print(each); }") == Lines{"k"});
 }
 

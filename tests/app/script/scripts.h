@@ -101,7 +101,7 @@ class World {
   std::unique_ptr<ScriptRunner> runner_;
 };
 
-/// What a program prints that runs in initialize(). It must be in no conflict with VRML's strings.
+/// Returns the lines that a program prints in initialize(). The program must not conflict with VRML's strings.
 inline Lines run(const std::string& program, const std::string& interface = {}) {
   World world("DEF S Script { directOutput TRUE " + interface + " url \"javascript: function initialize() { " +
               program + " }\" }");

@@ -1,4 +1,5 @@
-// Meshes of a living world that take longer than a frame: who makes them, when they are shown, and which are dropped.
+// Tests of meshes of a running world that take longer than a frame: the thread that makes them, the frame that shows
+// them, and the dropped ones.
 #include "render/scene/late_meshes.h"
 
 #include "app/session/documents/living_world.h"
@@ -16,7 +17,7 @@
 namespace gs::app::late_meshes_test {
 namespace {
 
-/// Where the worker waits in front of each mesh, until it is let go.
+/// Stops the worker before each mesh until the test opens the gate.
 class Gate {
  public:
   void close() { set(true); }
@@ -242,7 +243,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
     list.push_back(node);
     return list;
   };
-  // What a program makes of a text is seen as soon as it is there.
+  // Nodes that a program makes of a text are visible at once.
   children(only(make(1)));
   CHECK(world.frame() == 0);
   CHECK(world.height() == -1);

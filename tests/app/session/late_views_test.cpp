@@ -1,4 +1,4 @@
-// Where the viewer stands while parts of a world come late.
+// Tests of the viewer's position while parts of a world load late.
 #include "app/session/session.h"
 
 #include "tests/app/late_worlds.h"
@@ -22,7 +22,7 @@ using sessions::input_of;
 using sessions::key;
 using sessions::Kind;
 
-/// Small things at x = -20 and 30, for two Inlines whose urls are set later.
+/// Returns a site with small objects at x = -20 and 30, for two Inlines with later urls.
 Site site_with(const std::string& beginning) {
   Site site;
   site.put("world.wrl", kHeader + "Inline { } Inline { } " + beginning + "Shape { geometry Box { } }");

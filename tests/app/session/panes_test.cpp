@@ -54,7 +54,7 @@ TEST_CASE("opens each file of the command line in its own viewport, up to the ma
       CHECK(reading->path == all[readings]);  // the active one first
       ++readings;
     }
-    CHECK(readings == std::min(count, kMostViewportsAtStart));  // what is not shown is not read
+    CHECK(readings == std::min(count, kMostViewportsAtStart));  // hidden files are not read
   }
 }
 
@@ -408,7 +408,7 @@ TEST_CASE("shows the loaded part of a file, and frames it for an unmoved viewer"
   const glm::dvec3 second = panes.at(0).view()->navigation.pose.position;
   CHECK(glm::length(second) > 2 * glm::length(first));
   CHECK(panes.at(0).view()->list->bounds.upper == glm::dvec3(9));
-  // Who has moved stays.
+  // A moved viewer stays.
   panes.at(0).view()->navigation.pose.position = {5, 6, 7};
   panes.at(0).view()->look.opacity = 3;
   panes.preview(reading->number, preview({20, 20, 20}));

@@ -1,4 +1,4 @@
-// What depends on how the viewer holds his head: Billboards that face the screen, and what is fixed to him.
+// Tests of content that depends on the viewer's orientation: screen-facing Billboards and HUDs.
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "tests/app/pairs.h"

@@ -1,4 +1,4 @@
-// What leads the viewer of a session: links, clicks, gamepads and 3D mice.
+// Tests of the viewer's movement in a session: links, clicks, gamepads and 3D mice.
 #include "app/session/session.h"
 
 #include "app/window/gamepad.h"

@@ -28,7 +28,7 @@ std::string packed(const std::string& text) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// What the programs of memory://a/world.wrl print in a second of simulated time.
+/// Returns the lines that programs of memory://a/world.wrl print in simulated time.
 std::vector<std::string> run(const LoadOptions& options, double seconds = 1) {
   WorldLoading loading("memory://a/world.wrl", options);
   OpenedWorld world = load_world(loading, "memory://a/world.wrl");

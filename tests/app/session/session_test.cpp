@@ -142,7 +142,7 @@ TEST_CASE("triggers no sensors along a jump, but those at its end (VRML97 6.53)"
   world.document->living->execution().observe([&](const vrml::SentEvent& event) {
     if (event.event->name == "enterTime") entered.push_back(event.time);
   });
-  // Who has walked is told of; then he jumps.
+  // A walk sends enterTime. A jump follows.
   (void)world.session.step(kStart + 0.1, input_of({key(Kind::key_down, 'W')}));
   (void)world.session.step(kStart + 0.2, input_of({key(Kind::key_up, 'W')}));
   for (int i = 1; i <= 60; ++i) (void)world.session.step(kStart + 0.2 + i / 60.0, input_of({}));

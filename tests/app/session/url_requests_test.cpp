@@ -231,7 +231,7 @@ TEST_CASE("continues to read requests while the world runs") {
     list.push_back(url);
     CHECK(document->living->send(scene, scene.roots()[0], "set_url", vrml::FieldValue(list)));
     reader.request(document->living->take_url_requests());
-    // What was asked for before may come as late as it likes, and changes nothing.
+    // A late result of an earlier url changes nothing.
     const auto shown = [&] {
       const vrml::SceneGraph* const inlined = scene.inlined(scene.roots()[0]);
       return inlined ? inlined->file_name() : std::string();

@@ -72,12 +72,12 @@ TEST_CASE("frames the scene again for an unmoved viewer without Viewpoint when g
   CHECK(view.navigation.center.x == Approx(20.5));
   view.navigation.transition.reset();
   view.navigation.pose = view.home;
-  // What comes back is in view already, and nobody is led to and fro.
+  // Geometry that returns is already in view, so the camera stays.
   const Pose last = view.home;
   for (const float x : {0.0f, 41.0f, 20.0f}) move(view, x);
   CHECK(view.home.position == last.position);
 
-  // Who has moved stays; and nobody follows what leaves for good.
+  // A moved viewer stays, and no viewer follows geometry that leaves for good.
   (void)shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{0, 0, 0});
   for (const float x : {6.0f, 41.0f}) move(walker, x);
   CHECK(walker.navigation.pose.position == first.position + glm::dvec3(0.25, 0, 0));
@@ -140,7 +140,7 @@ TEST_CASE("moves the viewer with the bound Viewpoint, and to the one that events
 
 namespace {
 
-/// Who looks at a world whose Viewpoints, all of the root or of Transforms, events bind.
+/// View of a world with Viewpoints of the root or of Transforms, which events bind.
 struct Bound {
   explicit Bound(const std::string& body) : shared(make_document(world_of(body))), view(view_of(shared, kSize, {})) {}
   void bind(std::size_t index, bool to_top = true) {
@@ -183,7 +183,7 @@ TEST_CASE("keeps the position relative to a Viewpoint, and restores it when the 
   CHECK(world.at({50, 0, 7}));
   world.bind(1, false);
   CHECK(world.at({6, 2, 10}));  // with it, where it has gone
-  // What is stored is for one return, and a bind leads to the Viewpoint itself.
+  // A stored position serves one return. A bind moves to the Viewpoint itself.
   world.bind(1);
   CHECK(world.at({50, 0, 0}));
   world.bind(0);
@@ -277,7 +277,7 @@ TEST_CASE("moves as the bound NavigationInfo defines, including changes (4.6.10,
 TEST_CASE("advances time in a window by the clock (VRML97 4.11.3)") {
   const double before = world_time();
   const double clock = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  CHECK(std::abs(clock - before) < 60);  // of a machine whose clock is not set meanwhile
+  CHECK(std::abs(clock - before) < 60);  // if the clock of the machine is not set meanwhile
   const auto shared = make_document(world_of("TimeSensor { loop TRUE }"));
   vrml::Execution& execution = shared->living->execution();
   CHECK(execution.now() >= before);

@@ -12,7 +12,7 @@
 namespace gs::app::walked_worlds_test {
 namespace {
 
-/// Where the viewer is after holding W for some seconds, and the names of the Collision nodes that were heard of.
+/// Viewer's position after holding W for some seconds, with the names of the reported Collision nodes.
 struct Walked {
   glm::dvec3 place;
   std::vector<std::string> collisions;

@@ -34,7 +34,7 @@ TEST_CASE("writes settings and reads them back") {
   const ReadSettings back = read_settings(settings_text(settings));
   CHECK(back.problems.empty());
   CHECK(back.settings == settings);
-  // What is as at first is a comment, so that another version's standards count.
+  // Defaults are written as comments, so that defaults of another version apply.
   CHECK(settings_text(UserSettings{}).find("\n#theme = dark\n") != std::string::npos);
   CHECK(settings_text(settings).find("\ntheme = light\n") != std::string::npos);
 }

@@ -42,7 +42,7 @@ TEST_CASE("distinguishes actions by modifier keys") {
   CHECK(action_of(pressed(letter_key('1')))->action == Action::examine);
   CHECK(action_of(pressed(letter_key('1'), true))->action == Action::viewport_1);
   CHECK(action_of(pressed(Key::tab, true, true))->action == Action::previous_file);
-  CHECK(action_of(pressed(Key::plus, false, true))->action == Action::faster);  // where + needs Shift
+  CHECK(action_of(pressed(Key::plus, false, true))->action == Action::faster);  // on keyboards with Shift and +
   CHECK_FALSE(action_of(pressed(Key::tab)));
   CHECK_FALSE(action_of(pressed(letter_key('W'))));
   CHECK_FALSE(action_of(pressed(letter_key('F'), false, false, true)));

@@ -172,7 +172,7 @@ TEST_CASE("FLY moves along the view direction at the speed of the NavigationInfo
   keys.move = {0, 0, 1};
   state = settle(run_for(state, keys, 2, 120));
   const glm::vec3 way(state.pose.position - glm::dvec3(0, 0, 10));
-  CHECK(glm::length(way) == Approx(6).margin(0.05));  // what is late at the start is made up for at the end
+  CHECK(glm::length(way) == Approx(6).margin(0.05));  // the end makes up for the slow start
   check_close(glm::normalize(way), {0, std::sin(0.5f), -std::cos(0.5f)});
 }
 

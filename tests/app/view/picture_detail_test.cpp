@@ -28,7 +28,7 @@ TEST_CASE("refines pictures again as soon as finer ones are in time") {
   CHECK(detail.coarseness(true) == 4);
   detail.note(4, false, 0.04);
   CHECK(detail.coarseness(true) == 2);
-  detail.note(1, false, 0.01);  // of one who stands
+  detail.note(1, false, 0.01);  // at rest
   CHECK(detail.coarseness(true) == 2);
   detail.note(2, false, 0.04);
   CHECK(detail.coarseness(true) == 1);

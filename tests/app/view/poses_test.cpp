@@ -23,7 +23,7 @@ render::WorldBounds box() {
 
 bool close(const glm::dvec3& a, const glm::dvec3& b, double most = 1e-4) { return glm::distance(a, b) < most; }
 
-/// Where a place is in the picture, in halves of its smaller side.
+/// Returns the position of a point in the picture, in halves of its smaller side.
 glm::dvec2 seen_at(const Pose& pose, const glm::dvec3& place) {
   const glm::dvec3 p = glm::inverse(glm::dquat(pose.orientation)) * (place - pose.position);
   const double half = pose.height > 0 ? pose.height / 2 : -p.z * std::tan(double{pose.field_of_view} / 2);
@@ -163,7 +163,7 @@ TEST_CASE("shoots parallel rays through the pixels of their targets") {
     const render::SightLine line = sight_line(pose, pixel, kPicture);
     CHECK(close(line.origin, ray.origin, 1e-3));
     CHECK(close(line.direction, glm::dvec3(ray.direction)));
-    // What is behind the viewer is met, too.
+    // Parallel rays also hit points behind the viewer.
     CHECK(glm::dot(pose.position - ray.origin, glm::dvec3(pose.forward())) > 1000);
   }
   Pose perspective = pose;

@@ -80,7 +80,7 @@ TEST_CASE("draws frames as long as they improve") {
   CHECK(refinement.wanted());
   refinement.note(false, 100'000, false);
   CHECK_FALSE(refinement.wanted());
-  // What is promised for ever does not keep the window busy for ever.
+  // A picture that always promises a better one lets the window rest.
   for (int i = 0; i <= Refinement::kMostFramesAlike; ++i) refinement.note(true, 5, false);
   CHECK_FALSE(refinement.wanted());
   refinement.note(true, 5, false);

@@ -66,7 +66,7 @@ TEST_CASE("hands files to the open window of the same user only") {
   CHECK(taken.files[0] == std::filesystem::absolute("a.wrl").string());
   CHECK(taken.files[1] == "http://example.org/b.qnv");
   CHECK(taken.files[2] == "ghostspace:http://example.org/c.wrl");
-  // Who does not know the token is told nothing and gives nothing.
+  // A peer without the token receives nothing and delivers nothing.
   const auto stranger =
       net::call_control(folder + "/window.sock", std::string(32, '0'), "{\"open\":[\"x\"]}", std::chrono::seconds(20));
   const auto* answer = std::get_if<std::string>(&stranger);

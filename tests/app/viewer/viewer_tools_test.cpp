@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-// What a window does beside moving about, drawn without one.
+// Tests of the tools of a window, drawn without one.
 namespace gs::app::viewer_tools_test {
 namespace {
 

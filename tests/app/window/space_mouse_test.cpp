@@ -9,7 +9,7 @@ namespace {
 
 using Kind = WindowEvent::Kind;
 
-// A library whose daemon says what the test has put there.
+// Events of the fake daemon, which the test fills.
 std::deque<SpnavLibrary::Event> waiting;
 bool has_daemon = true, endless = false;
 int opened = 0, closed = 0;

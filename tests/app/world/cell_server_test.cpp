@@ -21,7 +21,7 @@ OpenedWorld interrupted(CellSite& site, const LoadOptions& options, const Then& 
   return world;
 }
 
-/// A server as a program of its own, that can be killed: one whose streams take a while, and one that follows it.
+/// Server in its own process, which a test can kill: the first one sends slowly, the second one replaces it.
 class ServerProgram {
  public:
   explicit ServerProgram(const CellSite& site, const char* rate = "2000000") {

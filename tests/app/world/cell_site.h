@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of cells over UDP have in common.
+// Helpers of tests of cells over UDP.
 #include "app/serve/archive.h"
 #include "app/streams/cell_regions.h"
 #include "app/streams/stream_feed.h"

@@ -1,4 +1,4 @@
-// What views ask of streams that come as cells over UDP.
+// Tests of the requests of views for streams that come as cells over UDP.
 #include "tests/app/world/cell_site.h"
 
 #include <catch2/catch.hpp>
@@ -56,7 +56,7 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
   (void)feed.apply();
   auto& levels = *world.clouds.begin()->second->levels;
   REQUIRE(levels.clusters() > 0);
-  // What lies to the right, closely.
+  // A close view of the right side.
   qnv::LodView view;
   view.eye = {3, 0, 0};
   view.pixels = 1e5f;

@@ -119,7 +119,7 @@ TEST_CASE("stops gzip data that unpack to far more than their size") {
   CHECK(made >= kMega);
   CHECK(made < 2 * kMega + 250 * bomb.size());
 
-  // What is not packed that well goes on to the limit of the world.
+  // Data of a lower compression ratio are read up to the limit of the world.
   const auto small = std::make_shared<vrml::Budget>(vrml::Limits{.memory = 4 * kMega});
   made = 0;
   const auto limit = gunzip(bytes_of(bomb), small, count);
@@ -175,7 +175,7 @@ TEST_CASE("refuses a compressed mesh, volume or splats of zeros by name") {
   INFO(volume.said());
   CHECK(volume.said("zeros.nii.gz: error: unpacks to more than the limit for voxels, 32 MiB"));
 
-  // One slice whose numbers alone are too much.
+  // A single slice that exceeds the limit.
   const Loaded slice(folder.write("slice.nii.gz", packed(nifti(4096, 4096, 1), 16 * kMega)), 128 * kMega);
   INFO(slice.said());
   CHECK(slice.said("slices of 16777216 voxels take more than the limit for voxels, 64 MiB"));

@@ -1,4 +1,4 @@
-// What worlds and the files they name may have of others. docs/security.md names these tests.
+// Tests of access of worlds to files of other origins. docs/security.md names these tests.
 #include "app/world/world_loading.h"
 
 #include "app/base/local_file.h"
@@ -304,11 +304,11 @@ TEST_CASE("a PROTO from the network stays of the network in a world of this mach
   INFO(said(alone));
   CHECK(inlined(*alone.scene) == 0);
   CHECK(alone.images.empty());
-  CHECK(said(alone).find("memory://lib/lib.wrl:2:") != std::string::npos);  // where it stands
+  CHECK(said(alone).find("memory://lib/lib.wrl:2:") != std::string::npos);  // its position
   CHECK(said(alone).find("may not refer to file:") != std::string::npos);
   CHECK(web.asked("memory://lib/in.wrl") == 1);
   CHECK(web.asked("memory://lib/p.gif") == 1);
-  // What stands beside the library is shown.
+  // Files beside the library are shown.
   web.put("memory://lib/in.wrl", text("Shape { geometry Sphere { } }"));
   web.put("memory://lib/p.gif", kPicture);
   const OpenedWorld both = load_world(world, web.options);

@@ -89,7 +89,7 @@ TEST_CASE("gunzip: reads pieces of any size as one text, and reports errors at t
     bool more = true;
     for (std::size_t at = 0; at < packed.size() && more; at += size)
       more = unpacking.push(byte_span_of(packed.substr(at, size)), sink);
-    CHECK_FALSE(more);  // what follows the last member is of no use
+    CHECK_FALSE(more);  // ignores bytes after the last member
     CHECK_FALSE(unpacking.finish());
     CHECK(out == text + "two");
   }

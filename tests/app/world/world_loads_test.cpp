@@ -1,4 +1,4 @@
-// What the ledger of loads says of the files of a world.
+// Tests of the load ledger's rows for the files of a world.
 #include "app/streams/load_ledger.h"
 #include "app/world/world_loading.h"
 

@@ -169,7 +169,7 @@ TEST_CASE("snapshot draws, measures, and overwrites pictures only") {
     sum += seconds;
   }
   CHECK(sum == Approx(stats["total_s"].get<double>()));
-  // What cannot be done in no time.
+  // These phases cannot take 0 seconds.
   for (const char* phase : {"parse_s", "tessellate_s", "compile_s", "upload_s", "draw_s", "write_s"})
     CHECK(stats[phase] > 0);
   CHECK(run(base + quoted(world)).status == kDone);

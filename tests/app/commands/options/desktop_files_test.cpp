@@ -26,7 +26,7 @@ TEST_CASE("lists every file type in the desktop entry, the thumbnailer and the M
   const std::string mime = made("mime"), entry = made("entry"), thumbnailer = made("thumbnailer");
   for (const ContentType& type : content_types()) {
     INFO(type.name << " " << type.mime);
-    // Those that only an ambiguous name tells are left to who else knows it.
+    // Types that only an ambiguous name indicates are left to other programs.
     const bool told = has(mime, "type=\"" + std::string(type.mime) + "\"");
     CHECK((told || type.name == "raw voxels" || type.name == "points"));
     CHECK(has(entry, std::string(type.mime) + ";") == told);
@@ -101,7 +101,7 @@ TEST_CASE("completes commands, their options, words and files in bash") {
   CHECK(completed("ghostspace --allow \"\"", 2) == "inner ");
 }
 
-// What a terminal of zsh has on its line after each of the arguments but the first and a tab.
+// Line of a zsh terminal after each argument but the first, followed by a tab.
 constexpr const char* kZshTerminal = R"(zmodload zsh/zpty
 zpty z zsh -f -i
 zpty -w z "PROMPT=; fpath=($1 \${(M)fpath:#*/Completion(|/Base|/Unix|/Zsh)}); autoload -Uz compinit; compinit -u -D; show() { print -r -- \"<<\$BUFFER>>\" }; zle -N show; bindkey '^I' complete-word; bindkey '^X' show; print re''ady"

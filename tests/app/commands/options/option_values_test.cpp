@@ -48,7 +48,7 @@ TEST_CASE("reads standard input for -, from a file or a pipe, once, for inputs o
   CHECK(wrong.status == 1);
   CHECK(wrong.output.starts_with("/dev/stdin:1:1: error"));
   CHECK(run("check - - < " + quoted(file)).output.find("once") != std::string::npos);
-  // What a text refers to lies where the program was started.
+  // References of a text are relative to the start folder of the program.
   folder.write("outer.wrl", "#VRML V2.0 utf8\nInline { url \"a.wrl\" }\n");
   const Run outer = run_shell("cd " + quoted(folder.path("")) + " && cat outer.wrl | " + program() + " check -");
   INFO(outer.output);

@@ -157,7 +157,7 @@ TEST_CASE("applies slices, colour maps and bars to volumes, and the file of its 
 TEST_CASE("takes a picture from a camera text, in parallel projection, with the chosen up axis") {
   const ScratchFolder folder;
   const std::string world = folder.write("a.wrl", kBox);
-  // A wedge whose height is along Z.
+  // A wedge with its height along Z.
   const std::string wedge = folder.write("w.stl",
                                          "solid w\nfacet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex "
                                          "0 0 9\nendloop\nendfacet\nendsolid\n");

@@ -13,7 +13,7 @@
 namespace gs::app::export_glb_mesh_test {
 namespace {
 
-/// A square from above, whose second half may show a picture of four colours.
+/// A square seen from above; its second half may have a texture of four colours.
 qnv::Cloud square(bool pictured) {
   qnv::Cloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 1, 1}};

@@ -219,7 +219,7 @@ TEST_CASE("shows the remaining polygons by the fallback of an outline world") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
   std::string text = string_of(outline_world(made.groups, made.model.appearances, "x"));
-  // What another browser does with it: it does not know the name, and takes the PROTO.
+  // Another browser does not know the name, and uses the PROTO.
   for (std::size_t at = 0; (at = text.find("OutlineGroup", at)) != std::string::npos; at += 5)
     text.replace(at, std::string("OutlineGroup").size(), "Other");
   const OpenedWorld world = load_world(folder.write("other.wrl", text));

@@ -32,7 +32,7 @@ TEST_CASE("shows right-to-left text in visual order, with the caret beside the n
   CHECK(order.index_at(8, true) == 3);
   CHECK(order.index_at(8, false) == 4);
   CHECK(order.index_at(7, true) == 4);
-  // Where one points, the caret comes to, within a run.
+  // Within a run, the caret moves to the pointed position.
   for (std::size_t place = 0; place < text.size(); ++place)
     for (const bool right : {false, true}) CHECK(order.index_at(place, right) <= text.size());
 }

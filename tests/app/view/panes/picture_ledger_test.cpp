@@ -77,7 +77,7 @@ TEST_CASE("redraws a picture that can improve, unless that delays the user") {
   CHECK(ledger.stands(0, true));
   ledger.note(0, source, drawn(true, 200), PictureLedger::kQuick / 2);
   CHECK_FALSE(ledger.stands(0, true));
-  // What is promised for ever does not keep it busy for ever.
+  // A picture that always promises a better one ends its refinement.
   for (int i = 0; i <= Refinement::kMostFramesAlike; ++i) ledger.note(0, source, drawn(true, 200), 0);
   CHECK_FALSE(ledger.wants_more(0));
   CHECK(ledger.stands(0, false));
@@ -94,7 +94,7 @@ TEST_CASE("ignores an abandoned picture") {
   ledger.note(0, source, drawn(), 0);
   ledger.note_given_up(0, drawn());
   CHECK_FALSE(ledger.is_same(0, source));
-  CHECK_FALSE(ledger.wants_more(0));  // who gave it up says when there is another
+  CHECK_FALSE(ledger.wants_more(0));  // the caller reports when there is another picture
 }
 
 }  // namespace gs::app::picture_ledger_test

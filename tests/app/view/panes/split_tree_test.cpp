@@ -145,7 +145,7 @@ TEST_CASE("gives the area of a closed viewport to its neighbour") {
   CHECK(split_text(without_pane(split("1|(2/3)"), 0)) == "2/3");
   CHECK(split_text(without_pane(split("1|2|3"), 1)) == "1:2|3");
   CHECK(split_text(without_pane(split("1|2|3"), 0)) == "2:2|3");
-  // What is left of a split in a split along the same axis is no split of its own.
+  // The rest of a split joins the outer split along the same axis.
   const SplitTree tree = without_pane(split("1|(2/(3|4))"), 1);
   CHECK(split_text(tree) == "1:2|3|4");
   check_place(arrange(tree, {0, 0, 400, 100})[2], 300, 0, 100, 100);

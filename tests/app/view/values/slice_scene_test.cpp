@@ -124,7 +124,7 @@ TEST_CASE("places slices at their voxels, beside the volume or alone") {
   const render::RenderList& alone = scene.with_slices(list, grid, slices);
   CHECK(alone.splats.empty());
   CHECK(alone.items.front().texture.image == image);  // kept
-  // Who has drawn it knows whether it is the same still.
+  // The number of changes tells a renderer whether the list is unchanged.
   const std::uint64_t before = alone.changes;
   CHECK(before != 0);
   CHECK(scene.with_slices(list, grid, slices).changes == before);
