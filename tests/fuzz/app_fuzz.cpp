@@ -76,7 +76,7 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   vrml::SceneGraph scene("fuzz", small_limits());
   vrml::Diagnostics diagnostics;
   int reads = 0;
-  // What a file refers to is the other file, whatever the name is.
+  // Every reference leads to the other file.
   type.import(files.first, scene, diagnostics, [&](const std::string&) -> BytesResult {
     if (files.other.empty() || ++reads > 8) return "there is no other";
     return shared_bytes(std::vector(files.other.begin(), files.other.end()));

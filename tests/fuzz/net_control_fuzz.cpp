@@ -1,4 +1,5 @@
-// What clients of the control sockets send: the same in pieces of any size, bounded, and nothing before the token.
+// Fuzzes messages of control clients: equal results in pieces of any size, bounded memory, and no message before the
+// token.
 #include "net/control/control_connection.h"
 #include "net/control/digest.h"
 #include "tests/fuzz/net_targets.h"

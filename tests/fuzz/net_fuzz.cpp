@@ -1,4 +1,4 @@
-// What comes from servers and documents: urls, headers, records of the cache, cells of a line.
+// Fuzzes input from servers and documents: URLs, headers, cache records, cells of a line.
 #include "net/base/schemes.h"
 #include "net/base/url.h"
 #include "net/cells/cell_framing.h"
@@ -26,7 +26,7 @@ bool run_urls(std::span<const std::byte> bytes) {
   const std::string_view first = text.substr(0, end), second = text.substr(std::min(end + 1, text.size()));
   const Url base = parse_url(first), reference = parse_url(tidy_url(second));
   const Url whole = resolve(base, reference);
-  // What is written reads back as it was, and finds itself.
+  // A written URL parses to itself, and resolves to itself.
   for (const Url& url : {base, reference, whole}) require(parse_url(url.text()).text() == url.text());
   if (!whole.scheme.empty()) require(resolve(base, whole).text() == resolve(base, resolve(base, whole)).text());
   for (const Url& url : {base, whole}) {

@@ -12,7 +12,7 @@ using namespace gs::render;
 namespace gs::fuzz {
 namespace {
 
-/// A PNG whose chunks have the checksums that a mutation broke (PNG, clause 5.3); anything else as it is.
+/// Repairs the checksums of a PNG's chunks that a mutation broke (PNG, clause 5.3). Returns other bytes unchanged.
 std::vector<std::byte> mended(std::span<const std::byte> bytes) {
   std::vector<std::byte> png(bytes.begin(), bytes.end());
   constexpr std::size_t kMark = 8, kAround = 12;
@@ -45,7 +45,7 @@ bool run_image(const ImageFormat& format, std::span<const std::byte> input) {
   return text_of(bytes).starts_with(format.magic);
 }
 
-/// What plays a sound: the whole of it, as far as that is not longer than a minute, and from places in it.
+/// Plays up to a minute of a sound, and seeks in it.
 bool run_sound(std::span<const std::byte> bytes) {
   if (is_midi(bytes)) {
     const auto song = read_midi(bytes);
@@ -84,7 +84,7 @@ bool run_sound(std::span<const std::byte> bytes) {
   return info.index() == 0;
 }
 
-/// What plays a movie: forwards, backwards, and with jumps.
+/// Plays a movie forwards, backwards, and with jumps.
 bool run_movie(std::span<const std::byte> bytes) {
   constexpr std::size_t kMostPixels = std::size_t{1} << 18;
   auto opened = Movie::open(bytes, {.file_pixels = kMostPixels});

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-// Bytes of the container of QNV streams (FORMAT.md), for those who change them: whatever they are.
+// Bytes of the container of QNV streams (FORMAT.md), for mutations of any bytes.
 namespace gs::fuzz {
 
 inline constexpr std::size_t kFixedHeader = 108, kHeaderLength = 12, kHeaderSum = 16, kSectionHead = 6, kChunkHead = 10;

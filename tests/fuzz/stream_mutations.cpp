@@ -103,7 +103,7 @@ class Mutator {
     return below(3) == 0 ? static_cast<std::uint32_t>(random_()) : kNumbers[below(kNumbers.size())];
   }
 
-  /// Where heads are more often than where the rest is.
+  /// Returns a position, more often within the first 64 bytes.
   std::size_t place(std::size_t size) { return below(below(2) == 0 ? std::min<std::size_t>(size, 64) : size); }
 
   void change_bytes(Bytes& bytes) {
@@ -284,7 +284,7 @@ int run(std::size_t count, std::uint64_t seed, std::size_t first, const char* ke
     keep(file, bytes);
     const std::string which = std::to_string(i);
     keep(number, Bytes(which.begin(), which.end()));
-    // Who takes longer is ended by SIGPROF.
+    // SIGPROF ends a process that takes longer.
     const itimerval limit{{0, 0}, {kMostSeconds, 0}};
     setitimer(ITIMER_PROF, &limit, nullptr);
     const double before = processor_seconds();

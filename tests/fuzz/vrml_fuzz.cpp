@@ -49,8 +49,8 @@ void touch(Execution& execution, const SceneGraph& scene, NodeId id, double& now
   (void)execution.pointed_at();
 }
 
-// What the world sends in some steps, with an event for each eventIn of its first nodes and a click on each of its
-// first groups; as a digest.
+// Returns a digest of the events that a world sends in some steps, after an event to each eventIn of its first nodes
+// and a click on each of its first groups.
 std::uint64_t live(SceneGraph& scene) {
   constexpr std::uint32_t kNodes = 40;
   constexpr std::size_t kEvents = 2000;
