@@ -7,9 +7,9 @@
 
 namespace gs::bench {
 
-/// What a program could reach that did nothing but turn the numbers of a text into binary ones: fast_float for
-/// reals, a plain loop for integers, both written to memory that is already there. It builds nothing, checks nothing
-/// and knows of VRML only that a word ending in "Index" is followed by integers. The bar that a parser is held to.
+/// Lower bound for a parser: converts only the numbers of a text to binary, with fast_float for reals and a plain loop
+/// for integers, into existing memory. Builds and checks nothing. Of VRML it uses only that integers follow a word that
+/// ends in "Index".
 class BareLoop {
  public:
   /// Makes room for the numbers of any text of up to `bytes`, and touches it.

@@ -1,5 +1,5 @@
-// A world whose coordinates change in every frame: what its frames take, before drawing, with the meshes made in them
-// and beside them.
+// Measures frames of a world with coordinates that change in every frame, before drawing, with meshes made in the frame
+// and on a worker.
 //
 // changing_bench [TRIANGLES] [FRAMES]
 #include "app/session/documents/living_world.h"
@@ -71,7 +71,7 @@ void run(std::size_t side, int frames, bool beside, bool picks) {
       std::function<void()>{}, [trees = bvh.trees()](const auto& mesh) { trees->prepare(mesh); });
   if (beside) living.set_mesh_worker(worker);
   if (picks) bvh.prepare(seen->scene.list());
-  // What a frame's events bring is made before its time is taken.
+  // The events of a frame are prepared before its time is taken.
   std::vector<vrml::MFVec3f> waves;
   for (int i = 0; i < 8; ++i) waves.push_back(points(0.3 * i));
   Times times;

@@ -134,7 +134,7 @@ void measure_apply(int nodes, int frames, bool by_name, bool one_each, bool look
               looks ? "read, applied, list updated" : "read, applied", bytes, median(times));
 }
 
-// What a tree of the same text costs, and going along it.
+// Measures a tree of the same text, and a walk along it.
 void measure_readers(int nodes) {
   const std::string text = frame_of(nodes, 1, false, false);
   std::vector<double> trees, cursors;
@@ -219,7 +219,7 @@ struct Client {
       at += static_cast<std::size_t>(sent);
     }
   }
-  /// Until something comes whose end is this: answers are short.
+  /// Receives until a text ends in `end`; answers are short.
   void hear(const char* end) const {
     std::string all;
     char bytes[4096];

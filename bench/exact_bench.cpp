@@ -35,7 +35,7 @@ constexpr std::array<bench::View, 6> kViews{{{0, 0}, {60, 20}, {120, -20}, {180,
 
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// Where the header ends, and where the tail begins.
+/// End of the header and start of the tail.
 struct Places {
   std::size_t header = 0, tail = 0;
 };

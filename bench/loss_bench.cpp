@@ -1,4 +1,4 @@
-// What losses cost displaced streams.
+// Measures the effect of losses on displaced streams.
 //
 //   loss_bench MODEL... [--seeds N]
 //

@@ -8,7 +8,7 @@
 
 namespace gs::bench {
 
-/// Triangles whose corners are shared.
+/// Triangles with shared corners.
 struct Mesh {
   std::vector<float> positions;  // x y z
   std::vector<unsigned> indices;

@@ -79,7 +79,7 @@ double bits_at_once(std::vector<Finest> finest, int level, int normal_shift, int
       const int du = (finest[i].u - before.u) >> normal_shift, dv = (finest[i].v - before.v) >> normal_shift;
       normal.emplace_back(context, du);
       normal.emplace_back(context, dv);
-      // Where the plane before lies in this voxel.
+      // Position of the former plane in this voxel.
       const auto m = qnv::octahedral_normal(before.u, before.v);
       const glm::vec3 step = qnv::voxel_cell(finest[i].key) - qnv::voxel_cell(before.key);
       const double along = (static_cast<double>(m[0]) * step.x + static_cast<double>(m[1]) * step.y +

@@ -1,12 +1,12 @@
 // surface_bench STREAM.qnv [OCTREE.qnv] [--frames N] [--detail D]... [--only TEXT]: what a picture of a displaced
 // surface costs.
 //
-// Decodes STREAM (payload displaced) and draws it from N directions (12) around it at 1024x768, with cuts whose edges
-// are 1 / D pixels long (1 and 2, and all there is): what the cut, the processor's triangles alone, its discs alone and
-// a whole frame take, beside the same surface as one mesh with OpenGL (llvmpipe on a machine without a GPU) and beside
-// the cut of OCTREE, a packed stream of the same model. Milliseconds a frame by the clock, of the fastest frame and the
-// mean, and of processor time, which other programs on the machine disturb less. A Markdown table; of it only rows with
-// TEXT in their names.
+// Decodes STREAM (payload displaced) and draws it at 1024x768 from N directions (12) around it, with cuts of edges of 1
+// / D pixels (1, 2 and everything). Measures the cut, the processor's triangles alone, its splats alone and a whole
+// frame. Compares them with the same surface as one mesh in OpenGL (llvmpipe on a machine without a GPU), and with the
+// cut of OCTREE, an octree stream of the same model. Prints a Markdown table of milliseconds per frame: elapsed time of
+// the fastest frame and on average, and processor time, which other programs disturb less. --only prints rows that
+// contain TEXT.
 
 #include "net/files/file.h"
 #include "qnv/decode/decoder.h"

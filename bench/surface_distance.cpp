@@ -19,7 +19,7 @@ using qnv::displaced::TriangleTree;
 
 constexpr std::size_t kSamples = 50'000;
 
-/// In a box whose diagonal is 1, where float32 keeps all of them.
+/// Scales to a box of diagonal 1, in which float32 distinguishes all positions.
 SurfaceMesh framed(const Mesh& mesh, const glm::dvec3& lower, double diagonal) {
   SurfaceMesh out;
   for (std::size_t i = 0; i + 2 < mesh.positions.size(); i += 3)

@@ -161,7 +161,7 @@ class Painter {
       drawn.description.value_range = about_.value_range;
       const PictureError one = error(drawn);
       if (one.psnr > best.psnr) best = one;
-      if (grid.values.size() > 4'000'000) break;  // what all of it takes is what the reference took
+      if (grid.values.size() > 4'000'000) break;  // larger grids would equal the reference
     }
     return best;
   }

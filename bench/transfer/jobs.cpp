@@ -24,7 +24,7 @@ class Schedule {
   Schedule(const std::vector<TransferSpec>& specs, unsigned parallel) : room_(parallel), waiting_(specs.size()) {
     for (const TransferSpec& spec : specs) costs_.push_back(cost_of(spec, parallel));
     for (std::size_t i = 0; i < waiting_.size(); ++i) waiting_[i] = i;
-    // What runs alone first: else it would wait until nothing else is left.
+    // Transfers that run alone start first, or they would wait until nothing else is left.
     std::stable_sort(waiting_.begin(), waiting_.end(), [&](auto a, auto b) { return costs_[a] > costs_[b]; });
   }
   /// The next one for which there is room; waits for it. Nothing when all are taken.

@@ -16,13 +16,13 @@ struct LinkSpec {
   double loss = 0;               // share of the packets of each direction, data and acknowledgements alike
   double reordered = 0;          // share of packets that come later than they should, and so behind others
   double reorder_delay = 0.004;  // seconds, how much later
-  std::uint64_t seed = 1;        // of what is lost and reordered
+  std::uint64_t seed = 1;        // for losses and reordering
 };
 
 /// How many bytes wait for the line at most: one bandwidth-delay product, and not less than 32 kB.
 [[nodiscard]] std::size_t queue_bytes(const LinkSpec& spec);
 
-/// What one direction of a link did.
+/// Counts of one direction of a link.
 struct DirectionCounts {
   std::uint64_t packets = 0, bytes = 0;  // offered
   std::uint64_t lost = 0;                // by chance

@@ -232,7 +232,7 @@ struct EmulatedLink::State {
 
   HostThread server, client;
   Descriptor server_device, client_device, timer, stop_event;
-  mutable std::mutex mutex;  // of what follows
+  mutable std::mutex mutex;  // guards the members below
   LinkDirection to_client, to_server;
   std::int64_t first = 0, worst = 0;
   std::uint64_t late = 0, not_carried = 0;
@@ -276,7 +276,7 @@ void EmulatedLink::State::set_timer() const {
 }
 
 void EmulatedLink::State::carry(const std::stop_token& stop) {
-  // Where that is allowed it comes before everything that computes; it never does so for long.
+  // A permitted real-time priority precedes all computations; each turn is short.
   sched_param priority{};
   priority.sched_priority = 1;
   (void)::sched_setscheduler(0, SCHED_FIFO, &priority);

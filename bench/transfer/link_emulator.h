@@ -11,7 +11,7 @@
 
 namespace gs::bench {
 
-/// What a link did since it was made.
+/// Counts of a link since its creation.
 struct LinkCounts {
   DirectionCounts to_client, to_server;
   double worst_delay = 0;         // seconds that a packet came out later than it should have

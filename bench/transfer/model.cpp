@@ -62,7 +62,7 @@ std::optional<std::string> Model::make_world() {
   return std::nullopt;
 }
 
-// What Draco gives back shades as the model does.
+// Loads Draco's output with the shading of the model.
 void Model::take_draco(const std::string& base) {
   const app::OpenedWorld world = app::load_world(base + ".out.obj");
   if (!world.scene) return;

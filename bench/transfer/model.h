@@ -56,7 +56,7 @@ inline constexpr double kUsable = 0.9;
 
 struct ModelOptions {
   std::string file;              // of any type that opens as polygons; VRML97 is sent as it is
-  std::string folder;            // where everything is made; it is there and empty
+  std::string folder;            // for all generated files; exists and is empty
   View view;                     // of all pictures
   int draco_bits = 11;           // of a coordinate
   std::size_t packed_bytes = 0;  // 0: twice of what Draco's file has
@@ -64,7 +64,7 @@ struct ModelOptions {
   double tolerance = 0.005;  // of outline groups, of the model's diagonal
 };
 
-/// What a part of a transfer shows.
+/// Visible result of a part of a transfer.
 struct Shown {
   bool anything = false;  // one pixel that is no background
   PictureError error;     // beside the mesh itself

@@ -8,7 +8,7 @@
 
 namespace gs::bench {
 
-/// What the transfer benchmark is asked for.
+/// Options of the transfer benchmark.
 struct TransferOptions {
   std::string program;     // ghostspace
   ModelOptions model;      // its folder is empty: a temporary one

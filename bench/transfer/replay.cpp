@@ -13,7 +13,7 @@
 namespace gs::bench {
 namespace {
 
-/// What came of a chunk of records.
+/// Decoded result of a chunk of records.
 struct RecordsCame {
   std::vector<std::byte> payload;  // the 48 bytes of its header, and the records as far as they reach
   net::RangeSet came;              // of payload

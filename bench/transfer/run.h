@@ -45,7 +45,7 @@ struct CellArrival {
   net::CellEvent event;
 };
 
-/// What came when. Seconds count from the moment of asking, before there was a connection.
+/// Received data with their times, in seconds since the request, before there was a connection.
 struct Recording {
   std::string problem;              // why nothing was measured
   std::string failure;              // why the loader, or the client of cells, gave up; the time goes on to the limit

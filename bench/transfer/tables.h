@@ -10,7 +10,7 @@ namespace gs::bench {
 
 using AllThresholds = std::map<const Format*, Thresholds>;
 
-/// What is measured, with what.
+/// Prints the measured objects and the settings.
 void print_settings(const TransferOptions& options, const Model& model);
 /// A row a format: bytes, and how many of them a picture takes. Formats without a file are left out here and below.
 [[nodiscard]] AllThresholds print_sizes(const TransferOptions& options, Model& model);
@@ -18,7 +18,7 @@ void print_settings(const TransferOptions& options, const Model& model);
 /// could not be measured.
 [[nodiscard]] bool print_matrix(const TransferOptions& options, Model& model, const ServerSpec& server,
                                 const AllThresholds& thresholds);
-/// What losses cost the picture that cells give at the end, at 10 Mbit/s and 20 ms.
+/// Prints the effect of losses on the final picture over cells, at 10 Mbit/s and 20 ms.
 [[nodiscard]] bool print_loss(const TransferOptions& options, Model& model, const ServerSpec& server);
 /// The first picture of a large archive at 10 Mbit/s and 100 ms.
 [[nodiscard]] bool print_archive(const TransferOptions& options, Studio& studio, const ServerSpec& server);
