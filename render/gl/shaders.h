@@ -32,7 +32,7 @@ layout(std140) uniform Lights {
 #define light_at(i) lights[i]
 #endif
 
-// What one light adds.
+// Returns the contribution of one light.
 vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, vec3 ambient, vec4 specular_exponent) {
   vec3 l = light.location_local.xyz;
   float strength = 1.0;
@@ -290,7 +290,7 @@ in vec3 ray;
 out vec4 result;
 
 vec3 ring_color(int first, int count, float angle) {
-  int low = 0, high = count - 1;  // the last ring whose angle is not larger
+  int low = 0, high = count - 1;  // the last ring with an angle that is not larger
   while (low < high) {
     int middle = (low + high + 1) / 2;
     if (texelFetch(rings, ivec2(first + middle, 0), 0).w <= angle) low = middle; else high = middle - 1;

@@ -14,12 +14,12 @@ struct Vector {
   vec3 color;
   bool drawn;
 };
-/// What is the same for all vectors of a piece, three texels in `pieces`.
+/// Values common to all vectors of a piece, three texels in `pieces`.
 struct Piece {
   vec3 lower;   // position = lower + code * step
   vec3 step;
   vec2 radius;  // logarithm of the smallest radius, and what a step of the code adds to it; records: step of the weight
-  vec2 edge;    // likewise
+  vec2 edge;    // logarithm of the smallest edge, and its increase per step of the code
   float scale;  // of radii
   float tint;   // 24 bits, in place of all colours; negative: none
 };

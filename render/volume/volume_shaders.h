@@ -182,7 +182,7 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
     gloss += tint.rgb * (strength * shading.z * shine);
   }
   color = clamp(color * diffuse + gloss, 0.0, 1.0);
-  // VRML97 Table 4.8; the matrix by rows, whose last column is the colour, and the type: 1 LINEAR, 2 EXPONENTIAL.
+  // VRML97 Table 4.8: the matrix by rows with the colour in its last column, and the type: 1 LINEAR, 2 EXPONENTIAL.
   vec4 fog_x = about(item, FOG), fog_y = about(item, FOG + 1), fog_z = about(item, FOG + 2);
   float fog_type = about(item, FOG + 3).x;
   if (fog_type == 0.0) return color;
