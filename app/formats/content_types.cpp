@@ -105,7 +105,7 @@ ImportedCloud refuse_sog(Bytes, const WorldBudget&) {
          "which PlayCanvas' splat-transform makes of it";
 }
 
-// What is known and not read: it is told by its name.
+// Known types that are not read. Messages name them.
 constexpr ContentType kNotRead[] = {
     {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::cloud, nullptr, refuse_sog},
 };

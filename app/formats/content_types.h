@@ -17,7 +17,7 @@
 
 namespace gs::app {
 
-/// What a file holds, and so how it is read.
+/// Content of a file, which decides how it is read.
 enum class ContentClass : std::uint8_t {
   vrml,    // read piece by piece, as it is unpacked
   mesh,    // imported as nodes
@@ -31,7 +31,7 @@ struct ContentType {
   std::string_view name;        // "VRML97"
   std::string_view mime;        // "model/vrml"
   std::string_view extensions;  // lower case, each with its point, a blank behind each: ".wrl .vrml "
-  bool (*sniff)(std::span<const std::byte> bytes);  // by the first bytes; null: only the name tells
+  bool (*sniff)(std::span<const std::byte> bytes);  // by the first bytes; null if only the name decides
   ContentClass content = ContentClass::vrml;
   /// ContentClass::mesh: bytes to nodes.
   void (*import)(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
@@ -39,7 +39,7 @@ struct ContentType {
   /// ContentClass::cloud: bytes to vectors.
   ImportedCloud (*import_cloud)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;
   bool unpacks_itself = false;  // gzip is part of the format
-  UpRule up = UpRule::y;        // what is up, where the file itself does not say
+  UpRule up = UpRule::y;        // up axis, unless the file names one
   bool in_order = false;        // mesh: may be read triangle by triangle (open_mesh_stream)
   std::string_view mark = {};   // bytes that each file begins with; empty if the type has no such mark
 
@@ -51,15 +51,15 @@ struct ContentType {
 
 [[nodiscard]] std::span<const ContentType> content_types();
 
-/// The type of a file: by its first bytes (see `first_bytes`), else by its name (a `.gz` at its end does not count),
-/// else VRML97, whose parser says best what is wrong with anything else.
+/// Returns the type of a file by its first bytes (see `first_bytes`), else by its name without a final `.gz`, else
+/// VRML97, which reports errors best.
 [[nodiscard]] const ContentType& content_type_of(std::string_view path, std::span<const std::byte> bytes);
 
 /// Rejects a file by its first bytes (at most 8 KiB) if its name promises a type with a mark that they lack. Returns
 /// nullopt if reading it makes sense. A large file can be refused before it is mapped.
 [[nodiscard]] std::optional<std::string> refuse_first_bytes(std::string_view path, std::span<const std::byte> first);
 
-/// The type whose mark the first bytes bear; null for none.
+/// Returns the type that the first bytes identify, or null if there is none.
 [[nodiscard]] const ContentType* content_type_by_mark(std::span<const std::byte> bytes);
 
 /// The first bytes of a file, behind its gzip wrapper if it has one: enough to tell its type.
@@ -68,7 +68,7 @@ struct ContentType {
 /// "VRML97 (.wrl .wrz .vrml), PLY (.ply), ...": for help.
 [[nodiscard]] std::string content_type_list();
 
-/// Whether bytes begin like a QNV stream whose payload are outlines, polygons in place of vectors.
+/// Reports whether bytes begin like a QNV stream with the outlines payload, which has polygons instead of vectors.
 [[nodiscard]] bool is_outline_stream(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

@@ -168,7 +168,7 @@ bool print(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
-// What of other browsers has no meaning here: nothing is done.
+// Ignores functions of other browsers that have no meaning here.
 bool do_nothing(JSContext*, unsigned argc, JS::Value* vp) {
   JS::CallArgsFromVp(argc, vp).rval().setUndefined();
   return true;

@@ -182,11 +182,11 @@ bool Engine::on_interrupt(JSContext* context) {
     return false;
   }
   if (!engine->over_memory()) return true;
-  // What others have left behind does not count.
+  // Garbage of other programs does not count.
   JS_GC(context);
   if (!engine->over_memory()) return true;
   engine->stop_ = Stop::memory;
-  engine->nodes_made_ = engine->next_collection_;  // what the program leaves behind goes at once
+  engine->nodes_made_ = engine->next_collection_;  // collects the garbage of the program at once
   return false;
 }
 

@@ -25,7 +25,7 @@ class JobQueue;
 /// SpiderMonkey on one thread, for all worlds of that thread; and the clock that ends programs which take too long.
 class Engine {
  public:
-  /// That of the calling thread, made with the first call. Null: there is no memory for it.
+  /// Returns the engine of the calling thread, made by the first call. Returns null if there is no memory for it.
   static Engine* of_this_thread();
   ~Engine();
   Engine(const Engine&) = delete;
@@ -44,7 +44,7 @@ class Engine {
     ~Turn();
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
-    /// What has ended it, if anything.
+    /// Returns the reason that ended it, if any.
     [[nodiscard]] Stop stop() const { return engine_.stop_; }
     [[nodiscard]] bool outermost() const { return outermost_; }
     /// Runs one promise job that this turn enqueued. Returns false if there is none. `*good`: see JobQueue::run_one.

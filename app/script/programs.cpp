@@ -43,7 +43,7 @@ JSScript* compile_mended(JSContext* context, const std::string& text, const std:
   return check_integers(context, mended) ? made.get() : nullptr;
 }
 
-/// What a pending exception says, which is none any more; nothing: it says nothing.
+/// Clears the pending exception and returns its text. Returns nullopt if it has no text.
 std::optional<vrml::Diagnostic> take_exception(JSContext* context, bool& recursion) {
   JS::ExceptionStack stack(context);
   JS::ErrorReportBuilder builder(context);

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <variant>
 
-// What programs of Scripts, and others from outside, do to a world that lives (VRML97 4.12.10, ISO/IEC 14772-2). On the
-// thread of the world.
+// Changes that programs of Scripts and external clients make to a running world (VRML97 4.12.10, ISO/IEC 14772-2). On
+// the thread of the world.
 namespace gs::app {
 
 /// Makes nodes of a text (createVrmlFromString). No field holds them yet: hold them before events go on. `label` names
@@ -22,10 +22,10 @@ namespace gs::app {
                                             vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
                                             std::shared_ptr<const vrml::TextSource> fetched_from = nullptr);
 
-/// Sends nodes that were made to where create_from_url asked for them. False: that is not there any more.
+/// Sends created nodes to the target of create_from_url. Returns false if the target no longer exists.
 bool send_made(vrml::Execution& execution, const ScriptRequest& request, const vrml::MFNode& nodes);
 
-/// The eventIn that nodes of create_from_url go to; null: the node has no such eventIn of MFNode.
+/// Returns the eventIn for the nodes of create_from_url. Returns null if the node has no such eventIn of type MFNode.
 [[nodiscard]] const vrml::InterfaceDeclaration* event_for_nodes(const vrml::SceneGraph& scene, vrml::NodeId node,
                                                                 std::string_view event_in);
 

@@ -14,13 +14,13 @@
 
 namespace gs::app {
 
-/// What a program has printed, or what is wrong with it.
+/// Printed text of a program, or its error.
 struct ScriptMessage {
   vrml::Diagnostic diagnostic;
   bool printed = false;  // `diagnostic.message` is a line of print() or trace()
 };
 
-/// What a program wants of the browser that only a session has (VRML97 4.12.10).
+/// Request of a program to the browser that only a session can fulfil (VRML97 4.12.10).
 struct ScriptRequest {
   enum class Kind : std::uint8_t {
     program,          // the text of the Script's url, see ScriptRunner::found
@@ -42,7 +42,7 @@ struct ScriptRequest {
   bool from_client = false;       // a client of --control asks; its files are held to the world's folder
 };
 
-/// What programs may ask about the browser.
+/// Properties of the browser that programs can read.
 struct BrowserState {
   std::string world_url;
   double speed = 0, frame_rate = 0;  // metres and pictures a second
@@ -60,7 +60,7 @@ class ScriptRunner : public vrml::ScriptHost {
     bool repeatable = false;
   };
 
-  /// Null: there is no engine, since memory is short.
+  /// Returns null if there is too little memory for an engine.
   [[nodiscard]] static std::unique_ptr<ScriptRunner> make(vrml::Execution& execution, Settings settings);
 
   /// Sets the function that gets a message for the user when a program has exceeded its time by over 2 s. That happens
@@ -71,13 +71,13 @@ class ScriptRunner : public vrml::ScriptHost {
   /// A step begins.
   virtual void begin_step() = 0;
   virtual void set_browser(BrowserState state) = 0;
-  /// The program of a Script that asked for one has come; nothing: none of what it asked for can be had.
+  /// Delivers the program that a Script requested, or nullopt if no requested program can be loaded.
   virtual void found(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
                      const std::string& url) = 0;
   /// The same in front of the Script itself: it does not ask.
   virtual void provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
                        const std::string& url) = 0;
-  /// What a line has come to: the text of its value, or what is wrong with it.
+  /// Result of a line: the text of its value, or its error.
   struct Evaluation {
     std::string text;
     bool failed = false;
@@ -98,8 +98,8 @@ class ScriptRunner : public vrml::ScriptHost {
   [[nodiscard]] virtual bool is_late() const = 0;
 };
 
-/// What of a Script's url list is a program, and where: `javascript:`, `vrmlscript:` and `ecmascript:` hold it
-/// themselves (VRML97 4.5.5, C.3.1).
+/// Program in a Script's url list, and its position: `javascript:`, `vrmlscript:` and `ecmascript:` contain it (VRML97
+/// 4.5.5, C.3.1).
 struct ProgramPlace {
   enum class Kind : std::uint8_t { held, file, java, unknown };
   Kind kind = Kind::unknown;
@@ -107,7 +107,7 @@ struct ProgramPlace {
 };
 [[nodiscard]] ProgramPlace program_place(std::string_view url);
 
-/// What is wrong with the programs that Scripts of the scene hold, without running them.
+/// Reports errors in the programs of the scene's Scripts, without running them.
 void check_programs(const vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
 
 }  // namespace gs::app

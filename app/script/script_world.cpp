@@ -42,7 +42,7 @@ bool is_object(vrml::FieldType type) {
 
 namespace {
 
-// What Date tells, in microseconds since 1970.
+// Returns the time of Date, in microseconds since 1970.
 double date_of(double now, JSContext* context) {
   const JS::Realm* const realm = js::GetContextRealm(context);
   const auto* const library =
@@ -379,7 +379,8 @@ bool World::post(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node,
     post_bytes_ += bytes - replaced;
     engine_.add_bytes(static_cast<std::ptrdiff_t>(bytes) - static_cast<std::ptrdiff_t>(replaced));
   };
-  // What adds and removes children is meant each time, though only the last event of an eventIn would be sent (C.5.2).
+  // Each event that adds or removes children is sent, though otherwise only the last event of an eventIn counts
+  // (C.5.2).
   const bool each = event_in.access == vrml::AccessType::eventIn && event_in.type == vrml::FieldType::MFNode;
   const PostKey key{{scene.serial(), node}, &event_in};
   if (!each)

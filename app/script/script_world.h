@@ -37,8 +37,9 @@ struct Program {
   std::unordered_map<const vrml::TextSource*, std::pair<std::shared_ptr<const vrml::TextSource>, Reading>> readings;
   JS::PersistentRootedObject global;
   std::vector<jsid> names;                                         // by place in the type's interfaces
-  std::vector<std::unique_ptr<JS::PersistentRootedObject>> lists;  // likewise: the object of an MF field or eventOut
-  std::vector<bool> unsent;                                        // likewise: eventOuts that were assigned
+  std::vector<std::unique_ptr<JS::PersistentRootedObject>> lists;  // objects of MF fields and eventOuts, in the order
+                                                                   // of `names`
+  std::vector<bool> unsent;                                        // assigned eventOuts, in the order of `names`
   std::vector<std::uint32_t> to_send;
   std::vector<std::size_t> counted;  // by place: bytes of its value that count against the heap of programs
   bool runs = false, waits = false, off = false, has_processed = false, told_direct = false;
@@ -101,14 +102,14 @@ struct NodeBox {
 struct ListBox {
   std::shared_ptr<Link> link;
   Engine* engine = nullptr;
-  Program* program = nullptr;  // whose field or eventOut it is; null: nobody's
+  Program* program = nullptr;  // owner of the field or eventOut, or null
   std::uint32_t place = 0;
   vrml::FieldType type = vrml::FieldType::MFInt32;
   SceneRef scene;          // of nodes
-  vrml::FieldValue value;  // where it is nobody's
+  vrml::FieldValue value;  // without an owner
   std::vector<vrml::NodeId> held;
   std::size_t counted = 0;  // bytes
-  bool changed = false;     // what it was read from is to get its value
+  bool changed = false;     // the owner is to receive the value
 };
 
 /// Objects of VRML97's types and of the browser, in a compartment of their own.
@@ -159,12 +160,12 @@ class World final : public ScriptRunner {
   [[nodiscard]] vrml::Execution& execution() { return execution_; }
   [[nodiscard]] Engine& engine() { return engine_; }
   [[nodiscard]] const BrowserState& browser() const { return browser_; }
-  /// Whose function was called by Execution.
+  /// Returns the program with the function that Execution called.
   [[nodiscard]] Program& running() { return *running_; }
   [[nodiscard]] bool ends() const { return ends_; }
   [[nodiscard]] double random();
   [[nodiscard]] bool is_repeatable() const { return settings_.repeatable; }
-  /// What Date tells in simulated time, in seconds since 1970.
+  /// Returns the time of Date in simulated time, in seconds since 1970.
   [[nodiscard]] double date();
   void print(std::string text);
   void warn_once(std::string text);
@@ -174,7 +175,7 @@ class World final : public ScriptRunner {
   /// An event for a node, when the function is over: the last one of each eventIn, but for those that add and remove.
   bool post(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node, const vrml::InterfaceDeclaration& event_in,
             vrml::FieldValue value);
-  /// What was posted so far and is not sent; null: nothing.
+  /// Returns the posted event that is not sent yet, or null if there is none.
   [[nodiscard]] const vrml::FieldValue* posted(const vrml::SceneGraph& scene, vrml::NodeId node,
                                                const vrml::InterfaceDeclaration& event_in) const;
   /// The list was changed that was read from a node.
@@ -252,7 +253,7 @@ class World final : public ScriptRunner {
   std::unordered_set<std::string> said_;
   BrowserState browser_;
   std::chrono::steady_clock::duration spent_{}, longest_{};  // in this step: of all, of one call
-  vrml::EventNode slowest_ = 0;                              // whose that was
+  vrml::EventNode slowest_ = 0;                              // the node of that call
   bool late_ = false, ends_ = false;
   std::uint32_t clock_looks_ = 0;  // of the function that runs
   std::uint64_t random_ = 0x9e3779b97f4a7c15U;
@@ -267,7 +268,7 @@ class World final : public ScriptRunner {
 [[nodiscard]] const vrml::SourceText& text_of_program(const Program& program);
 
 // globals.cpp
-/// `beside`: in whose compartment; null: in one of its own, in a zone of its own.
+/// Makes a global in the compartment of `beside`, or in its own compartment and zone if that is null.
 JSObject* new_global(JSContext* context, Program* program, JS::HandleObject beside);
 void forget_program(JSObject* global);
 
@@ -275,7 +276,7 @@ void forget_program(JSObject* global);
 /// With what the engine refuses mended, if that helps. Else an exception, of the text as it is.
 JSScript* compile_mended(JSContext* context, const std::string& text, const std::string& file,
                          vrml::SourceLocation place);
-/// What the pending exception says, which is none any more; nothing: it says nothing. `recursion`: it is that.
+/// Clears the pending exception, and returns its text or nullopt. Sets `recursion` if endless recursion caused it.
 std::optional<vrml::Diagnostic> take_exception(JSContext* context, bool& recursion);
 
 // values.cpp
@@ -338,8 +339,8 @@ bool define_matrices(JSContext* context, JS::HandleObject library, std::vector<J
 bool define_browser(JSContext* context, JS::HandleObject library);
 
 // old_programs.cpp
-/// The text with what assignments mean in Annex C. `values`: names of fields and eventOuts whose values are objects.
-/// Lines stay where they are.
+/// Rewrites assignments to their meaning in Annex C, for the fields and eventOuts of object values in `values`. Keeps
+/// line numbers.
 [[nodiscard]] std::string modern_text(std::string_view text, const std::vector<std::string>& values);
 /// Of one that the engine refuses: with line ends in strings, names that are reserved words by now, VRML's comments and
 /// such as do not end, `for each` and functions without braces of JavaScript 1.6 and 1.8, and braces that do not match.

@@ -248,7 +248,7 @@ bool GltfMeshes::read_corners(const tinygltf::Primitive& primitive, const std::s
     indices.resize(geometry.positions.size());
     std::iota(indices.begin(), indices.end(), 0u);
   }
-  // What the corners take: up to four numbers of four bytes for each index.
+  // Corners take up to four numbers of four bytes per index.
   if (!accessors_.charge(indices.size() * 16)) {
     builder_.fail(where + accessors_.problem());
     return false;

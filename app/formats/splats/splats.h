@@ -42,7 +42,7 @@ inline constexpr glm::vec3 kFromRightUpBack{1, 1, 1};
 /// Splats as every reader leaves them, in the file's own axes and units: one entry a splat in each array, `normals`
 /// possibly empty. Values may still be broken (NaN, infinite, negative).
 struct SplatModel {
-  std::string format;  // what the metadata call it
+  std::string format;  // as in the metadata
   glm::vec3 axes = kFromRightDownForward;
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> scales;     // standard deviations along the splat's own axes, linear
@@ -78,7 +78,7 @@ using ImportedCloud = std::variant<qnv::Cloud, std::string>;
 /// A file that ends early gives the splats that are there.
 [[nodiscard]] ImportedCloud import_splats_ply(std::span<const std::byte> bytes,
                                               const WorldBudget& budget = own_budget());
-/// True for a PLY file whose header names the properties of 3DGS or 2DGS.
+/// Reports whether the header of a PLY file names the properties of 3DGS or 2DGS.
 [[nodiscard]] bool is_splats_ply(std::span<const std::byte> bytes);
 
 /// antimatter15's .splat: 32 bytes a splat, no header, any prefix is a scene. Axes: right, down, forward.

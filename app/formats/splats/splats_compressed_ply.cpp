@@ -15,7 +15,7 @@ constexpr std::size_t kChunkSplats = 256;
 constexpr std::array<const char*, 4> kPacked = {"packed_position", "packed_rotation", "packed_scale", "packed_color"};
 constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr const char* kColors[] = {"r", "g", "b"};
-constexpr float kMostLogScale = 20;  // what the format's own writer clamps to
+constexpr float kMostLogScale = 20;  // limit of the format's own writer
 
 /// The ranges that the packed numbers of a chunk lie in.
 struct Chunk {
@@ -75,7 +75,7 @@ std::vector<Chunk> read_chunks(const PlyTable& table) {
   return chunks;
 }
 
-/// Where in a row each of the four packed numbers stands; false where one is missing.
+/// Finds the offset of each of the four packed numbers in a row. Returns false if one is missing.
 bool find_packed(const PlyElement& element, std::array<std::size_t, 4>& offsets) {
   for (std::size_t k = 0; k < kPacked.size(); ++k) {
     std::size_t offset = 0;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kKsplatHeaderBytes = 4096, kSectionHeaderBytes = 1024, kCenterBytes = 12;
 constexpr std::array<std::size_t, 4> kHarmonics = {0, 9, 24, 45};  // numbers a splat, by degree
 
-/// Where the numbers of a splat stand, by compression mode.
+/// Offsets of a splat's numbers, by compression mode.
 struct Mode {
   std::size_t base, scale, rotation, color, harmonic;  // bytes; `harmonic` of one coefficient
 };
@@ -26,7 +26,7 @@ struct Section {
   float quantum = 0, range = 0;  // world units a step; steps from a bucket's centre to its border
 };
 
-/// The section whose header is at `header` and whose data begin at `start`; or a message.
+/// Reads the section with its header at `header` and its data at `start`. Returns a message on failure.
 std::variant<Section, std::string> read_section(std::span<const std::byte> bytes, std::size_t header,
                                                 std::uint64_t start, std::size_t mode) {
   const auto word = [&](std::size_t at) { return std::uint64_t{load_little<std::uint32_t>(&bytes[header + at])}; };
@@ -64,7 +64,7 @@ std::variant<Section, std::string> read_section(std::span<const std::byte> bytes
   return section;
 }
 
-/// Walks through the buckets of a section, whose splats stand in their order.
+/// Walks through the buckets of a section, which store splats in order.
 class Buckets {
  public:
   Buckets(std::span<const std::byte> bytes, const Section& section) : bytes_(bytes), section_(section) { enter(); }

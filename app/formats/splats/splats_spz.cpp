@@ -22,7 +22,8 @@ using Bytes = std::span<const std::byte>;
 
 constexpr std::array<std::size_t, 5> kHarmonicBytes = {0, 9, 24, 45, 72};  // a splat, by degree
 constexpr std::size_t kMostSplatBytes = 20 + kHarmonicBytes.back();
-constexpr std::size_t kMostExtensionBytes = std::size_t{64} << 10;  // what is looked at behind the planes
+constexpr std::size_t kMostExtensionBytes = std::size_t{64} << 10;  // limit of the bytes that are searched after the
+                                                                    // planes
 
 struct Header {
   std::uint32_t version = 0, count = 0;

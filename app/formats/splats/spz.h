@@ -25,7 +25,7 @@ enum Plane : std::size_t { positions, alphas, colors, scales, rotations, plane_c
 
 inline constexpr float kColorScale = 0.15f;     // of dc
 inline constexpr float kLogScaleSteps = 16;     // a unit of ln(scale)
-inline constexpr float kLeastLogScale = -10;    // what byte 0 stands for
+inline constexpr float kLeastLogScale = -10;    // value of byte 0
 inline constexpr float kQuaternionSteps = 511;  // of nine bits and a sign, for 0..1/sqrt(2)
 
 }  // namespace gs::app::spz

@@ -39,7 +39,7 @@ struct VolumeOrigin {
 struct VolumeFormatName {
   std::string_view name;                                      // "NRRD"
   std::string_view extensions;                                // lower case, each with its dot, separated by blanks
-  bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // checks the first bytes; null: by name only
+  bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // checks the first bytes; null if only the name decides
   std::string_view mime = "application/x-volume";
   UpRule up = UpRule::y;  // up direction if the file does not state one
 };

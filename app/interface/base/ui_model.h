@@ -58,14 +58,14 @@ struct UiQuestion {
   std::string reason;   // the reference to the folder, or the file that was read
 };
 
-/// What the user interface shows. Made anew for each frame; pointers need to last only that long.
+/// State that the user interface shows. Made again for each frame; pointers are valid for that frame only.
 struct UiModel {
   std::vector<std::string> files;   // labels
   std::vector<std::string> paths;   // of these
   std::optional<std::size_t> file;  // of these, the chosen one
 
   std::vector<UiViewport> viewports;
-  std::optional<ViewportLayout> layout = ViewportLayout::one;  // nothing: a split that has no button
+  std::optional<ViewportLayout> layout = ViewportLayout::one;  // nullopt for a split without a button
   std::size_t panes = 1;                                       // those out of sight beside a maximised one, too
   bool maximised = false;
   std::vector<std::pair<std::size_t, std::string>> pane_labels;  // of all of them, with their numbers from 0
@@ -95,7 +95,7 @@ struct UiModel {
   bool headlight = false;
   ViewStyle style;
   Pose pose;              // of the viewer
-  Upright upright;        // of what he looks at
+  Upright upright;        // of the viewed file
   std::string grid_text;  // how large the squares on the ground are; empty: there are none
   bool can_undo_move = false, can_redo_move = false;
   bool has_sounds = false, muted = false;
@@ -114,21 +114,21 @@ struct UiModel {
   Inspection* inspection = nullptr;  // into the world, where the user looks; what he wants of it goes there
 
   bool over_sensor = false;                // the pointer is over something in the world that can be clicked or dragged
-  std::string link;                        // what it leads to; may be empty
+  std::string link;                        // its target; may be empty
   std::optional<glm::vec2> travel_anchor;  // framebuffer pixels
   glm::vec2 pointer{0};
 
   UiTools tools;
 };
 
-/// What the user asked for with it.
+/// Actions that the user started in it.
 struct UiActions {
   std::optional<std::string> open;
   std::optional<std::size_t> file, viewpoint;
   std::optional<NavigationMode> mode;
   std::optional<Action> run;
   std::optional<ViewportLayout> layout;
-  std::optional<PaneRequest> pane;  // what is wanted of a viewport
+  std::optional<PaneRequest> pane;  // request to a viewport
   struct DividerMove {
     SplitDivider divider;
     int place = 0, least = 1;  // framebuffer pixels: its column or row, and what every viewport keeps
@@ -138,7 +138,7 @@ struct UiActions {
   std::optional<bool> allow_question;                         // the answer to UiModel::question
   std::optional<std::size_t> cancel_loading;                  // of UiModel::viewports
   std::optional<render::CloudLook> look;                      // instead of the model's
-  std::optional<UserSettings> settings;                       // likewise
+  std::optional<UserSettings> settings;                       // replaces the model's
   std::optional<std::size_t> open_bookmark, remove_bookmark;  // of UiModel::bookmarks
   std::optional<bool> restore;                                // the answer about UiModel::to_restore
   UiToolActions tools;

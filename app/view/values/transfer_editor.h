@@ -51,7 +51,7 @@ struct TransferPreset {
 /// them, by the range. For other ranges they use about the same fractions.
 [[nodiscard]] std::span<const TransferPreset> transfer_presets();
 
-// What is in the volumes ----------------------------------------------------------------------------
+// Content of the volumes ----------------------------------------------------------------------------
 
 /// Statistics of a volume's vectors. Compute once per volume: the time is proportional to the number of vectors.
 struct VolumeSummary {
