@@ -20,9 +20,9 @@ inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 inline constexpr Color kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
 
-/// A scene with one geometry node and what its fields need.
+/// Scene with one geometry node and the nodes of its fields.
 struct GeometryScene {
-  std::unique_ptr<SceneGraph> owner = std::make_unique<SceneGraph>();  // so that this can be moved
+  std::unique_ptr<SceneGraph> owner = std::make_unique<SceneGraph>();  // makes this movable
   SceneGraph& scene = *owner;
   NodeId geometry;
 
@@ -97,7 +97,7 @@ inline void check_promises(const Mesh& mesh, bool exact_bounds = true) {
   REQUIRE(unit);
   REQUIRE(mesh.bounds.empty() == mesh.indices.empty());
   if (!bounds.empty()) {
-    // Corners that add no triangle to a concave face may count or not.
+    // Corners without a triangle of a concave face may count or not.
     Bounds joined = mesh.bounds;
     joined.add(bounds);
     REQUIRE(joined.lower == mesh.bounds.lower);
@@ -110,7 +110,7 @@ inline void check_promises(const Mesh& mesh, bool exact_bounds = true) {
 [[nodiscard]] inline glm::dvec3 corner(const Mesh& mesh, std::size_t i) {
   return glm::dvec3(mesh.positions[mesh.indices[i]]);
 }
-/// Twice the area along the normal of triangle `t`.
+/// Returns twice the area vector of triangle `t`.
 [[nodiscard]] inline glm::dvec3 area_vector(const Mesh& mesh, std::size_t t) {
   const glm::dvec3 a = corner(mesh, 3 * t);
   return glm::cross(corner(mesh, 3 * t + 1) - a, corner(mesh, 3 * t + 2) - a);
@@ -121,21 +121,21 @@ inline void check_promises(const Mesh& mesh, bool exact_bounds = true) {
   for (std::size_t t = 0; t < triangles_of(mesh); ++t) area += glm::length(area_vector(mesh, t)) / 2;
   return area;
 }
-/// Positive for a closed surface that is counter-clockwise seen from outside.
+/// Returns the volume, positive for a closed surface that is counter-clockwise seen from outside.
 [[nodiscard]] inline double volume_of(const Mesh& mesh) {
   double volume = 0;
   for (std::size_t t = 0; t < triangles_of(mesh); ++t)
     volume += glm::dot(corner(mesh, 3 * t), area_vector(mesh, t)) / 6;
   return volume;
 }
-/// True when no normal looks to the back of its triangle.
+/// Reports whether all normals are on the front of their triangles.
 [[nodiscard]] inline bool normals_on_front(const Mesh& mesh) {
   for (std::size_t t = 0; t < triangles_of(mesh); ++t)
     for (std::size_t i = 3 * t; i < 3 * t + 3; ++i)
       if (glm::dot(area_vector(mesh, t), glm::dvec3(mesh.normals[mesh.indices[i]])) < -1e-9) return false;
   return true;
 }
-/// Texture coordinate where the surface has this position and normal; fails when there is none.
+/// Returns the texture coordinate at a position with this normal. Fails if there is none.
 [[nodiscard]] inline glm::vec2 texture_at(const Mesh& mesh, glm::vec3 position, glm::vec3 normal) {
   for (const std::uint32_t i : mesh.indices)
     if (glm::length(mesh.positions[i] - position) < 1e-4f && glm::dot(mesh.normals[i], normal) > 0.9f)

@@ -1,4 +1,4 @@
-// Meshes against formulas: corners, and triangles as sets, whatever their order and whatever corner comes first.
+// Comparison of meshes with formulas: corners, and sets of triangles in any order and from any corner.
 #pragma once
 
 #include "tests/vrml/mesh_checks.h"
@@ -13,7 +13,7 @@
 
 namespace gs::vrml::test {
 
-/// The same numbers in every run.
+/// Random numbers, the same in every run.
 class Random {
  public:
   explicit Random(std::uint32_t seed) : engine_(seed) {}
@@ -22,14 +22,14 @@ class Random {
   bool flip() { return below(2) == 0; }
   double between(double lower, double upper) { return lower + (upper - lower) * (engine_() / 4294967296.0); }
   float number(double lower, double upper) { return static_cast<float>(between(lower, upper)); }
-  /// From 1/100 to 100, as often below 1 as above.
+  /// Returns a size from 1/100 to 100, below 1 as often as above.
   float measure() { return static_cast<float>(std::pow(10.0, between(-2, 2))); }
 
  private:
   std::mt19937 engine_;
 };
 
-/// One corner of a triangle, as a formula or a mesh has it.
+/// Corner of a triangle of a formula or a mesh.
 struct FormulaCorner {
   glm::dvec3 position{0};
   glm::dvec2 texture_coordinate{0};
@@ -65,7 +65,7 @@ struct FormulaParts {
          (!parts.color || glm::length(a.color - b.color) < 1e-6);
 }
 
-/// The triangles go round the same way, from any corner on.
+/// Compares two triangles of equal orientation, from any corner on.
 [[nodiscard]] inline bool same_triangle(const FormulaTriangle& a, const FormulaTriangle& b, double size,
                                         const FormulaParts& parts) {
   for (std::size_t turn = 0; turn < 3; ++turn)
@@ -75,8 +75,7 @@ struct FormulaParts {
   return false;
 }
 
-/// How many of `expected` the mesh has not, and of its triangles are none of them. `size`: of the whole, for the
-/// rounding.
+/// Counts expected triangles that the mesh lacks, and others that it has. `size` of the whole scales the tolerance.
 struct Differences {
   std::size_t missing = 0, unexpected = 0;
 };
@@ -100,7 +99,7 @@ struct Differences {
   return result;
 }
 
-/// Appends the two triangles of a quadrilateral, cut from its first corner, counter-clockwise or turned round.
+/// Appends two triangles of a quadrilateral, cut at its first corner, counter-clockwise or reversed.
 inline void add_quadrilateral(std::vector<FormulaTriangle>& triangles, const std::array<FormulaCorner, 4>& corners,
                               bool ccw) {
   for (std::size_t i = 2; i < 4; ++i) {
@@ -110,8 +109,7 @@ inline void add_quadrilateral(std::vector<FormulaTriangle>& triangles, const std
   }
 }
 
-/// Edges, by the places of their ends, that not exactly two triangles share in opposite directions: 0 for a closed
-/// surface.
+/// Counts edges (by positions) without exactly two triangles in opposite directions; 0 for a closed surface.
 [[nodiscard]] inline std::size_t open_edges(const Mesh& mesh) {
   std::vector<std::array<float, 6>> edges;
   for (std::size_t t = 0; t < triangles_of(mesh); ++t)

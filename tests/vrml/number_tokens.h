@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// RandomBits texts of numbers, for the tests of their readers.
+/// Random texts of numbers, for tests of their readers.
 namespace gs::test {
 
 using RandomBits = std::mt19937_64;
@@ -26,7 +26,7 @@ inline std::string format(const char* pattern, double value) {
   return text;
 }
 
-/// All digits of a number that lies exactly between two floats, or very near to that.
+/// Returns all digits of a number exactly or nearly halfway between two floats.
 inline std::string midpoint(RandomBits& random) {
   const auto f =
       std::bit_cast<float>(static_cast<std::uint32_t>(random() & 0x7fffffu) | (97 + below(random, 80)) << 23);

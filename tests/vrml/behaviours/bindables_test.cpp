@@ -31,13 +31,13 @@ TEST_CASE("moves a node to the top on set_bind TRUE, and pops it on FALSE (4.6.1
   world.send("B.set_bind", true);
   CHECK(world.take() == Lines{"1 A.isBound FALSE", "1 A.bindTime 1001", "1 B.isBound TRUE", "1 B.bindTime 1001"});
   world.step(2);
-  world.send("B.set_bind", true);   // it is at the top already
-  world.send("C.set_bind", false);  // it is not on the stack
+  world.send("B.set_bind", true);   // already at the top
+  world.send("C.set_bind", false);  // not on the stack
   CHECK(world.take().empty());
   world.send("C.set_bind", true);
   CHECK(world.take("isBound") == Lines{"2 B.isBound FALSE", "2 C.isBound TRUE"});
   world.step(3);
-  world.send("A.set_bind", false);  // below the top: it goes without a word
+  world.send("A.set_bind", false);  // below the top: sends no event
   CHECK(world.take().empty());
   world.send("C.set_bind", false);
   CHECK(world.take("isBound") == Lines{"3 C.isBound FALSE", "3 B.isBound TRUE"});

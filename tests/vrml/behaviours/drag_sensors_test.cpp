@@ -11,7 +11,7 @@ constexpr float kNoFloat = std::numeric_limits<float>::quiet_NaN();
 constexpr float kEndless = std::numeric_limits<float>::infinity();
 constexpr double kHalfTurn = std::numbers::pi;
 
-// The number behind the last blank of the last line that has `part`.
+// Returns the number after the last blank of the last line that contains `part`.
 double last_number(const Lines& lines, std::string_view part) {
   double result = std::numeric_limits<double>::quiet_NaN();
   for (const std::string& line : lines)
@@ -122,7 +122,7 @@ TEST_CASE("turns a CylinderSensor with its cylinder when it is viewed from the s
   world.start();
   PointingDevice device(world);
   world.step(1);
-  device.press("S", 5, 0);  // on the cylinder of radius 1, where its angle is 0
+  device.press("S", 5, 0);  // on the cylinder of radius 1, at its angle 0
   CHECK(world.take() == Lines{"1 C.isActive TRUE"});
   world.step(2);
   device.move("", 6, 3);  // on its edge
@@ -131,7 +131,7 @@ TEST_CASE("turns a CylinderSensor with its cylinder when it is viewed from the s
   CHECK(moved[0] == "2 C.trackPoint_changed 1 3 0");
   CHECK(moved[1].starts_with("2 C.rotation_changed 0 1 0 2.570796"));
   world.step(3);
-  device.move("", 6.5, 0);  // past it
+  device.move("", 6.5, 0);  // past the edge
   CHECK(world.take().empty());
   world.step(4);
   device.release("", 5, 1);
@@ -140,7 +140,7 @@ TEST_CASE("turns a CylinderSensor with its cylinder when it is viewed from the s
 }
 
 TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by diskAngle (6.15)") {
-  // Looking along the axis from above, at a point 1 away from it.
+  // Looks along the axis from above, at a point at distance 1.
   World world("DEF S Shape { } DEF C CylinderSensor { }");
   world.start();
   PointingDevice device(world);
@@ -154,7 +154,7 @@ TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by di
     return last_number(world.take(), "rotation_changed");
   };
   CHECK(turn_to(kHalfTurn / 2) == Approx(kHalfTurn / 2));
-  // Over full turns.
+  // Adds up over full turns.
   CHECK(turn_to(kHalfTurn) == Approx(kHalfTurn));
   CHECK(turn_to(1.5 * kHalfTurn) == Approx(1.5 * kHalfTurn));
   CHECK(turn_to(2.25 * kHalfTurn) == Approx(2.25 * kHalfTurn));
@@ -164,7 +164,7 @@ TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by di
   (void)world.take();
   CHECK(turn_to(1.75 * kHalfTurn) == Approx(4));
   CHECK(turn_to(kHalfTurn) == Approx(kHalfTurn));
-  // On the axis there is no angle, but a track point.
+  // On the axis there is a track point, but no angle.
   world.step(100);
   device.at("", {0, 2, 0}, down);
   device.tell();
@@ -172,7 +172,7 @@ TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by di
   world.step(101);
   device.release();
   CHECK(last_number(world.take(), "C.offset") == Approx(kHalfTurn));
-  // A diskAngle that the bearing is not within: the cylinder, which the same bearing never meets.
+  // A bearing outside diskAngle: it uses the cylinder, which it never meets.
   world.send("C.diskAngle", SFFloat{0});
   world.step(102);
   device.at("S", {0, 2, 1}, down);
@@ -185,7 +185,7 @@ TEST_CASE("drags a CylinderSensor and a SphereSensor also from inside (6.15, 6.4
   World world("DEF S Shape { } DEF C CylinderSensor { } DEF B SphereSensor { }");
   world.start();
   PointingDevice device(world);
-  // The viewer stands in the middle of a room.
+  // The viewer is in the middle of a room.
   const auto look = [&](double angle) {
     const glm::dvec3 direction(std::sin(angle), 0, -std::cos(angle));
     device.at("S", direction * 4.0, direction);
@@ -214,11 +214,11 @@ TEST_CASE("turns a SphereSensor from the first point to the current one, after i
   CHECK(right[0] == "2 B.trackPoint_changed 2 0 0");
   CHECK(right[1].starts_with("2 B.rotation_changed 0 1 0 1.570796"));
   world.step(3);
-  device.move("", 0, 2.1);  // past it
+  device.move("", 0, 2.1);  // past the edge
   CHECK(world.take().empty());
   device.release();
   CHECK(last_number(world.take(), "B.offset") == Approx(kHalfTurn / 2));
-  // A quarter about Y, then one about -X: what stood along z stands along x, and stays there.
+  // A quarter turn about Y, then one about -X: the point of the z axis moves to the x axis and stays there.
   world.step(4);
   device.press("S", 0, 0);
   world.step(5);
@@ -273,7 +273,7 @@ TEST_CASE("sends no NaN from drag sensors with singular coordinate systems or fi
   world.send("C2.minAngle", kNoFloat);
   world.send("B2.offset", SFRotation{0, 0, 0, kEndless});
   world.step(3);
-  device.press("R", 0, 0);  // the origin: no cylinder, no sphere
+  device.press("R", 0, 0);  // the origin: neither cylinder nor sphere
   world.step(4);
   device.move("R", 1, 0);
   CHECK(world.take("_changed") == Lines{"4 P2.trackPoint_changed 1 0 0"});

@@ -93,7 +93,7 @@ ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO Near.transla
   CHECK(world.take("Near.") == Lines{"2 Near.translation 2 0 0"});
   world.send("S.whichChoice", SFInt32{0});
   world.step(3);
-  world.send("S.whichChoice", SFInt32{7});  // there is none: nothing is chosen
+  world.send("S.whichChoice", SFInt32{7});  // no such child: chooses none
   world.step(3.5);
   const Lines lines = world.take();
   CHECK(std::count(lines.begin(), lines.end(), "3 U.fraction_changed 0.375") == 1);

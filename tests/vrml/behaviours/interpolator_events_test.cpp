@@ -107,7 +107,7 @@ TEST_CASE("takes the shorter arc in an OrientationInterpolator if the keys are o
   world.start();
   world.send("I.set_fraction", SFFloat{0.5F});
   const auto& turn = world.scene().get<SFRotation>(world.node("T"), "rotation");
-  // Half-way from 2 pi to 5.
+  // Halfway from 2 pi to 5.
   CHECK(std::cos(turn.y * turn.angle) == Approx(std::cos((2 * 3.14159265 + 5) / 2)).margin(1e-6));
   CHECK(std::sin(turn.y * turn.angle) == Approx(std::sin((2 * 3.14159265 + 5) / 2)).margin(1e-6));
 }
@@ -130,11 +130,11 @@ TEST_CASE("sends positions on the curve of a NurbsPositionInterpolator (Amendmen
   CHECK(value_sent(alone, 5, 1e30F) == "2 2 0");
   World world(curve + "DEF T Transform { } ROUTE I.value_changed TO T.translation");
   world.start();
-  world.send("I.keyWeight", MFFloat{1, 0.5F, 1});  // the middle one counts half
+  world.send("I.keyWeight", MFFloat{1, 0.5F, 1});  // counts the middle point half
   world.step(1);
   world.send("I.set_fraction", SFFloat{0.5F});
   CHECK(world.scene().get<SFVec3f>(world.node("T"), "translation").x == Approx(4.0 / 3));
-  world.send("I.set_dimension", SFInt32{2});  // fewer than the order: no curve
+  world.send("I.set_dimension", SFInt32{2});  // fewer points than the order: no curve
   (void)world.take();
   world.step(2);
   world.send("I.set_fraction", SFFloat{0.25F});

@@ -78,7 +78,7 @@ TEST_CASE("interpolates colours in HSV, with the hue on the shorter way (6.10)")
   CHECK(sent(world, 2, 1.5F) == "0 1 1");
   CHECK(between_colors({1, 0, 0}, {0, 0, 1}, 0.5F) == Color{1, 0, 1});
   CHECK(between_colors({0, 0, 1}, {1, 0, 0}, 0.5F) == Color{1, 0, 1});
-  // Grey has no hue: red grows paler on the way to white, and is never another colour.
+  // Grey has no hue: on the way to white, red only grows paler.
   CHECK(between_colors({1, 0, 0}, {1, 1, 1}, 0.5F) == Color{1, 0.5F, 0.5F});
   CHECK(between_colors({0, 0, 0}, {0, 0, 1}, 0.5F) == Color{0.25F, 0.25F, 0.5F});
   CHECK(between_colors({0, 0, 0}, {1, 1, 1}, 0.5F) == Color{0.5F, 0.5F, 0.5F});
@@ -88,18 +88,18 @@ TEST_CASE("interpolates orientations along the shortest rotation (6.32)") {
   const auto angle_about_y = [](const SFRotation& r) { return r.y * r.angle; };
   const SFRotation half = between_rotations({0, 1, 0, 0}, {0, 1, 0, kPi / 2}, 0.5F);
   CHECK(angle_about_y(half) == Approx(kPi / 4));
-  // From -20 to +20 degrees, the second given as 380: the way is 40 degrees and not 400 or 320.
+  // From -20 to +20 degrees, the second given as 380: turns by 40 degrees, not 400 or 320.
   const SFRotation through = between_rotations({0, -1, 0, 0.349066F}, {0, 1, 0, 6.632251F}, 0.75F);
   CHECK(angle_about_y(through) == Approx(0.174533).margin(1e-5));
   // 1.5 pi is a quarter turn the other way.
   CHECK(angle_about_y(between_rotations({0, 1, 0, 0}, {0, 1, 0, 1.5F * kPi}, 0.5F)) == Approx(-kPi / 4));
-  // The axis need not have length 1; none at all turns nothing.
+  // The axis may have any length. An axis of length 0 turns nothing.
   CHECK(angle_about_y(between_rotations({0, 0, 0, 2}, {0, 5, 0, kPi / 2}, 0.5F)) == Approx(kPi / 4));
   const SFRotation nothing = between_rotations({0, 0, 0, 0}, {0, 0, 0, 0}, 0.5F);
   CHECK(nothing == SFRotation{0, 0, 1, 0});
   World world("DEF I OrientationInterpolator { key [ 0 1 ] keyValue [ 1 0 0 0.5, 0 1 0 7 ] }");
   world.start();
-  CHECK(sent(world, 1, 1) == "0 1 0 7");  // at a key, what the file says
+  CHECK(sent(world, 1, 1) == "0 1 0 7");  // the value of the file at a key
 }
 
 TEST_CASE("sends as many values from a CoordinateInterpolator as each key has (6.13)") {

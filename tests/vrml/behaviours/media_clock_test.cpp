@@ -7,7 +7,7 @@
 namespace gs::vrml::traces {
 namespace media_clock_test {
 
-// World::kStart is 1000; times in traces are since then, SFTime values are not.
+// World::kStart is 1000. Traces have times since then, SFTime values are absolute.
 
 MediaPlay play_of(World& world, std::string_view name) {
   const std::optional<MediaPlay> play = world.execution().media_play(world.scene(), world.node(name));
@@ -28,7 +28,7 @@ TEST_CASE("sends duration_changed when the sound is loaded, and -1 if loading fa
   CHECK(world.take().empty());
   CHECK(came(world, "C", 2.5));
   CHECK(world.take() == Lines{"0 C.duration_changed 2.5"});
-  CHECK_FALSE(came(world, "C", 3));  // once a timestamp
+  CHECK_FALSE(came(world, "C", 3));  // once per timestamp
   world.step(1);
   CHECK(came(world, "C", 3));
   CHECK(came(world, "M", -1));
@@ -69,7 +69,7 @@ TEST_CASE("plays a looping AudioClip in world time, and ends it at stopTime (4.6
   CHECK(world.take().empty());
   world.step(4.5);
   CHECK(world.take() == Lines{"4.5 C.isActive FALSE"});
-  CHECK(play_of(world, "C").position == Approx(std::fmod(604, 7)));  // stopTime, not the step
+  CHECK(play_of(world, "C").position == Approx(std::fmod(604, 7)));  // at stopTime, not at the step
 }
 
 TEST_CASE("plays no AudioClip with default fields, and none that ended before the world began (4.6.9)") {
@@ -91,7 +91,7 @@ TEST_CASE("starts a clip that loads late at the position that it would have reac
   world.start();
   world.step(1);
   for (const char* target : {"C.startTime", "D.startTime", "E.startTime"}) world.send(target, SFTime{1001});
-  CHECK(world.take("isActive") == Lines{"1 C.isActive TRUE", "1 D.isActive TRUE"});  // nothing comes for E
+  CHECK(world.take("isActive") == Lines{"1 C.isActive TRUE", "1 D.isActive TRUE"});  // E is never loaded
   world.step(3);
   CHECK(came(world, "C", 4));
   CHECK(came(world, "D", -1));
@@ -117,7 +117,7 @@ TEST_CASE("ignores set_pitch, set_speed, set_startTime and an early set_stopTime
   CHECK(play_of(world, "M").rate == 1);
   CHECK(play_of(world, "C").start == 0);
   world.step(2);
-  world.send("C.stopTime", SFTime{1002});  // to what is now: it ends
+  world.send("C.stopTime", SFTime{1002});  // the present: it ends
   world.send("M.loop", SFBool{true});
   CHECK(world.take() == Lines{"2 C.stopTime 1002", "2 C.isActive FALSE", "2 M.loop TRUE"});
   world.send("C.pitch", SFFloat{2});
@@ -158,7 +158,7 @@ TEST_CASE("plays a MovieTexture backwards at negative speed, and freezes it at s
   world.start();
   (void)came(world, "M", 5);
   (void)came(world, "Z", 5);
-  CHECK(play_of(world, "M").position == 5);  // the last picture before it was ever active
+  CHECK(play_of(world, "M").position == 5);  // the last frame, before it was first active
   CHECK(play_of(world, "Z").position == 0);
   world.step(1);
   (void)world.take();
@@ -169,7 +169,7 @@ TEST_CASE("plays a MovieTexture backwards at negative speed, and freezes it at s
   CHECK(world.take() == Lines{"3.5 M.isActive FALSE"});
   CHECK(play_of(world, "M").position == 0);
   world.step(100);
-  CHECK(play_of(world, "Z").active);  // no cycle of it ends
+  CHECK(play_of(world, "Z").active);  // its cycle never ends
 }
 
 TEST_CASE("keeps the movie frame of the time at which the movie became inactive (6.28)") {
@@ -182,7 +182,7 @@ TEST_CASE("keeps the movie frame of the time at which the movie became inactive 
   CHECK(play_of(world, "M").position == Approx(0.75));
   world.step(9);
   CHECK(play_of(world, "M").position == Approx(0.75));
-  // A stopTime that is set to what has passed means the present.
+  // A stopTime in the past means the present.
   World other(kMovie + "startTime 1000 loop TRUE } } }");
   other.start();
   (void)came(other, "M", 4);

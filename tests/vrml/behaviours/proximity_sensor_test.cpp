@@ -17,7 +17,7 @@ TEST_CASE("reports entry, movement and exit of the viewer by a ProximitySensor (
       "Transform { translation 100 0 0 scale 2 2 2 children DEF P ProximitySensor { size 2 2 2 } } "
       "DEF Zero ProximitySensor { center 0 0 10 }");
   world.start();
-  CHECK(world.take().empty());  // the viewer stands at 0 0 10
+  CHECK(world.take().empty());  // the viewer is at 0 0 10
   world.execution().set_viewer(viewer_at(101, 0, 0));
   world.step(1);
   CHECK(world.take() == Lines{"1 P.isActive TRUE", "1 P.enterTime 1001", "1 P.position_changed 0.5 0 0",
@@ -29,7 +29,7 @@ TEST_CASE("reports entry, movement and exit of the viewer by a ProximitySensor (
   CHECK(world.take() == Lines{"3 P.position_changed 1 0.5 0"});
   world.execution().set_viewer(viewer_at(103, 0, 0));
   world.step(4);
-  // Along a straight way, which leads out at once.
+  // A straight path that leads out at once.
   CHECK(world.take() == Lines{"4 P.isActive FALSE", "4 P.exitTime 1003", "4 P.position_changed 1 0.5 0",
                               "4 P.orientation_changed 0 0 1 0"});
 }
@@ -152,7 +152,7 @@ TEST_CASE("reports the times and positions at which the viewer crossed the box o
   World world("DEF P ProximitySensor { size 2 2 2 }");
   world.execution().set_viewer(viewer_at(5, 0, 0));
   world.start();
-  // Through the whole box in one step: what has to be told takes two timestamps.
+  // A path through the whole box in one step needs two timestamps.
   world.execution().set_viewer(viewer_at(-3, 0, 0));
   world.step(1);
   CHECK(world.take() == Lines{"1 P.isActive TRUE", "1 P.enterTime 1000.5", "1 P.position_changed 1 0 0",
@@ -170,7 +170,7 @@ TEST_CASE("reports the times and positions at which the viewer crossed the box o
   world.step(5);
   CHECK(world.take() == Lines{"5 P.isActive FALSE", "5 P.exitTime 1004.25", "5 P.position_changed -1 0 0",
                               "5 P.orientation_changed 0 0 1 0"});
-  // Past its corner, and from no place of sense.
+  // Past a corner, and from an invalid position.
   world.execution().set_viewer(viewer_at(0, 7.5, 0));
   world.step(6);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -179,7 +179,7 @@ TEST_CASE("reports the times and positions at which the viewer crossed the box o
   world.execution().set_viewer(viewer_at(9, 0, 0));
   world.step(8);
   CHECK(world.take().empty());
-  // Back again before it was told that he has left: he is in the box.
+  // A return before the exit was sent keeps the viewer in the box.
   world.execution().set_viewer(viewer_at(-9, 0, 0));
   world.step(9);
   world.execution().set_viewer(viewer_at(0, 0, 0));
@@ -204,13 +204,13 @@ TEST_CASE("does not trigger a ProximitySensor between two Viewpoints on a jump (
   world.send("W.set_bind", true);
   world.step(2);
   CHECK(world.take("P.").empty());
-  // A Viewpoint that is moved takes the viewer along.
+  // A moving Viewpoint moves the viewer.
   world.send("M.translation", SFVec3f(10, 0, 0));
   world.step(3);
   CHECK(world.take("P.isActive") == Lines{"3 P.isActive TRUE"});
   world.step(4);
   CHECK(world.take("P.exitTime") == Lines{"4 P.exitTime 1002.6"});
-  // The window tells of his new place in the step after the jump.
+  // The window reports the new position in the step after the jump.
   world.execution().set_viewer(viewer_at(5, 0, 0));
   world.step(5);
   world.send("V.set_bind", true);

@@ -5,7 +5,7 @@
 
 namespace gs::vrml::traces {
 
-// World::kStart is 1000; times in traces are since then, SFTime values are not.
+// World::kStart is 1000. Traces have times since then, SFTime values are absolute.
 
 TEST_CASE("sends isActive only when an activity begins and ends (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE stopTime 1006 }");
@@ -47,7 +47,7 @@ TEST_CASE("stops at the present on a set_stopTime in the past, and keeps the val
 }
 
 TEST_CASE("stops at the present on a set_stopTime that arrives before the sensor's own step (6.50)") {
-  // S starts T's stop within a cascade of the same step in which T would go on.
+  // S stops T in a cascade of the step in which T would continue.
   World world(R"(
 DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE }
 DEF S TimeSensor { startTime 1003 cycleInterval 9 } DEF Stop TimeSensor { enabled FALSE }
@@ -72,7 +72,7 @@ TEST_CASE("ignores set_stopTime at or before startTime while active, and accepts
   world.send("T.stopTime", SFTime{5});
   CHECK(world.take().empty());
   CHECK(world.scene().get<SFTime>(world.node("T"), "stopTime") == 1001);
-  world.send("T.stopTime", SFTime{1003});  // in the future: it ends then
+  world.send("T.stopTime", SFTime{1003});  // in the future: it ends at that time
   CHECK(world.take() == Lines{"2 T.stopTime 1003"});
   world.step(3);
   CHECK(world.take() == Lines{"3 T.fraction_changed 0.25", "3 T.time 1003", "3 T.isActive FALSE"});

@@ -6,7 +6,7 @@
 
 namespace gs::vrml::traces {
 
-// World::kStart is 1000; times in traces are since then, SFTime values are not.
+// World::kStart is 1000. Traces have times since then, SFTime values are absolute.
 
 TEST_CASE("sends nothing from a TimeSensor with default fields (4.6.9)") {
   World world(
@@ -20,7 +20,7 @@ TEST_CASE("sends nothing from a TimeSensor with default fields (4.6.9)") {
 TEST_CASE("activates a TimeSensor with loop TRUE when the world begins (4.6.9, 6.50)") {
   World world("DEF T TimeSensor { loop TRUE cycleInterval 4 }");
   world.start();
-  // 1000 is the end of a cycle: the fraction is 1 and not 0.
+  // 1000 is the end of a cycle, so the fraction is 1 and not 0.
   CHECK(world.take() == Lines{"0 T.isActive TRUE", "0 T.cycleTime 1000", "0 T.fraction_changed 1", "0 T.time 1000"});
   world.step(1);
   CHECK(world.take() == Lines{"1 T.fraction_changed 0.25", "1 T.time 1001"});

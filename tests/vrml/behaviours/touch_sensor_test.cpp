@@ -59,7 +59,7 @@ TEST_CASE("sends touchTime only if the button is released over the TouchSensor (
   world.step(5);
   device.release();
   CHECK(world.take() == Lines{"5 T.isActive FALSE"});
-  // Down elsewhere, and released over it: no click.
+  // Pressed elsewhere and released over it: no click.
   world.step(6);
   device.press();
   world.step(7);
@@ -86,12 +86,12 @@ TEST_CASE("sends events when the pointer moves, not when geometry moves under it
   device.move("S", 0, 0);
   (void)world.take();
   world.step(1);
-  device.path().clear();  // the shape has gone
+  device.path().clear();  // the shape is removed
   device.tell();
   CHECK(world.take().empty());
   CHECK(world.execution().pointed_at().sensor);
   world.step(2);
-  device.press();  // the button is a reason to look
+  device.press();  // the button evaluates the pointer again
   CHECK(world.take() == Lines{"2 T.isOver FALSE"});
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("sends only isOver FALSE and isActive FALSE when a TouchSensor is disa
   CHECK(world.take() == Lines{"1 T.enabled FALSE", "1 T.isActive FALSE", "1 T.isOver FALSE"});
   device.move("S", 1, 0);
   CHECK(world.take().empty());
-  // Enabled while the button is down, it waits until that is released.
+  // A sensor that is enabled while the button is down waits for its release.
   world.step(2);
   world.send("T.enabled", true);
   device.move("S", 2, 0);
@@ -132,7 +132,7 @@ TEST_CASE("gives isActive TRUE and FALSE different timestamps, also if both happ
   device.press();
   device.release();
   CHECK(world.take() == Lines{"1 T.isActive TRUE"});
-  CHECK(world.execution().next_time() == World::kStart + 1);  // as soon as can be
+  CHECK(world.execution().next_time() == World::kStart + 1);  // at the earliest time
   world.step(2);
   CHECK(world.take() == Lines{"2 T.isActive FALSE", "2 T.touchTime 1002"});
   world.step(3);

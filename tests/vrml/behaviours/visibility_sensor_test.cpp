@@ -16,7 +16,7 @@ TEST_CASE("reports when the box of a VisibilitySensor enters and leaves the view
       "Transform { translation 100 0 0 scale 2 2 2 children DEF V VisibilitySensor { size 1 1 1 } } "
       "DEF W VisibilitySensor { size 1 1 1 }");
   world.start();
-  CHECK(world.take() == Lines{"0 W.isActive TRUE", "0 W.enterTime 1000"});  // from 0 0 10
+  CHECK(world.take() == Lines{"0 W.isActive TRUE", "0 W.enterTime 1000"});  // seen from 0 0 10
   world.execution().set_viewer(looking_at_x(100));
   world.step(1);
   CHECK(world.take() == Lines{"1 V.isActive TRUE", "1 V.enterTime 1001", "1 W.isActive FALSE", "1 W.exitTime 1001"});

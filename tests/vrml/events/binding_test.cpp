@@ -64,7 +64,8 @@ ROUTE A.isBound TO LA.on)");
   world.send("L.on", true);
   CHECK(bound_node(world, "Viewpoint") == world.node("C"));
   CHECK(world.take("C.isBound") == Lines{"1 C.isBound TRUE"});
-  // A was bound and unbound with one timestamp, and an eventOut sends once in that: the rest comes with the next one.
+  // A was bound and unbound with one timestamp. Its eventOut sends once per timestamp, so the rest follows with the
+  // next.
   world.step(2);
   CHECK(world.take("isBound") == Lines{"2 A.isBound FALSE", "2 B.isBound FALSE"});
   CHECK(!world.scene().get<SFBool>(world.node("LA"), "on"));
@@ -85,7 +86,7 @@ TEST_CASE("unbinds a bound node that is removed from the world (4.6.10)") {
     world.send("G.removeChildren", MFNode{world.node("B")});
     CHECK(world.take("isBound") == Lines{"2 B.isBound FALSE", "2 A.isBound TRUE"});
     CHECK(bound_node(world, type) == world.node("A"));
-    world.step(3);  // it is off the stack
+    world.step(3);  // removed from the stack
     world.send("A.set_bind", false);
     CHECK(world.take("isBound") == Lines{"3 A.isBound FALSE"});
   }
@@ -105,7 +106,7 @@ DEF L LOD { level Transform { children DEF B Viewpoint { } } } DEF G Group { chi
   world.send("G.children", MFNode{});
   CHECK(world.take("isBound") == Lines{"4 C.isBound FALSE", "4 B.isBound TRUE"});
   world.step(5);
-  world.send("S.choice", MFNode{});  // below the top: without a word
+  world.send("S.choice", MFNode{});  // below the top: sends no event
   CHECK(world.take("isBound").empty());
   world.step(6);
   world.send("L.level", MFNode{});

@@ -187,7 +187,7 @@ ROUTE Clock.fraction_changed TO I.set_fraction ROUTE I.value_changed TO T.transp
           return line.ends_with("Clock.fraction_changed 0.25") || line.ends_with("Clock.fraction_changed 0.5");
         }) == 2);
   CHECK(part.get<SFFloat>(part.roots()[1], "transparency") == 2);
-  // No ROUTE leads from a scene into another.
+  // No ROUTE leads from one scene to another.
   Route across{world.node("Clock"), part.roots()[2], nullptr, nullptr};
   across.event_out = world.scene().node(across.from).type->find("fraction_changed");
   across.event_in = part.node(across.to).type->find("set_fraction");

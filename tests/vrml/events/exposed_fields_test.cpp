@@ -6,7 +6,7 @@
 namespace gs::vrml::traces {
 namespace {
 
-// A value of the type that is not `initial`. Nodes are `node`.
+// Returns a value of the type that differs from `initial`. Nodes are `node`.
 FieldValue other_value(const FieldValue& initial, NodeId node) {
   switch (type_of(initial)) {
     case FieldType::SFBool:

@@ -11,7 +11,7 @@
 
 namespace gs::vrml::traces {
 
-/// The way from the root to the first place of the node, through all children, PROTO instances and Inlines.
+/// Finds the path from the root to the first instance of the node, through all children, PROTO instances and Inlines.
 inline bool find_path(const SceneGraph& scene, const MFNode& children, NodeId wanted, const SceneGraph& of,
                       const glm::dmat4& place, std::vector<PathStep>& path) {
   for (const NodeId child : children) {
@@ -40,7 +40,7 @@ class PointingDevice {
  public:
   explicit PointingDevice(World& world) : world_(world) {}
 
-  /// Over a Shape of the root (or of another scene) at x, y; "": over nothing.
+  /// Points over a Shape of the root (or of another scene) at x, y. "" points over nothing.
   void at(std::string_view shape, double x, double y) { at(shape, glm::dvec3(x, y, 0), {0, 0, -1}); }
   void at(std::string_view shape, const glm::dvec3& point, const glm::dvec3& direction) {
     pointer_.bearing = {point - direction * 10.0, direction, point, {0, 0, 2}, {0.25, 0.5}};

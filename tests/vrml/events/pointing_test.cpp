@@ -9,7 +9,7 @@ Lines names(World& world, std::string_view event) {
   return result;
 }
 
-// Clicks on a shape: which sensors have heard of it.
+// Clicks a shape, and returns the events of its sensors.
 Lines clicked(World& world, PointingDevice& device, std::string_view shape, int at) {
   world.step(at);
   device.press(shape, at, 0);
@@ -30,7 +30,7 @@ std::string anchors(World& world) {
 }  // namespace
 
 TEST_CASE("sends the click to the lowest level with a pointing-device sensor, including Anchors (4.6.7.3)") {
-  // The example of the standard.
+  // The example in the standard.
   World world(R"(Group { children [
     DEF Shape1 Shape { } DEF SensorA TouchSensor { } DEF SensorB PlaneSensor { }
     DEF AnchorA Anchor { url "..." description "Away" children [
@@ -46,7 +46,7 @@ TEST_CASE("sends the click to the lowest level with a pointing-device sensor, in
   CHECK(anchors(world).empty());
   CHECK(clicked(world, device, "Shape1", 3) == Lines{"SensorA.isActive TRUE", "SensorB.isActive TRUE"});
   CHECK(world.execution().pointed_at().description.empty());
-  // Disabled sensors are none.
+  // Disabled sensors are ignored.
   world.send("SensorD.enabled", false);
   CHECK(clicked(world, device, "Shape3", 4) == Lines{"SensorC.isActive TRUE"});
   CHECK(anchors(world) == "AnchorA ");
@@ -65,7 +65,7 @@ TEST_CASE("activates an Anchor only if the button is released over it (6.2)") {
   CHECK(anchors(world).empty());
   world.step(2);
   device.move("R", 1, 0);
-  CHECK_FALSE(world.execution().pointed_at().sensor);  // A has the pointer, which is not over it
+  CHECK_FALSE(world.execution().pointed_at().sensor);  // A has grabbed the pointer, which is not over it
   device.release();
   CHECK(anchors(world).empty());
   CHECK(world.execution().pointed_at().anchor.node == world.node("B"));
@@ -151,7 +151,7 @@ TEST_CASE("sends pointer events only to the sensors that grabbed the pointer (4.
   world.step(1);
   device.move("B", 1, 0);
   CHECK(world.take() == Lines{"1 T.isOver FALSE", "1 P.trackPoint_changed 1 0 0", "1 P.translation_changed 1 0 0"});
-  // One of them goes on alone where the other is disabled.
+  // The other one continues alone after one is disabled.
   world.step(2);
   world.send("P.enabled", false);
   CHECK(world.take() == Lines{"2 P.enabled FALSE", "2 P.isActive FALSE"});

@@ -14,7 +14,7 @@ TEST_CASE("reports the progress of a QNV node, and its completion") {
   CHECK(world.take().empty());
   world.step(1);
   CHECK(progress(0.5));
-  CHECK(progress(0.505));  // too little to be told
+  CHECK(progress(0.505));  // too small a change to be reported
   CHECK(world.take() == Lines{"1 N.progress_changed 0.5"});
   CHECK_FALSE(progress(0.75));  // not twice with one timestamp (4.10.4)
   CHECK(world.take().empty());
@@ -28,13 +28,13 @@ TEST_CASE("reports the progress of a QNV node, and its completion") {
   CHECK(world.take("N.") == Lines{"3 N.progress_changed 1", "3 N.loadTime 1003"});
   CHECK(world.scene().get<SFTime>(world.node("T"), "startTime") == World::kStart + 3);
   CHECK(progress(1));
-  // Less, and all again: it was there before.
+  // After less and all again: it was complete before.
   world.step(4);
   CHECK(progress(0.9));
   world.step(5);
   CHECK(progress(1));
   CHECK(world.take("N.") == Lines{"4 N.progress_changed 0.9", "5 N.progress_changed 1"});
-  // Another one comes from the beginning.
+  // Another stream starts from the beginning.
   world.step(6);
   CHECK(progress(-1));
   world.step(7);

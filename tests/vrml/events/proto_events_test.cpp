@@ -68,7 +68,7 @@ DEF I P { } DEF T Transform { } ROUTE I.out TO T.translation)");
   CHECK(world.take("T.") == Lines{"0 T.translation 1 1 1", "1 T.translation 2 2 2"});
   world.step(2);
   world.send("I.a", SFVec3f(3));
-  world.send("I.b", SFVec3f(4));  // the same timestamp: one event of the eventOut
+  world.send("I.b", SFVec3f(4));  // with the same timestamp: one event of the eventIn
   CHECK(world.take("T.") == Lines{"2 T.translation 3 3 3"});
 }
 

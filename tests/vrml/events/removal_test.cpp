@@ -10,7 +10,8 @@
 namespace gs::vrml::traces {
 namespace {
 
-// All that a text can bring: names, PROTOs with bodies and defaults, Scripts with fields, sensors, ROUTEs, long lists.
+// Everything that a text can contain: names, PROTOs with bodies and defaults, Scripts with fields, sensors, ROUTEs,
+// long lists.
 const char* const kAllKinds = R"(
   PROTO Lamp [ exposedField SFColor color 1 0 0 field MFNode parts [ Group { children Shape { } } ] ] {
     DEF Body Transform { children [ Group { children IS parts } DEF L PointLight { color IS color } ] }
@@ -75,7 +76,7 @@ TEST_CASE("reuses slots for a million nodes that are created and removed", "[opt
     most = std::max(most, world.scene().node_count());
   }
   (void)world.take();
-  CHECK(most < 2000);  // they are looked for when some hundreds have been made
+  CHECK(most < 2000);  // the search runs after some hundreds of nodes
   CHECK(world.scene().budget()->used(Resource::nodes) < std::uint64_t{2} << 20);
 }
 
@@ -137,7 +138,7 @@ TEST_CASE("keeps nodes that fields, ROUTEs, PROTO instances or holds refer to") 
     CHECK(execution.remove_unheld() == 0);
     execution.release(scene, made);
     CHECK(execution.remove_unheld() == 1);
-    execution.release(scene, made);  // of no use any more
+    execution.release(scene, made);  // no longer in use
   }
   SECTION("its ROUTE to a node that is held, not one from such a node") {
     const MFNode made = read(world, "PositionInterpolator { } PositionInterpolator { }");
@@ -336,7 +337,7 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
           CHECK(scene.revision() != before);
           for (const NodeId id : roots) made.push_back(id);
           if (kind == 5) routes.push_back(route_of(scene, roots[0], "value_changed", roots[1], "set_fraction"));
-          // Often somebody has it for a while.
+          // Often holds it for a while.
           if (below(2) == 0) {
             execution.hold(scene, roots[0]);
             holds[roots[0].index].first = roots[0];

@@ -81,7 +81,7 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
     if (round == 3) places = world.scene().node_count() + part.node_count();
     if (round > 3) CHECK(world.scene().node_count() + part.node_count() == places);
   }
-  // Nodes of the file, in its place again.
+  // Nodes of the file, in reused slots.
   MFNode made = read(world, "Group { }");
   CHECK(world.execution().replace_world(world.scene(), made));
   world.step(200);
@@ -91,6 +91,6 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
   CHECK(!world.execution().replace_world(foreign, {}));
 }
 
-// Against a model that looks at every node and every ROUTE again each time.
+// Compares with a model that searches every node and every ROUTE each time.
 
 }  // namespace gs::vrml::traces

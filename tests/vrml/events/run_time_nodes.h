@@ -8,7 +8,7 @@
 
 namespace gs::vrml::traces {
 
-/// The roots of a text that is read into a world that runs.
+/// Reads a text into a running world, and returns its roots.
 inline MFNode read(World& world, const std::string& text) {
   Diagnostics diagnostics;
   const RunTimeNodes made = read_into(world.scene(), "made.wrl", text, diagnostics);

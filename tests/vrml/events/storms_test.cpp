@@ -32,7 +32,7 @@ TEST_CASE("limits fan-in times fan-out of PROTO instances") {
   world.start();
   world.send("A.whichChoice", SFInt32{7});
   CHECK(!world.execution().problem().empty());
-  world.step(1);  // the next moment is a new one
+  world.step(1);  // the next timestamp is a new one
   world.send("A.whichChoice", SFInt32{8});
   CHECK(world.scene().get<SFInt32>(world.node("S4999"), "whichChoice") == 8);
 }

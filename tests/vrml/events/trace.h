@@ -15,7 +15,7 @@
 
 namespace gs::vrml::traces {
 
-/// A world in which events flow, and the trace of them: "time node.event value", the time in seconds since kStart.
+/// World with a trace of its events: "time node.event value", with times in seconds since kStart.
 class World {
  public:
   static constexpr double kStart = 1000;
@@ -36,9 +36,9 @@ class World {
     });
   }
 
-  /// The trace since the last call.
+  /// Returns the trace since the last call.
   std::vector<std::string> take() { return std::exchange(lines_, {}); }
-  /// The lines among them in which `part` stands.
+  /// Returns the lines of the trace that contain `part`.
   std::vector<std::string> take(std::string_view part) {
     std::vector<std::string> some;
     for (const std::string& line : take())
@@ -47,7 +47,7 @@ class World {
   }
   void start(double at = 0) { execution_->start(kStart + at); }
   void step(double at) { execution_->step(kStart + at); }
-  /// An event for "name.eventIn"; times are since kStart.
+  /// Sends an event to "name.eventIn" at a time since kStart.
   template <class T>
   void send(std::string_view target, T value) {
     const std::size_t point = target.rfind('.');

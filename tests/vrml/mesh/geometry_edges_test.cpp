@@ -1,5 +1,4 @@
-// Geometries at the edges of what their clauses allow: holes by bridges, corners that touch, spines that stand still or
-// are straight, angles at the limit, numbers that are none.
+// Limits of the clauses: holes by bridges, touching corners, straight and constant spines, limit angles, NaN.
 #include "tests/vrml/mesh_formulas.h"
 #include "tests/watched.h"
 
@@ -31,7 +30,7 @@ bool is_inside(const Ring& ring, const glm::dvec2& p) {
   return inside;
 }
 
-/// Around a middle, its first corner at angle 0.
+/// A star around the origin, with its first corner at angle 0.
 Ring star(Random& random, int corners, double least, double most, const glm::dvec2& middle) {
   Ring ring;
   for (int i = 0; i < corners; ++i) {
@@ -55,15 +54,14 @@ GeometryScene face(const std::vector<glm::dvec2>& corners, const MFInt32& index)
 TEST_CASE("keeps holes open that a bridge joins to the outline of a face (VRML97 6.23)") {
   Random random(6232);
   for (int round = 0; round < 300; round += static_cast<int>(gs::watched_step(9))) {
-    // Holes side by side along the axis X, each reached by a bridge from the one to its right, the first from the
-    // outline.
+    // Holes side by side along X. A bridge joins each to its right neighbour, the first to the outline.
     const int holes = 1 + random.below(3);
     const Ring outline = star(random, 10 + random.below(20), 0.8, 1, {0, 0});
     std::vector<Ring> inner;
     for (int h = 0; h < holes; ++h) inner.push_back(star(random, 3 + random.below(8), 0.03, 0.09, {0.45 - 0.3 * h, 0}));
     Ring corners = outline;
     for (const Ring& ring : inner) corners.insert(corners.end(), ring.begin(), ring.end());
-    // The corners of a hole go round clockwise; from its first one to the next hole one leaves at its leftmost corner.
+    // Corners of a hole run clockwise. The path leaves to the next hole at the leftmost corner.
     MFInt32 index;
     const auto walk = [&](const auto& self, std::size_t hole, std::size_t start) -> void {
       if (hole == inner.size()) return;
@@ -126,7 +124,7 @@ TEST_CASE("skips faces without area, and draws all others") {
   const MFVec3f points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 0, 0}, {1, 1, 0}, {kNaN, 0, 0}, {0, kInfinity, 0}};
   for (const bool convex : {true, false})
     for (const float crease : {0.0f, 1.0f}) {
-      // A line; points that coincide; two corners; one; a corner that is no number; beside the one that is a face.
+      // A line, coincident points, two corners, one corner and a NaN corner, beside one real face.
       GeometryScene scene("IndexedFaceSet");
       scene.points(points).set("convex", convex).set("creaseAngle", crease);
       const auto triangles = [&](const MFInt32& index) {
@@ -149,7 +147,7 @@ TEST_CASE("skips faces without area, and draws all others") {
 }
 
 TEST_CASE("makes edges sharp from the crease angle on (VRML97 4.6.3.5)") {
-  // The faces of a cube meet at 90 degrees: less than the angle is smooth.
+  // The faces of a cube meet at 90 degrees. Smaller angles are smooth.
   GeometryScene cube("IndexedFaceSet");
   cube.points(cube_points()).set("coordIndex", cube_faces());
   const auto corner_normals = [&](float angle) {
@@ -193,7 +191,7 @@ TEST_CASE("ignores repeated points of an Extrusion (VRML97 6.18.3)") {
                other = extrusion(repeated_section, repeated_spine, repeated_scale);
     std::vector<FormulaTriangle> expected;
     for (std::size_t t = 0; t < triangles_of(mesh); ++t) expected.push_back(triangle_of(mesh, t));
-    // Caps of cross-sections that cross themselves are cut in any way.
+    // Caps of self-intersecting cross-sections may be cut in any way.
     const std::size_t sides = 2 * (section.size() - 1) * (spine.size() - 1);
     REQUIRE(expected.size() >= sides);
     expected.resize(sides);
@@ -220,7 +218,7 @@ TEST_CASE("turns the cross-section of a straight spine as +Y turns to the spine 
                           .set("beginCap", false)
                           .set("endCap", false)
                           .mesh();
-    // Rodrigues, by the axis Y x along.
+    // Rodrigues' formula, with the axis Y x direction.
     const glm::dvec3 axis = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), along));
     const double c = along.y, s = std::sqrt(1 - c * c);
     const auto turned = [&](const glm::dvec3& v) {
@@ -240,7 +238,7 @@ TEST_CASE("turns the cross-section of a straight spine as +Y turns to the spine 
     REQUIRE(found.missing == 0);
     REQUIRE(found.unexpected == 0);
   }
-  // Upwards nothing is turned, downwards all by half a turn; a spine that stands still is as if it went upwards.
+  // Upwards turns nothing, downwards turns by half a turn, and a constant spine counts as upwards.
   const MFVec2f section{{1, 1}, {1, -1}, {-1, -1}};
   const auto bounds = [&](const MFVec3f& spine) {
     return GeometryScene("Extrusion").set("spine", spine).set("crossSection", section).mesh().bounds;

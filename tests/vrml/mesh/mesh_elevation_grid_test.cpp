@@ -93,7 +93,7 @@ TEST_CASE("tolerates wrong dimensions and counts of an ElevationGrid") {
   CHECK(texture_at(cut, {1, 0, 2}, {0, 1, 0}) == glm::vec2(1, 0.5f));
   CHECK(grid(2147483647, 2147483647, flat(100)).mesh().empty());
   CHECK(triangles_of(grid(2, 2147483647, flat(8)).mesh()) == 6);
-  // A spacing of 0 makes a wall of it, or nothing where the heights lie on a line.
+  // A spacing of 0 makes a wall, or no face if the heights are collinear.
   CHECK(area_of(grid(2, 2, {0, 2, 0, 2}).set<SFFloat>("xSpacing", 0).mesh()) == Approx(2));
   CHECK(grid(2, 2, flat(4)).set<SFFloat>("xSpacing", 0).mesh().empty());
   for (const float bad : {-1.0f, kNaN}) {

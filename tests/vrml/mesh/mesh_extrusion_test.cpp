@@ -9,7 +9,7 @@ namespace {
 
 GeometryScene extrusion() { return GeometryScene("Extrusion"); }
 
-/// A circle in counter-clockwise order seen from +Y, closed.
+/// Returns a closed circle, counter-clockwise seen from +Y.
 MFVec2f circle(int sides, float radius) {
   MFVec2f points;
   for (int i = 0; i < sides; ++i) {
@@ -19,7 +19,7 @@ MFVec2f circle(int sides, float radius) {
   points.push_back(points.front());
   return points;
 }
-/// A circle in the plane y = 0, closed.
+/// Returns a closed circle in the plane y = 0.
 MFVec3f ring(int points, float radius) {
   MFVec3f spine;
   for (int i = 0; i < points; ++i) {
@@ -46,7 +46,7 @@ TEST_CASE("makes a box of a default Extrusion") {
   CHECK(mesh.bounds.upper == glm::vec3(1, 1, 1));
   CHECK(mesh.solid);
 
-  // Every corner of every face stands in the box of that size too.
+  // Every corner of every face also occurs in a Box of that size.
   const Mesh box = GeometryScene("Box").set<SFVec3f>("size", {2, 1, 2}).mesh();
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     bool found = false;
@@ -120,7 +120,7 @@ TEST_CASE("maps textures of an Extrusion by the lengths of cross-section and spi
   CHECK(near(texture_at(mesh, {-1, 0, -1}, {0, -1, 0}), {0, 0}));
   CHECK(near(texture_at(mesh, {1, 4, 1}, {0, 1, 0}), {1, 1}));
 
-  // The longer side of the cross-section is 0..1, the other one in proportion.
+  // The longer side of the cross-section maps to 0..1, the other one in proportion.
   const Mesh flat = scene.set("crossSection", MFVec2f{{3, 1}, {3, 0}, {-1, 0}, {-1, 1}, {3, 1}}).mesh();
   CHECK(near(texture_at(flat, {3, 0, 1}, {0, -1, 0}), {1, 0.25f}));
   CHECK(near(texture_at(flat, {-1, 4, 0}, {0, 1, 0}), {0, 0}));
@@ -253,7 +253,7 @@ TEST_CASE("aligns the cross-section planes of an Extrusion with its spine") {
 }
 
 TEST_CASE("makes a surface of revolution from coincident spine points") {
-  // Ten times the same point, a little further round the Y axis each time, the cross-section upright.
+  // The same point repeats, turned a little further about Y each time, with an upright cross-section.
   GeometryScene scene = extrusion();
   MFVec3f spine;
   MFRotation turns;

@@ -12,13 +12,13 @@ GeometryScene face_set(MFVec3f points, MFInt32 index) {
 }
 GeometryScene cube() { return face_set(cube_points(), cube_faces()); }
 
-/// Two triangles that share the edge 1-2: in the plane z = 0 and, upright, in x = 1.
+/// Two triangles with the common edge 1-2: in the plane z = 0, and upright in x = 1.
 MFVec3f bent_points() { return {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, -1}}; }
 MFInt32 bent_faces() { return {0, 1, 2, -1, 1, 3, 2, -1}; }
 
 const Color kWhite{1, 1, 1};
 
-/// Colours at the corners of the first triangle and so on.
+/// Returns the colours at the corners of all triangles, in order.
 std::vector<Color> corner_colors(const Mesh& mesh) {
   std::vector<Color> colors;
   for (const std::uint32_t i : mesh.indices) colors.push_back(mesh.colors[i]);
@@ -159,7 +159,7 @@ TEST_CASE("smooths a vertex with thousands of faces") {
       points.push_back({std::cos(angle), 0, -std::sin(angle)});
       for (const int vertex : {0, 1 + i, 1 + (i + 1) % sides, -1}) index.push_back(vertex);
     }
-    // All within 0.5 of the axis, or (0.1) only the near ones.
+    // All faces are within 0.5 of the axis; at 0.1 only near ones share normals.
     const Mesh smooth = face_set(points, index).set<SFFloat>("creaseAngle", 0.5f).mesh();
     check_promises(smooth);
     CHECK(near(smooth.normals[0], {0, 1, 0}, 1e-3f));
@@ -179,7 +179,7 @@ TEST_CASE("shares arrays that fit with the node, without a copy") {
   SECTION("by coordIndex") {}
   SECTION("by indices that repeat coordIndex") {
     faces.set("normalIndex", MFInt32(cube_faces().span()));
-    faces.set("colorIndex", MFInt32(cube_faces().span().first(29)));  // without the last end
+    faces.set("colorIndex", MFInt32(cube_faces().span().first(29)));  // without the last -1
   }
   const Mesh mesh = faces.mesh({.texture_coordinates = false});
   check_promises(mesh);
@@ -395,7 +395,7 @@ TEST_CASE("accepts PROTO instances as coord of an IndexedFaceSet") {
 }
 
 TEST_CASE("mixes triangles, quadrilaterals and larger faces in one IndexedFaceSet") {
-  // A strip in the plane z = 0 of all three kinds, with arrays that are shared.
+  // A strip of all three kinds in the plane z = 0, with shared arrays.
   MFVec3f points, normals;
   for (int i = 0; i < 2000; ++i) {
     points.push_back({static_cast<float>(i / 2), static_cast<float>(i % 2), 0});

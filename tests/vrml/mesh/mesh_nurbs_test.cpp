@@ -11,8 +11,7 @@ using namespace gs::vrml::test;
 namespace gs::vrml::mesh_nurbs_test {
 namespace {
 
-// The definition (Cox, de Boor): N(i, 0) is 1 from knot i to the next, N(i, p) a mean of N(i, p - 1) and N(i + 1, p -
-// 1).
+// Definition by Cox and de Boor: N(i, 0) is 1 from knot i to the next, N(i, p) blends N(i, p - 1) and N(i + 1, p - 1).
 double basis(const std::vector<float>& knots, std::size_t i, int degree, double t) {
   if (degree == 0) {
     const bool last = knots[i] < knots[i + 1] && knots[i + 1] >= knots.back() && t >= knots[i + 1];
@@ -27,7 +26,7 @@ double basis(const std::vector<float>& knots, std::size_t i, int degree, double 
 
 const float kHalfRoot = std::sqrt(0.5F);
 
-// A quarter of a cylinder of radius 1 around the Y axis, 2 high: from +Z to +X, and up.
+// Returns a quarter of a cylinder of radius 1 and height 2 around the Y axis, from +Z to +X and upwards.
 GeometryScene quarter_cylinder() {
   GeometryScene scene("NurbsSurface");
   scene.set<SFInt32>("uDimension", 3).set<SFInt32>("vDimension", 2).set<SFInt32>("vOrder", 2);
@@ -54,7 +53,7 @@ TEST_CASE("evaluates NURBS basis functions and slopes as their definition does")
     REQUIRE(axis);
     for (int k = 0; k <= 16; ++k) {
       const double place = k / 16.0, t = begin + (end - begin) * place;
-      if (t >= end && end < knots.back()) continue;  // the definition goes on behind the end
+      if (t >= end && end < knots.back()) continue;  // the definition continues after the end
       const NurbsAxis::Weights weights = axis->at(place);
       double sum = 0, slopes = 0;
       REQUIRE(weights.first + axis->order() <= points);
@@ -68,7 +67,7 @@ TEST_CASE("evaluates NURBS basis functions and slopes as their definition does")
       for (std::size_t i = 0; i < axis->order(); ++i) slopes += weights.slope[i];
       CHECK(sum == Approx(1));
       CHECK(slopes == Approx(0).margin(1e-9));
-      // Between the knots the slope is that of a short step.
+      // Between knots, the slope matches that of a short step.
       const double step = 1e-6;
       const NurbsAxis::Weights after = axis->at(place + step);
       if (place + step < 1 && after.first == weights.first)
@@ -125,7 +124,7 @@ TEST_CASE("makes a circle of a parabola by the weights of a NurbsCurve") {
   CHECK(near(mesh.positions[0], {1, 0, 0}));
   CHECK(near(mesh.positions[5], {kHalfRoot, kHalfRoot, 0}));
   CHECK(near(mesh.positions[10], {0, 1, 0}));
-  // Without weights, with too few, and where they are not above 0: the parabola.
+  // Without weights, with too few, or with weights of 0 or less: the parabola.
   for (const MFFloat& weights : {MFFloat{}, MFFloat{1, kHalfRoot}, MFFloat{-1, 0, kNaN}})
     CHECK(near(scene.set("weight", weights).mesh().positions[5], {0.75F, 0.75F, 0}));
 }
@@ -169,7 +168,7 @@ TEST_CASE("takes texture coordinates of a NurbsSurface from its control points o
   mesh = scene.mesh();
   CHECK(near(mesh.texture_coordinates[4], glm::vec2(0.25F, 0)));
   CHECK(near(mesh.texture_coordinates[35], glm::vec2(0.5F, 0.25F)));
-  // Too few of them: as if there were none.
+  // Too few coordinates are ignored.
   scene.texture({{3, 3}});
   CHECK(near(scene.mesh().texture_coordinates[35], glm::vec2(1, 1)));
 }
@@ -188,7 +187,7 @@ TEST_CASE("tolerates broken fields of a NurbsSurface, and bounds huge ones") {
              .set("controlPoint", MFVec3f{{0, 0, 1}, {1, kNaN, 1}, {1, 0, 0}, {0, 2, 1}, {1, kInfinity, 1}, {1, 2, 0}})
              .mesh();
   check_promises(mesh);
-  // All at one place: nothing has an area, and nothing is drawn wrongly.
+  // Coincident points have no area and draw no wrong triangle.
   mesh = quarter_cylinder()
              .set("controlPoint", MFVec3f{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}})
              .mesh();

@@ -41,7 +41,7 @@ double area(const Mesh& mesh) {
   return sum;
 }
 
-// A square of 4 that stands for two triangles of a folded sheet (2 sqrt 3 each), and a square with a hole that stays.
+// A square of 4 that replaces two triangles of a folded sheet (2 sqrt 3 each), and a square with a hole that remains.
 const std::string kOutline =
     "outline [ 0 0 0, 2 0 0, 2 2 0, 0 2 0 ] outlineIndex [ 0 1 2 3 -1 ] groupSize [ 2 ] "
     "point [ 3 0 0, 5 0 0, 5 2 0, 3 2 0, 3.5 .5 0, 3.5 1.5 0, 4.5 1.5 0, 4.5 .5 0 ] "
@@ -54,12 +54,12 @@ const double kFolded = 2 * 2 * std::sqrt(2.0);  // 2 wide, slope of 45 degrees
 
 TEST_CASE("fills an outline until all its polygons are received") {
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + kOutline + "} }").mesh()) == Approx(4 + 3));
-  // In the same node.
+  // Polygons in the same node.
   const std::string own = "outline [ 0 0 0, 2 0 0, 2 2 0, 0 2 0 ] outlineIndex [ 0 1 2 3 -1 ] groupSize [ 2 ] ";
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + kInner + "} }").mesh()) == Approx(kFolded));
   const std::string first = "group [ 0 ] point [ 0 0 0, 2 0 0, 0 2 2 ] coordIndex [ 0 1 2 -1 ] ";
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + first + "} }").mesh()) == Approx(4));
-  // Nothing more comes: the one that was lost costs itself only.
+  // A complete group with a lost polygon lacks only that one.
   const std::string ended = "complete TRUE ";
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + first + ended + "} }").mesh()) == Approx(kFolded / 2));
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + ended + "} }").mesh()) == Approx(4));
@@ -69,14 +69,14 @@ TEST_CASE("accepts the polygons of an OutlineGroup in a second node") {
   const std::string base = "Shape { geometry DEF R OutlineGroup { " + kOutline + "} } ";
   const Outlines whole(base + "Shape { geometry OutlineGroup { refines USE R " + kInner + "} }");
   REQUIRE(whole.nodes.size() == 2);
-  // They are drawn with the node that they refine.
+  // The refined node draws them.
   CHECK(area(whole.mesh(0, whole.nodes[1])) == Approx(3 + kFolded));
   CHECK(whole.mesh(1).empty());
   const Outlines part(base +
                       "Shape { geometry OutlineGroup { refines USE R group [ 0 ] point [ 0 0 0, 2 0 0, 0 2 2 ] "
                       "coordIndex [ 0 1 2 -1 ] } }");
   CHECK(area(part.mesh(0, part.nodes[1])) == Approx(4 + 3));
-  // Several outlines of one group, given by number; a group of which no outline is there is shown as it comes.
+  // Several outlines of one group, by number. A group without outline shows each polygon when received.
   const Outlines numbered(
       "Shape { geometry DEF R OutlineGroup { outline [ 0 0 0, 1 0 0, 0 1 0, 5 0 0, 6 0 0, 5 1 0 ] "
       "outlineIndex [ 0 1 2 -1 3 4 5 -1 ] outlineGroup [ 1 1 ] groupSize [ 9 1 ] } } "
@@ -113,12 +113,12 @@ TEST_CASE("tolerates wrong numbers in an OutlineGroup") {
         "outline [ 0 0 0, 1 0 0, 0 1 0 ] outlineIndex [ 0 1 2147483647 ]", "coordIndex [ 5 6 7 -1 ] group [ 3 ]",
         "groupSize [ -5 2147483647 ] outlineGroup [ -1 7 ] group [ -9 ]", "refines NULL complete TRUE"})
     CHECK(Outlines("Shape { geometry OutlineGroup { " + std::string(text) + " } }").mesh().empty());
-  // Groups that are not known show everything.
+  // Polygons of unknown groups are shown.
   const Outlines strange(
       "Shape { geometry OutlineGroup { outline [ 0 0 0, 1 0 0, 0 1 0 ] outlineIndex [ 0 1 2 -1 ] outlineGroup [ 99 ] "
       "point [ 0 0 0, 2 0 0, 0 2 0 ] coordIndex [ 0 1 2 ] group [ -7 ] complete TRUE } }");
   CHECK(area(strange.mesh()) == Approx(0.5 + 2));
-  // A node that refines itself, and two that refine each other.
+  // A node that refines itself, and two nodes that refine each other.
   Outlines circle("Shape { geometry DEF A OutlineGroup { " + kOutline + "} } Shape { geometry DEF B OutlineGroup { " +
                   kOutline + "refines USE A } }");
   circle.scene.set<SFNode>(circle.nodes[0], "refines", circle.nodes[1]);

@@ -15,8 +15,8 @@ using Polygon = std::vector<glm::vec3>;
 
 struct Cut {
   std::size_t triangles = 0;
-  double area = 0;          // sum of the areas, each taken positive
-  double largest_back = 0;  // largest area that is wound against the polygon
+  double area = 0;          // sum of absolute areas
+  double largest_back = 0;  // largest area of a triangle wound against the polygon
 };
 
 Cut cut(const Polygon& polygon) {
@@ -38,14 +38,14 @@ Cut cut(const Polygon& polygon) {
 
 double area_of(const Polygon& polygon) { return glm::length(newell_vector(polygon)) / 2; }
 
-/// A simple polygon must be covered exactly once.
+/// Checks that triangles cover a simple polygon exactly once.
 void check_covered(const Polygon& polygon) {
   const Cut result = cut(polygon);
   CHECK(result.area == Approx(area_of(polygon)).epsilon(1e-6));
   CHECK(result.largest_back <= 1e-6 * area_of(polygon));
 }
 
-/// Around the origin: `radius(i)` at angle i of n.
+/// Returns a polygon around the origin, with radius(i) at angle i of n.
 template <class Radius>
 Polygon around(int n, const Radius& radius) {
   Polygon polygon;
@@ -56,7 +56,7 @@ Polygon around(int n, const Radius& radius) {
   return polygon;
 }
 
-/// The same polygon the other way round and in the plane x = 0.
+/// Returns the polygon in reverse, in the plane x = 0.
 Polygon turned(Polygon polygon) {
   std::reverse(polygon.begin(), polygon.end());
   for (glm::vec3& p : polygon) p = {p.z, p.y, p.x};
@@ -117,7 +117,7 @@ TEST_CASE("covers a spiral corridor with triangles") {
 }
 
 TEST_CASE("keeps holes open that are reached by cuts") {
-  // Rows of square holes; each row hangs on a cut from the left side, and goes there and back.
+  // Rows of square holes. A cut from the left side leads along each row and back.
   Polygon plate = {{0, 0, 0}, {44, 0, 0}, {44, 40, 0}, {0, 40, 0}};
   for (int row = 9; row >= 0; --row) {
     const float y = 4.0f * static_cast<float>(row) + 2;

@@ -66,7 +66,7 @@ TEST_CASE("makes a Sphere of its radius") {
   CHECK(normals_on_front(mesh));
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) REQUIRE(near(mesh.positions[i], 2.0f * mesh.normals[i]));
 
-  // The seam is at the back; from there counter-clockwise seen from above.
+  // The seam is at the back; s runs counter-clockwise from there, seen from above.
   CHECK(texture_at(mesh, {-2, 0, 0}, {-1, 0, 0}) == glm::vec2(0.25f, 0.5f));
   CHECK(texture_at(mesh, {0, 0, 2}, {0, 0, 1}) == glm::vec2(0.5f, 0.5f));
   CHECK(texture_at(mesh, {2, 0, 0}, {1, 0, 0}) == glm::vec2(0.75f, 0.5f));
@@ -94,7 +94,7 @@ TEST_CASE("makes a Cylinder of its radius and height") {
 
   CHECK(near(texture_at(mesh, {0, 1.5f, 2}, {0, 0, 1}), {0.5f, 1}));
   CHECK(near(texture_at(mesh, {-2, -1.5f, 0}, {-1, 0, 0}), {0.25f, 0}));
-  // Top: upright when tilted towards +Z, so its far side (-Z) is up. Bottom: the other way round.
+  // Top: upright when tilted towards +Z, with -Z up. Bottom: the reverse.
   CHECK(near(texture_at(mesh, {0, 1.5f, -2}, {0, 1, 0}), {0.5f, 1}));
   CHECK(near(texture_at(mesh, {2, 1.5f, 0}, {0, 1, 0}), {1, 0.5f}));
   CHECK(near(texture_at(mesh, {0, -1.5f, 2}, {0, -1, 0}), {0.5f, 1}));

@@ -8,7 +8,7 @@ using namespace gs::vrml::test;
 
 namespace {
 
-/// Random field values, most of them plausible and some of them not; the same in every run.
+/// Random field values, mostly plausible, the same in every run.
 class Dice {
  public:
   explicit Dice(std::uint32_t seed) : random_(seed) {}
@@ -61,7 +61,7 @@ class Dice {
     for (int i = below(most); i > 0; --i) list.push_back({number(), number(), number(), number()});
     return list;
   }
-  /// How rare odd values are from now on.
+  /// Sets the rarity of odd values.
   void set_odd(int odd) { odd_ = odd; }
 
  private:

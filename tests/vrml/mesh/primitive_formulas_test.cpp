@@ -1,4 +1,4 @@
-// Box, Cone, Cylinder and Sphere of random measures against the formulas of their clauses.
+// Compares Boxes, Cones, Cylinders and Spheres of random sizes with the formulas of their clauses.
 #include "tests/vrml/mesh_formulas.h"
 #include "tests/watched.h"
 
@@ -11,11 +11,10 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// s of a point at (x, z): from the back counter-clockwise, seen from above, to the back again
-/// (VRML97 6.11, 6.14, 6.43).
+/// Returns s at (x, z), which runs counter-clockwise from the back, seen from above (VRML97 6.11, 6.14, 6.43).
 double s_around(double x, double z) { return (std::atan2(x, z) + std::numbers::pi) / kTurn; }
 
-/// s is that of the formula; at the seam it is 0 or 1, by the side from which it is looked at.
+/// Compares s with the formula. At the seam it may be 0 or 1.
 bool same_s(double s, double formula) {
   const double difference = std::abs(s - formula);
   return difference < 1e-5 || std::abs(difference - 1) < 1e-5;
@@ -23,7 +22,7 @@ bool same_s(double s, double formula) {
 
 bool near_all(const glm::dvec3& a, const glm::dvec3& b, double tolerance) { return glm::length(a - b) <= tolerance; }
 
-/// The corners of `mesh` that lie on a cap at `y`: flat, round, with the texture cut out of its square (6.11, 6.14).
+/// Reports whether a corner fits a flat, round cap at `y`, with the texture cut out of its square (6.11, 6.14).
 bool is_cap_corner(const FormulaCorner& corner, double y, double radius, bool up) {
   const glm::dvec3 p = corner.position;
   const double sign = up ? 1 : -1;
@@ -33,7 +32,7 @@ bool is_cap_corner(const FormulaCorner& corner, double y, double radius, bool up
          glm::length(corner.texture_coordinate - texture) < 1e-5 && corner.normal == glm::dvec3(0, sign, 0);
 }
 
-/// Corners that follow neither `side` nor a cap, and triangles that look inwards or span more of the texture than a
+/// Counts corners that fit neither `side` nor a cap, and triangles that face inwards or span more texture than a
 /// segment.
 template <class Side>
 std::size_t faults(const Mesh& mesh, double half, double radius, int segments, const Side& side) {
@@ -74,7 +73,7 @@ TEST_CASE("matches the formulas for Boxes of random sizes (VRML97 6.7)") {
     for (std::size_t t = 0; t < 12; ++t)
       for (const FormulaCorner& corner : triangle_of(mesh, t)) {
         const glm::dvec3 p = corner.position / size, n = corner.normal;  // p: -1/2 to 1/2
-        // Upright on front, right, back and left; on top and bottom with the front, or the back, turned up.
+        // Upright on front, right, back and left. The top tilts up at the front, the bottom at the back.
         glm::dvec2 texture(0);
         if (n == glm::dvec3(0, 0, 1))
           texture = {p.x + 0.5, p.y + 0.5};
@@ -139,7 +138,7 @@ TEST_CASE("matches the formulas for Cones of random sizes (VRML97 6.11)") {
       const glm::dvec3 p = corner.position, n = corner.normal;
       if (std::abs(corner.texture_coordinate.y - (p.y / height + 0.5)) > 1e-5) return false;
       if (std::abs(n.y - radius / slant) > 1e-5) return false;  // perpendicular to the slope
-      // At the apex every direction is right; a corner there has that of its texture.
+      // At the apex every normal is valid. The texture coordinate of a corner gives its direction.
       const double s = corner.texture_coordinate.x;
       const glm::dvec3 outwards(-std::sin(kTurn * s) * height / slant, radius / slant,
                                 -std::cos(kTurn * s) * height / slant);

@@ -1,5 +1,5 @@
-// Extrusion, ElevationGrid and IndexedFaceSet of random fields against an evaluation of their clauses that is written
-// straight from the text: triangle by triangle, with normals, colours and texture coordinates.
+// Compares Extrusions, ElevationGrids and IndexedFaceSets of random fields with direct evaluations of their clauses:
+// triangles with normals, colours and texture coordinates.
 #include "tests/vrml/mesh_formulas.h"
 #include "tests/watched.h"
 
@@ -11,7 +11,7 @@ using namespace gs::vrml::test;
 
 namespace {
 
-/// `v` turned about `axis` by the right-hand rule (VRML97 5.8).
+/// Rotates `v` about `axis` by the right-hand rule (VRML97 5.8).
 glm::dvec3 turned(const glm::dvec3& v, const Rotation& rotation) {
   const glm::dvec3 axis = glm::normalize(glm::dvec3(rotation.x, rotation.y, rotation.z));
   const double c = std::cos(double{rotation.angle}), s = std::sin(double{rotation.angle});
@@ -25,14 +25,13 @@ struct ExtrusionFields {
   MFRotation orientation;
 };
 
-/// Z of a spine-aligned cross-section plane; nothing where the three points are in a line.
+/// Returns Z of a spine-aligned cross-section plane, or nullopt if the three points are collinear.
 std::optional<glm::dvec3> z_of(const glm::dvec3& before, const glm::dvec3& here, const glm::dvec3& after) {
   const glm::dvec3 z = glm::cross(glm::normalize(after - here), glm::normalize(before - here));
   return glm::length(z) < 1e-4 ? std::nullopt : std::optional(glm::normalize(z));
 }
 
-/// The places of the cross-section at each spine point, by VRML97 6.18.3, for spines with some points that are not in a
-/// line.
+/// Returns the cross-section at each spine point by VRML97 6.18.3, for spines with some points that are not collinear.
 std::vector<std::vector<glm::dvec3>> rings_of(const ExtrusionFields& fields) {
   const std::size_t count = fields.spine.size();
   std::vector<glm::dvec3> p;
@@ -51,7 +50,7 @@ std::vector<std::vector<glm::dvec3>> rings_of(const ExtrusionFields& fields) {
     y[0] = glm::normalize(p[1] - p[0]);
     y[count - 1] = glm::normalize(p[count - 1] - p[count - 2]);
   }
-  // Undefined ones are as the one before, at the start as the first that is defined; none turns round.
+  // An undefined Z repeats the one before, or at the start the first defined one. None turns round.
   const auto first = std::find_if(z.begin(), z.end(), [](const auto& one) { return one.has_value(); });
   if (!z[0]) z[0] = *first;
   for (std::size_t i = 1; i < count; ++i) {
@@ -73,7 +72,7 @@ std::vector<std::vector<glm::dvec3>> rings_of(const ExtrusionFields& fields) {
   return rings;
 }
 
-/// Way along a curve from 0 to 1.
+/// Returns the relative lengths along a curve, from 0 to 1.
 template <class Points>
 std::vector<double> way_along(const Points& points) {
   std::vector<double> way{0};
@@ -87,8 +86,7 @@ std::vector<double> way_along(const Points& points) {
   return way;
 }
 
-/// Corners of a star around the origin, counter-clockwise seen from -Y of the XZ plane with Z down the page, or round
-/// an axis (u, v); concave as often as not.
+/// Returns a star around the origin, counter-clockwise in (u, v) or seen from -Y of the XZ plane, often concave.
 MFVec2f random_star(Random& random, int corners) {
   MFVec2f star;
   for (int i = 0; i < corners; ++i) {
@@ -107,7 +105,7 @@ ExtrusionFields random_extrusion(Random& random) {
   const int points = 3 + random.below(7);
   for (int i = 0; i < points; ++i) {
     const glm::vec3 next(random.number(-5, 5), random.number(-5, 5), random.number(-5, 5));
-    // Sometimes a point on the way: three in a line.
+    // Sometimes adds a third collinear point.
     if (i > 0 && random.below(4) == 0) fields.spine.push_back((fields.spine.back() + next) * 0.5f);
     fields.spine.push_back(next);
   }
@@ -166,7 +164,7 @@ TEST_CASE("covers the cross-section once by the caps of random Extrusions (VRML9
     const bool ccw = random.flip();
     const std::vector<std::vector<glm::dvec3>> rings = rings_of(fields);
     const Mesh sides = scene_of(fields, ccw, false).mesh(), whole = scene_of(fields, ccw, true).mesh();
-    // Twice the area of the cross-section, by its corners; it is scaled, turned and moved to its place.
+    // Twice the area of the cross-section by its corners; it is scaled, rotated and moved.
     double area = 0;
     glm::dvec2 lower(1e9), upper(-1e9);
     const MFVec2f& section = fields.cross_section;
@@ -247,7 +245,7 @@ TEST_CASE("matches the formulas for random ElevationGrids (VRML97 6.17)") {
           result.color = {color.r, color.g, color.b};
           return result;
         };
-        // Counter-clockwise seen from +Y. Without normals each quadrilateral has one of its own: creaseAngle is 0.
+        // Counter-clockwise seen from +Y. With creaseAngle 0, each quadrilateral has its own normal.
         std::array<FormulaCorner, 4> corners{corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)};
         if (!given_normals) {
           const glm::dvec3 normal = glm::normalize(
@@ -267,7 +265,7 @@ TEST_CASE("matches the formulas for random ElevationGrids (VRML97 6.17)") {
 
 namespace {
 
-/// A closed or open surface of random polygons: the faces of a bent grid, of three and four corners.
+/// Random surface, closed or open: faces of three and four corners of a bent grid.
 struct RandomFaces {
   MFVec3f points;
   std::vector<std::vector<int>> faces;
@@ -294,7 +292,7 @@ RandomFaces random_faces(Random& random) {
   return result;
 }
 
-/// Twice the area of a face along its normal, counter-clockwise.
+/// Returns twice the area vector of a counter-clockwise face.
 glm::dvec3 area_of_face(const RandomFaces& all, const std::vector<int>& face) {
   glm::dvec3 sum(0);
   for (std::size_t i = 0; i < face.size(); ++i)
@@ -303,8 +301,8 @@ glm::dvec3 area_of_face(const RandomFaces& all, const std::vector<int>& face) {
   return sum;
 }
 
-/// The normal of a corner by creaseAngle (VRML97 4.6.3.5): the mean of those faces around its vertex that are within
-/// the angle of its own, by their area. Nothing when an angle is too near to the limit to be told from it.
+/// Returns the normal of a corner by creaseAngle (VRML97 4.6.3.5): the area-weighted mean of the faces at its vertex
+/// within the angle. Returns nullopt if an angle is too near to the limit.
 std::optional<glm::dvec3> smooth_normal(const RandomFaces& all, std::size_t own, int vertex, double crease_angle) {
   const glm::dvec3 normal = glm::normalize(area_of_face(all, all.faces[own]));
   glm::dvec3 sum(0);
@@ -319,10 +317,10 @@ std::optional<glm::dvec3> smooth_normal(const RandomFaces& all, std::size_t own,
   return glm::normalize(sum);
 }
 
-/// Values, and how the corners of faces find theirs (VRML97 6.23): per vertex or face, in order or by an index.
+/// Values with their binding to corners (VRML97 6.23): per vertex or face, in order or by index.
 struct RandomBinding {
   bool used, per_vertex, indexed;
-  MFInt32 index;  // as the node has it
+  MFInt32 index;  // as in the node
   RandomBinding(Random& random, const RandomFaces& all, int values, bool may_be_per_face)
       : used(random.flip()), per_vertex(!may_be_per_face || random.flip()), indexed(random.flip()) {
     if (!indexed) return;
@@ -428,7 +426,7 @@ TEST_CASE("covers random concave faces once, by triangles inside them (VRML97 6.
   for (int round = 0; round < 400; round += static_cast<int>(gs::watched_step(9))) {
     const int count = 4 + random.below(30);
     const MFVec2f star = random_star(random, count);
-    // Into a plane of any direction.
+    // Moves into a random plane.
     const glm::dvec3 normal = glm::normalize(
         glm::dvec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)) + glm::dvec3(1e-3));
     const glm::dvec3 u =
@@ -456,7 +454,7 @@ TEST_CASE("covers random concave faces once, by triangles inside them (VRML97 6.
       wrong += glm::dot(looks, normal) * (ccw ? 1 : -1) < -1e-6;
       for (const FormulaCorner& corner : triangle_of(mesh, t))
         wrong += glm::length(corner.normal - normal * (ccw ? 1.0 : -1.0)) > 1e-3;
-      // The middle of a triangle lies in the star: the ray from it meets its border an odd number of times.
+      // The centre of a triangle is inside the star: a ray from it crosses the border an odd number of times.
       const FormulaTriangle triangle = triangle_of(mesh, t);
       const glm::dvec3 middle = (triangle[0].position + triangle[1].position + triangle[2].position) / 3.0 - origin;
       const glm::dvec2 p(glm::dot(middle, u), glm::dot(middle, v));

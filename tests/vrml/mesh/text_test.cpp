@@ -109,7 +109,7 @@ TEST_CASE("aligns Text by justify (VRML97 6.20.3, Tables 6.2 to 6.5)") {
             text.justify(major.c_str(), minor.c_str()).style("size", 2.0f).style("spacing", 1.5f);
             text.style("horizontal", horizontal).style("leftToRight", left_to_right);
             text.style("topToBottom", top_to_bottom);
-            // Each line's box first with its start and the first base line at the origin.
+            // Boxes of the lines, each with its start and first base line at the origin.
             glm::dvec2 lower[3], upper[3];
             for (int i = 0; i < 3; ++i) {
               const double length = 2 * extents[i] * (horizontal ? 0.5 : 1);
@@ -126,7 +126,7 @@ TEST_CASE("aligns Text by justify (VRML97 6.20.3, Tables 6.2 to 6.5)") {
             const int along = horizontal ? 0 : 1, across = 1 - along;
             const bool along_up = horizontal ? left_to_right : !top_to_bottom;
             const bool across_up = horizontal ? !top_to_bottom : left_to_right;
-            // Tables 6.2 and 6.3: each line for itself, the named edge at the origin.
+            // Tables 6.2 and 6.3 align each line alone, with the named edge at the origin.
             for (int i = 0; i < 3; ++i) {
               const double begin = along_up ? lower[i][along] : upper[i][along];
               const double end = along_up ? upper[i][along] : lower[i][along];
@@ -134,7 +134,7 @@ TEST_CASE("aligns Text by justify (VRML97 6.20.3, Tables 6.2 to 6.5)") {
               lower[i][along] -= at;
               upper[i][along] -= at;
             }
-            // Tables 6.4 and 6.5: all lines together. FIRST of horizontal text is the first base line.
+            // Tables 6.4 and 6.5 align all lines together. FIRST of horizontal text is the first base line.
             const double begin = across_up ? lower[0][across] : upper[0][across];
             const double end = across_up ? upper[2][across] : lower[2][across];
             const double at = minor == "MIDDLE"                ? (begin + end) / 2
@@ -174,7 +174,7 @@ TEST_CASE("keeps the lines of empty strings") {
 
 TEST_CASE("stretches or compresses each string of Text to its length") {  // 6.47.1
   TextScene text({"ab", "ab", "ab", "ab"});
-  text.set("length", MFFloat{3, 0.5f, 0});  // natural extents are 1; 0 and what is missing: any length
+  text.set("length", MFFloat{3, 0.5f, 0});  // natural extents are 1; 0 and missing values allow any length
   const Mesh mesh = text.drawn();
   const float expected[] = {3, 0.5f, 1, 1};
   REQUIRE(mesh.positions.size() == 32);
@@ -201,9 +201,9 @@ TEST_CASE("compresses all strings of Text by the longest one if it exceeds maxEx
   Mesh mesh = text.drawn();
   check_box(mesh, {0, -1.25f}, {2, 0.75f});
   CHECK(mesh.positions[8 * 4 + 4 + 1].x == Approx(0.5));  // the second string's end
-  text.set("maxExtent", 5.0f);                            // longer than the longest: no compressing
+  text.set("maxExtent", 5.0f);                            // over the longest: no compression
   check_box(text.drawn(), {0, -1.25f}, {4, 0.75f});
-  // Lengths count first.
+  // length precedes maxExtent.
   text.set("maxExtent", 2.0f).set("length", MFFloat{8, 0});
   mesh = text.drawn();
   check_box(mesh, {0, -1.25f}, {2, 0.75f});
@@ -217,7 +217,7 @@ TEST_CASE("starts texture coordinates of Text at the first string's origin, with
   text.style("size", 4.0f).justify("MIDDLE", "BEGIN");
   const Mesh mesh = text.drawn();
   REQUIRE(mesh.texture_coordinates.size() == mesh.positions.size());
-  // The first string goes from x -2 to 2 on the base line y -3.
+  // The first string runs from x = -2 to 2 on the base line y = -3.
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     CHECK(mesh.texture_coordinates[i].x == Approx((mesh.positions[i].x + 2) / 4).margin(1e-6));
     CHECK(mesh.texture_coordinates[i].y == Approx((mesh.positions[i].y + 3) / 4).margin(1e-6));
@@ -269,7 +269,7 @@ TEST_CASE("tolerates zero, negative and NaN numbers in Text") {
     }
   TextScene text({"ab"});
   text.style("size", -2.0f);
-  check_box(text.drawn(), {0, -0.25f}, {1, 0.75f});  // as if it were the default
+  check_box(text.drawn(), {0, -0.25f}, {1, 0.75f});  // like the default
 }
 
 TEST_CASE("draws Text of 100 strings of 100 characters (Table 7-1)") {

@@ -15,7 +15,7 @@ using namespace vrml;
 
 constexpr std::size_t kMemory = std::size_t{8} << 20;
 
-/// A text in a world of little memory.
+/// A text in a world with a small memory limit.
 struct Small {
   explicit Small(const std::string& body, std::size_t memory = kMemory)
       : scene("bomb.wrl", Limits{.memory = memory}), outcome(parse("#VRML V2.0 utf8\n" + body, scene, diagnostics)) {}
@@ -39,7 +39,7 @@ std::string repeated(const std::string& text, std::size_t count) {
   return all;
 }
 
-/// 2^levels Groups in as many lines.
+/// Returns nested PROTOs that make 2^levels Groups.
 std::string laughs(int levels) {
   std::string text = "PROTO P0 [ ] { Group { children [ Shape { } ] } }\n";
   for (int i = 1; i <= levels; ++i) {
@@ -66,7 +66,7 @@ TEST_CASE("limits each resource of a budget, and their sum") {
   CHECK(budget.used(Resource::vectors) == 0);
   CHECK(budget.refusal(Resource::vectors) ==
         "more than the limit for all that is held, 2400 bytes of one world (--memory raises it)");
-  CHECK(budget.take(Resource::unpacked, 3200));  // which is not held
+  CHECK(budget.take(Resource::unpacked, 3200));  // is not held
   budget.give_back(Resource::nodes, 1300);
   CHECK(budget.take(Resource::vectors, 1400));
   CHECK_FALSE(budget.take(Resource::meshes, ~std::uint64_t{0}));
@@ -150,7 +150,7 @@ TEST_CASE("leaves nested PROTOs empty that exceed the limit, and keeps the other
   CHECK(small.scene.resolve_as(small.scene.roots()[3], NodeKind::shape));
   CHECK(small.scene.node_count() < 300);
 
-  // Many that are small each are no better.
+  // Many small instances reach the limit, too.
   const Small many(laughs(4) + repeated("P4 { }\n", 10'000) + "Shape { }");
   INFO(many.said());
   CHECK(many.said("more than the limit for PROTO instances"));
@@ -209,10 +209,10 @@ TEST_CASE("leaves out geometries that exceed the memory limit, and gives back th
   const NodeId extrusion = made("Extrusion");
   scene.set(extrusion, "crossSection", section);
   scene.set(extrusion, "spine", spine);
-  check(extrusion, false);  // not two rings
+  check(extrusion, false);  // fewer than two rings
   section.resize(10);
   scene.set(extrusion, "crossSection", section);
-  check(extrusion, true);  // the begin of the spine
+  check(extrusion, true);  // the start of the spine
   spine.resize(50);
   scene.set(extrusion, "spine", spine);
   CHECK_FALSE(tessellate(scene, extrusion).left_out);

@@ -27,7 +27,7 @@ std::string squeezed(std::string text) {
   return text;
 }
 
-// The JSON file lost some infinity and pi signs on its way.
+// Restores infinity and pi signs that the JSON file lost.
 std::string repaired(const std::string& node, std::string range) {
   range = squeezed(range);
   if (range == "seeSoSFImage") return "";
@@ -80,7 +80,7 @@ TEST_CASE("matches the interfaces of the standard, row by row") {
       CHECK(std::string(name_of(declaration->type)) == row["type"]);
       CHECK(squeezed(declaration->range) == repaired(name, row["range"]));
       if (declaration->slot < 0) continue;
-      // The default, read by the same reader, must be the same value.
+      // The same reader must read the default to an equal value.
       NodeType standard;
       REQUIRE(parse_interface("field " + std::string(row["type"]) + " x " + std::string(row["default"]), standard));
       CHECK((declaration->initial == standard.interfaces.front().initial));

@@ -106,7 +106,7 @@ TEST_CASE("takes body and defaults of an EXTERNPROTO from a PROTO of another sce
     const NodeId transform = scene->resolve_as(ball, NodeKind::transform);
     REQUIRE(transform);
     CHECK(scene->get<SFVec3f>(transform, "translation") ==
-          SFVec3f(1, 2, 3));  // not in the EXTERNPROTO: the PROTO's own
+          SFVec3f(1, 2, 3));  // the PROTO's own interface, not in the EXTERNPROTO
     const MFNode extra = scene->get<MFNode>(child(*scene, transform, 1), "children");
     REQUIRE(extra.size() == 1);
     CHECK(scene->node(extra[0]).type->name == "Shape");

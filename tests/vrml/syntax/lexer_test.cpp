@@ -12,13 +12,13 @@ using namespace gs::vrml;
 
 namespace {
 
-// Tokens as text, with their places. The window grows by `piece` bytes whenever the lexer asks for more.
+// Returns tokens as text with their positions. The window grows by `piece` bytes on each request of the lexer.
 std::vector<std::string> tokens_of(const std::string& text, std::size_t piece) {
   std::vector<std::string> tokens;
   Lexer lexer;
   std::size_t start = 0, end = std::min(piece, text.size());
   for (;;) {
-    // Each window is a copy of its own, so that no token can rely on bytes that are not in it.
+    // Each window is a copy, so that no token can use bytes outside it.
     const std::vector<char> window(text.begin() + static_cast<std::ptrdiff_t>(start),
                                    text.begin() + static_cast<std::ptrdiff_t>(end));
     static const char kNothing[1] = {};

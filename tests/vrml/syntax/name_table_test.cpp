@@ -26,7 +26,7 @@ TEST_CASE("finds the node of each name in a table of any size") {
     REQUIRE_EACH((*found == NodeId{i + 1, 7}));
   }
   CHECK_FALSE(table.find("Name2"));
-  // Another node of the same name takes its place.
+  // Another node of the same name replaces it.
   table.insert(names[9]) = {1, 1};
   CHECK(*table.find(names[9]) == NodeId{1, 1});
   CHECK(table.insert(names[10]) == NodeId{11, 7});

@@ -59,13 +59,13 @@ class GuardedText {
   GuardedText(const GuardedText&) = delete;
   GuardedText& operator=(const GuardedText&) = delete;
 
-  /// The text, flush with the page behind it.
+  /// Returns the text directly before the unreadable page.
   std::string_view at_end(std::string_view text) {
     char* const begin = base_ + page_ + size_ - text.size();
     std::copy(text.begin(), text.end(), begin);
     return {begin, text.size()};
   }
-  /// The text, flush with the page in front of it.
+  /// Returns the text directly after the unreadable page.
   std::string_view at_start(std::string_view text) {
     std::copy(text.begin(), text.end(), base_ + page_);
     return {base_ + page_, text.size()};
@@ -82,7 +82,7 @@ bool is_delimiter(char c) {
   return is_blank(c) || c == '[' || c == ']' || c == '{' || c == '}' || c == '#' || c == '"';
 }
 
-/// True where `run` keeps every promise of NumberRun about the text that it passed.
+/// Checks every promise of NumberRun about the text that it passed.
 template <class T>
 bool keeps_promises(const NumberRun& run, std::string_view text, const T* out, std::size_t capacity) {
   const char* const begin = text.data();
@@ -111,8 +111,8 @@ bool keeps_promises(const NumberRun& run, std::string_view text, const T* out, s
   return count == run.count && lines == run.lines && line_start == run.line_start;
 }
 
-/// Reads as the parser does: in runs, and number by number where a run stops. Stops at rubbish. `window`:
-/// how much text is seen at first; the rest comes when no more can be read of that.
+/// Reads like the parser: in runs, and single numbers where a run stops. Stops at rubbish. Starts with `window` bytes,
+/// and continues when these are used up.
 template <class T>
 std::vector<T> read_all(const Path<T>& path, std::string_view text, std::size_t window, std::size_t capacity = 1000) {
   std::vector<T> values;
@@ -154,8 +154,8 @@ std::int32_t reference(const std::string& token, std::int32_t) {
 template <class T, class Token>
 void check_random_texts(unsigned seed, unsigned texts, unsigned numbers, Token token) {
   RandomBits random(seed);
-  for (unsigned i = 0; i < texts; i += gs::watched_step(4)) {  // not 3: see the shapes below
-    // Also texts of one shape only, and of few: the paths treat crowds of special numbers in their own way.
+  for (unsigned i = 0; i < texts; i += gs::watched_step(4)) {  // 4, not 3, because of the shapes below
+    // Includes texts of one or few shapes, since paths treat groups of special numbers separately.
     const unsigned shapes = i % 3 == 0 ? 1 + below(random, 20) : numbers;
     std::vector<std::string> tokens;
     std::vector<T> expected;
@@ -178,7 +178,7 @@ void check_random_texts(unsigned seed, unsigned texts, unsigned numbers, Token t
   }
 }
 
-/// Every length of the text, with unreadable pages on both sides.
+/// Tests every length of the text, with unreadable pages on both sides.
 template <class T>
 void check_prefixes(const std::string& text) {
   GuardedText guarded(text.size());
@@ -209,7 +209,7 @@ void check_prefixes(const std::string& text) {
   }
 }
 
-/// Every place to cut the text in two windows.
+/// Cuts the text in two windows at every position.
 template <class T>
 void check_splits(const std::string& text) {
   for (const Path<T>& path : paths(T{})) {
@@ -251,7 +251,7 @@ void check_garbage(unsigned seed, const std::string& alphabet) {
         text += alphabet[below(random, static_cast<unsigned>(alphabet.size()))];
       }
     }
-    if (below(random, 2)) {  // rubbish behind numbers
+    if (below(random, 2)) {  // rubbish after the numbers
       std::string numbers;
       for (unsigned n = below(random, 20); n > 0; --n) numbers += integer_token(random) + separator(random);
       text = (numbers + text).substr(0, 400);
@@ -267,7 +267,7 @@ void check_garbage(unsigned seed, const std::string& alphabet) {
   }
 }
 
-/// Numbers, as a run of each path leaves them, and where it stops.
+/// Checks numbers and end of the run on each path.
 template <class T>
 void check_stop(const std::string& text, std::size_t count, std::size_t next) {
   for (const Path<T>& path : paths(T{})) {

@@ -30,7 +30,7 @@ std::vector<fs::path> corpus(const std::string& folder) {
   return files;
 }
 
-// All that can be seen of a parse: how it ended, what it said, what it made.
+// Returns the whole result of a parse: outcome, messages and scene.
 std::string result_of(const std::string& name, ParseOutcome outcome, const SceneGraph& scene,
                       const Diagnostics& diagnostics) {
   std::string result =
@@ -50,7 +50,7 @@ std::string parse_pieces(const std::string& name, const std::vector<std::string>
   Diagnostics diagnostics;
   Parser parser(scene, diagnostics);
   for (const std::string& piece : pieces) {
-    // A copy of its own on the heap, so that a sanitizer sees every byte that is touched behind its end.
+    // A copy on the heap, so that a sanitizer detects reads beyond the end.
     const std::vector<char> exact(piece.begin(), piece.end());
     parser.push(std::string_view(exact.data(), exact.size()));
   }
@@ -287,7 +287,7 @@ TEST_CASE("lists the nodes that are still open") {
     return types;
   };
   CHECK(open_types().empty());
-  // Longer than the part of a text that must be there before anything is read.
+  // Longer than the text that must be present before parsing starts.
   parser.push("#VRML V2.0 utf8\n" + std::string(2000, ' '));
   parser.push("Transform { children Shape { geometry IndexedFaceSet { coord Coordinate { point [ 1 2 3, ");
   CHECK(open_types() == "Transform Shape IndexedFaceSet Coordinate ");
@@ -323,7 +323,7 @@ TEST_CASE("accepts a number without a blank before a token that cannot continue 
        "Transform { translation 1 -2 -3 rotation 0 1 0 1.5 scale 1 1 1 }");
   same("TimeSensor { cycleInterval 2loop TRUE }", "TimeSensor { cycleInterval 2 loop TRUE }");
   same("PixelTexture { image 1 1 1 0xFFrepeatS FALSE }", "PixelTexture { image 1 1 1 0xFF repeatS FALSE }");
-  // No name holds a point.
+  // No name contains a point.
   same("Viewpoint { fieldOfView.785description \"a\" position.5.25-1 }",
        "Viewpoint { fieldOfView .785 description \"a\" position .5 .25 -1 }");
   same("PROTO P [ field SFFloat x 1 ] { Material { shininess IS x } } P { x.5 }",

@@ -7,8 +7,8 @@
 
 #include <string>
 
-// The least that a browser supports (VRML97 7.3.3, Table 7-1), each a little more than asked for. There are no limits
-// but those of Limits, which are far above.
+// Minimum support of a browser (VRML97 7.3.3, Table 7-1), each slightly exceeded. Only Limits bounds these sizes, far
+// higher.
 
 namespace gs::vrml::traces {
 
