@@ -19,7 +19,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/// A server on an address of loopback that does what a test tells it, however wrong. The port is the kernel's choice.
+/// Server on a loopback address that sends what a test scripts, however wrong. The kernel chooses the port.
 namespace gs::net::test {
 
 class BadServer {
@@ -28,10 +28,10 @@ class BadServer {
   class Exchange {
    public:
     std::string request;      // the request line and the headers
-    unsigned number = 0;      // of the request, from 0
-    bool keep_alive = false;  // to be set where another request may follow
+    unsigned number = 0;      // number of the request, from 0
+    bool keep_alive = false;  // set if another request may follow
 
-    /// False when the client is gone.
+    /// Returns false if the client is gone.
     bool send(std::string_view text) const {
       while (!text.empty()) {
         const ssize_t sent = ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
@@ -40,12 +40,12 @@ class BadServer {
       }
       return true;
     }
-    /// Until the test is over, or so long.
+    /// Waits for a time, or until the test ends.
     void sleep(std::chrono::milliseconds time = std::chrono::seconds(60)) const {
       std::unique_lock lock(server_.mutex_);
       server_.stopped_.wait_for(lock, time, [this] { return server_.stopping_; });
     }
-    /// The connection ends by reset, not politely.
+    /// Ends the connection by a reset.
     void reset() const {
       const linger now{1, 0};
       ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &now, sizeof now);
@@ -158,7 +158,7 @@ class BadServer {
   std::thread acceptor_;
 };
 
-/// An answer as HTTP has it.
+/// Returns a valid HTTP answer.
 inline std::string http(const std::string& status, const std::string& headers, const std::string& body) {
   return "HTTP/1.1 " + status + "\r\n" + headers + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
 }

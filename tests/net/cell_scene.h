@@ -25,7 +25,7 @@ class PatternSource : public CellSource {
       : base_(base), streams_(std::move(streams)), version_(version) {
     for (std::size_t i = 0; i < base; ++i) base_[i] = static_cast<std::byte>(i * 7 + (i >> 8));
   }
-  /// The bytes of a chunk from `offset` on, eight of one number.
+  /// Fills the bytes of a chunk from `offset` on, eight of one number.
   static void fill(std::span<std::byte> bytes, std::size_t stream, std::uint32_t chunk, std::size_t offset) {
     for (std::size_t done = 0; done < bytes.size();) {
       std::uint64_t state = stream << 56 | std::uint64_t{chunk} << 24 | (offset + done) / 8;
@@ -97,7 +97,7 @@ struct ReceivedCells {
   std::map<int, std::uint64_t> slot_bytes;
   std::map<ChunkName, std::uint64_t> chunk_bytes;
 
-  /// How many chunks are there as a whole.
+  /// Counts the complete chunks.
   std::uint64_t whole_chunks(const PatternSource& source) const {
     return static_cast<std::uint64_t>(std::count_if(chunk_bytes.begin(), chunk_bytes.end(), [&](const auto& entry) {
       return entry.second == source.chunk_size(entry.first.stream);
@@ -147,8 +147,7 @@ struct ReceivedCells {
   }
 };
 
-/// A server and its clients, each with a link of its own, in a time that is
-/// counted.
+/// A server and its clients, each with its own link, in simulated time.
 class Scene {
  public:
   struct Client {
@@ -182,7 +181,7 @@ class Scene {
     result.port = 4000;
     return result;
   }
-  /// Lets everything happen until then, or until `until` is true.
+  /// Runs until a time, or until `until` returns true.
   template <class Until>
   void run(Instant end, Until until) {
     while (now <= end && !until()) {
@@ -198,7 +197,7 @@ class Scene {
   void run(Instant end) {
     run(end, [] { return false; });
   }
-  /// All that the server sends goes through one link before the clients' own.
+  /// Sends all data of the server through one link before the clients' own.
   void share_link(const Link::Options& link) { shared.emplace(link, 99); }
   void step() {
     while (auto bytes = shared ? shared->take(now) : std::nullopt) {

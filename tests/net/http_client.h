@@ -18,15 +18,15 @@
 
 namespace gs::net::test {
 
-/// An answer, as libcurl got it.
+/// Answer as libcurl received it.
 struct Got {
   CURLcode code = CURLE_OK;
   long status = 0;
   std::map<std::string, std::string> headers;  // names in lower case
-  std::string body;                            // as it came: not decompressed
+  std::string body;                            // as received, not decompressed
 };
 
-/// Asks with libcurl, a connection of its own each time. `method` empty: GET.
+/// Requests with libcurl, on a new connection each time. An empty `method` means GET.
 inline Got fetch(std::uint16_t port, const std::string& target, const std::vector<std::string>& headers = {},
                  const std::string& method = {}) {
   Got got;
@@ -67,7 +67,7 @@ inline Got fetch(std::uint16_t port, const std::string& target, const std::vecto
   return got;
 }
 
-/// A port of loopback that nobody listens at just now.
+/// Returns a free loopback port.
 inline std::uint16_t free_port() {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -80,8 +80,7 @@ inline std::uint16_t free_port() {
   return ntohs(address.sin_port);
 }
 
-/// A connection without a library. `from`: the address of the client, one of
-/// 127.0.0.0/8.
+/// Connection without a library. `from` is the client's address in 127.0.0.0/8.
 class RawClient {
  public:
   explicit RawClient(std::uint16_t port, const char* from = "127.0.0.1", int receive_buffer = 0) {
@@ -96,7 +95,7 @@ class RawClient {
     address.sin_port = htons(port);
     must(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "connect");
   }
-  // Not Catch's: clients live on threads of their own, and its assertions on one only.
+  // Replaces Catch's assertions, which work on one thread only.
   static void must(bool good, const char* what) {
     if (!good) throw std::system_error(errno, std::generic_category(), what);
   }
@@ -120,7 +119,7 @@ class RawClient {
     text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
     return text;
   }
-  /// Until the other side closes.
+  /// Receives until the other side closes.
   [[nodiscard]] std::string receive_all() const {
     std::string all;
     for (std::string piece = receive(); !piece.empty(); piece = receive()) all += piece;

@@ -12,18 +12,17 @@
 
 namespace gs::net {
 
-/// One direction of a network, scripted: the same seed and the same calls give
-/// the same, bit for bit.
+/// Scripted direction of a network: equal seeds and calls give equal results, bit for bit.
 class Link {
  public:
   struct Options {
     Instant latency{0};
-    std::uint64_t bandwidth = 0;     // bits a second; 0: any
-    std::size_t queue = 256 * 1024;  // bytes that wait for the bandwidth; what comes then is dropped
+    std::uint64_t bandwidth = 0;     // bits per second; 0 means unlimited
+    std::size_t queue = 256 * 1024;  // bytes that can wait for the bandwidth; more are dropped
     double loss = 0, duplicated = 0, reordered = 0;
     Instant reordered_by{20'000};
     bool cut = false;  // nothing passes
-    double burst = 1;  // losses come in runs of so many on average (Gilbert's model); 1: each by itself
+    double burst = 1;  // mean length of runs of losses (Gilbert's model); 1 for independent losses
   };
   Link(Options options, std::uint64_t seed) : options_(options), random_(seed * 2 + 1) {}
 

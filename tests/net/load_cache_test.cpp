@@ -4,7 +4,7 @@
 
 #include "tests/net/load_helpers.h"
 
-/// The loader with its cache, by the memory transport.
+/// The loader with its cache, over the memory transport.
 namespace {
 
 using namespace gs::net;
@@ -13,7 +13,7 @@ using namespace gs::net::test;
 class CacheBench {
  public:
   CacheBench() { start(); }
-  /// As the program would after a restart.
+  /// Starts again, as after a restart of the program.
   void start() {
     const std::vector<TransferRequest> seen = bench ? bench->network->transfers() : std::vector<TransferRequest>();
     const std::int64_t unix_start = bench ? bench->options.unix_seconds() : 1'700'000'000;
@@ -200,7 +200,7 @@ TEST_CASE("asks the server on reload, and writes nothing with never_store") {
   CHECK(cache.load().head.from_cache);
   request.accept = "image/png";
   request.cache = CacheUse::normal;
-  CHECK_FALSE(cache.bench->load(request).head.from_cache);  // another question
+  CHECK_FALSE(cache.bench->load(request).head.from_cache);  // another request
 }
 
 TEST_CASE("limits cached bytes that wait for a slow owner") {

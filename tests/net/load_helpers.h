@@ -19,7 +19,7 @@
 /// Helpers of tests of the loader.
 namespace gs::net::test {
 
-/// A folder of its own for each test, gone at its end.
+/// Temporary folder of one test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -45,7 +45,7 @@ inline std::vector<std::byte> bytes_of(std::string_view text) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Text of which every part of a few bytes occurs once.
+/// Returns text in which any few consecutive bytes occur once.
 inline std::string pattern(std::size_t size, unsigned version = 0) {
   std::string result;
   result.reserve(size + 16);
@@ -64,7 +64,7 @@ inline MemoryResource resource(const std::string& text, const std::string& etag 
   return result;
 }
 
-/// A request for these ranges of a resource.
+/// Returns a request for these ranges of a resource.
 inline Request ranges_of(const std::string& url, std::vector<ByteRange> ranges) {
   Request request;
   request.url = url;
@@ -74,7 +74,7 @@ inline Request ranges_of(const std::string& url, std::vector<ByteRange> ranges) 
 
 /// Result of one request. Fails the test if the order of events is wrong.
 struct Outcome {
-  std::string events;  // a letter each: Head, data (one d for all in a row), Restarted, done (.), error (!)
+  std::string events;  // one letter each: Head, data (one d per run), Restarted, done (.), error (!)
   LoadHead head;
   std::map<std::uint64_t, std::string> pieces;  // joined
   std::optional<LoadError> error;
@@ -120,7 +120,7 @@ struct Outcome {
     }
     if (after != pieces.begin()) {
       const auto before = std::prev(after);
-      REQUIRE(before->first + before->second.size() <= data.offset);  // no byte twice
+      REQUIRE(before->first + before->second.size() <= data.offset);  // no byte arrives twice
       if (before->first + before->second.size() == data.offset) {
         before->second += text;
         if (after != pieces.end() && after->first == data.offset + text.size()) {
@@ -138,7 +138,7 @@ struct Outcome {
   }
 };
 
-/// An engine with the memory transport and a clock of its own: no threads, no waiting.
+/// Engine with the memory transport and a simulated clock, without threads and waiting.
 class Bench {
  public:
   explicit Bench(LoaderOptions given = {}, std::unique_ptr<HttpCache> cache = nullptr)
@@ -174,14 +174,14 @@ class Bench {
   void poll(std::size_t max_bytes = std::size_t{1} << 30) {
     for (const LoadEvent& event : queue->poll(max_bytes)) outcomes[event.id].add(event);
   }
-  /// Until nothing more happens, or the time is over.
+  /// Runs until nothing more happens, or for a time.
   void run(Milliseconds time = Milliseconds(3'600'000), bool polls = true) {
     const TimePoint end = now + time;
     for (int i = 0; i < 1'000'000; ++i) {
       const auto next = engine->step(now);
       const std::size_t before = queue->queued_bytes();
       if (polls) poll();
-      if (polls && before > 0) continue;  // there is room again
+      if (polls && before > 0) continue;  // polling made room
       if (!next) return;
       if (*next > end) {
         now = end;
@@ -226,7 +226,7 @@ inline std::map<RequestId, Outcome> wait_for(Loader& loader, const std::vector<R
       if (!outcomes[id].ended()) return true;
     return false;
   };
-  // Only against hanging for ever: nothing is asserted of the time.
+  // Prevents hanging; asserts nothing about time.
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (open()) {
     for (const LoadEvent& event : loader.poll(max_bytes)) outcomes[event.id].add(event);

@@ -7,7 +7,7 @@
 
 namespace gs::net::test {
 
-/// The memory of this process that is in RAM, in bytes.
+/// Returns the resident memory of this process in bytes.
 inline std::size_t resident() {
   std::ifstream file("/proc/self/statm");
   std::size_t all = 0, now = 0;

@@ -13,8 +13,7 @@
 
 namespace gs::net::test {
 
-/// A folder that is served, with a folder for what is made beside it; both gone
-/// at the end.
+/// Served folder with a folder for made files beside it; both are temporary.
 class ServedSite {
  public:
   ServedSite() {
@@ -32,7 +31,7 @@ class ServedSite {
   ServedSite(const ServedSite&) = delete;
   ServedSite& operator=(const ServedSite&) = delete;
 
-  /// Of the served folder; "../x" is beside it.
+  /// Writes a file of the served folder; "../x" is beside it.
   void write(const std::string& name, const std::string& bytes) const {
     const auto path = std::filesystem::path(options.folder) / name;
     std::filesystem::create_directories(path.parent_path());
@@ -60,7 +59,7 @@ class ServedSite {
   std::filesystem::path base_;
 };
 
-/// Bytes of which each place is different from its neighbours.
+/// Returns bytes that differ from their neighbours.
 inline std::string binary_pattern(std::size_t size) {
   std::string bytes(size, '\0');
   for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>((i * 2654435761U) >> 13U);

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The block of docs/serving.md that it says to be tested.
+// Returns the tested block of docs/serving.md.
 std::string documented_block() {
   std::ifstream file(GHOSTSPACE_TESTS "/../docs/serving.md");
   std::stringstream all;
@@ -32,7 +32,7 @@ std::string documented_block() {
   return text.substr(begin + mark.size(), end - begin - mark.size());
 }
 
-/// nginx with the block, in front of a folder; killed at the end.
+/// nginx with the documented block, for one folder; killed at the end.
 class DocumentedNginx {
  public:
   explicit DocumentedNginx(const fs::path& base) {

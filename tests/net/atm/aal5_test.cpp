@@ -21,7 +21,7 @@ std::vector<Cell> cells_of(std::span<const std::byte> bytes, Vc vc = {1, 64}, st
   return cells;
 }
 
-/// The CRC as I.363.5 words it, a bit at a time.
+/// Computes the CRC as I.363.5 defines it, bit by bit.
 std::uint32_t slow_crc(std::span<const std::byte> bytes) {
   std::uint32_t crc = 0xffffffff;
   for (const std::byte byte : bytes)
@@ -40,8 +40,7 @@ std::vector<Pdu> push_all(Reassembler& reassembler, std::span<const Cell> cells)
 
 TEST_CASE("computes the CRC of AAL5", "[aal5]") {
   const std::string_view check = "123456789";
-  // The check value of this CRC in Ross Williams' catalogue, where it is called
-  // CRC-32/BZIP2, also "AAL5".
+  // Check value in Ross Williams' catalogue, where the CRC is called CRC-32/BZIP2 or AAL5.
   REQUIRE(aal5_crc(std::as_bytes(std::span(check.data(), check.size()))) == 0xfc891918);
   for (const std::size_t size : {0U, 1U, 4U, 40U, 47U, 376U, 1210U, 5000U}) {
     const auto bytes = pdu_bytes(size);
@@ -96,7 +95,7 @@ TEST_CASE("rejects a PDU with any single wrong bit", "[aal5]") {
     Reassembler reassembler;
     REQUIRE(push_all(reassembler, damaged).empty());
     REQUIRE(reassembler.damaged() == 1);
-    // The next one is not harmed.
+    // The next PDU is intact.
     REQUIRE(push_all(reassembler, cells).size() == 1);
   }
 }
@@ -205,7 +204,7 @@ TEST_CASE("limits the memory of the reassembler", "[aal5]") {
     REQUIRE(out.size() <= 1);
     out.clear();
   }
-  // A PDU without end, and then an end.
+  // A PDU without end, followed by an end.
   cell.vc = {9, 9};
   for (int i = 0; i < 100'000; ++i) reassembler.push(cell, out);
   cell.type = 1;

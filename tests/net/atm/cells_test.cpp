@@ -60,7 +60,7 @@ TEST_CASE("never accepts a header with two wrong bits as correct", "[cells]") {
       bad[second / 8] ^= static_cast<std::byte>(128 >> second % 8);
       LineReceiver receiver;
       const auto cell = receiver.receive(bad);
-      REQUIRE_FALSE(cell);  // the code's distance is four: two wrong bits are seen
+      REQUIRE_FALSE(cell);  // the code's distance is four, so two wrong bits are detected
       ++refused;
     }
   REQUIRE(refused == 780);

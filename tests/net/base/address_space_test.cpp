@@ -61,7 +61,7 @@ TEST_CASE("classifies addresses as loopback, local, global or special") {
       {"2001::1", AddressSpace::special},
       {"4000::1", AddressSpace::special},
       {"::2", AddressSpace::special},
-      // Of IPv4 inside: mapped, NAT64, 6to4, compatible.
+      // IPv4 addresses inside IPv6: mapped, NAT64, 6to4, compatible.
       {"::ffff:127.0.0.1", AddressSpace::loopback},
       {"::ffff:10.1.2.3", AddressSpace::local},
       {"::ffff:8.8.8.8", AddressSpace::global},

@@ -10,7 +10,7 @@ namespace {
 
 IpAddress address_of_text(const std::string& text) { return ip_address_of(text).value(); }
 
-// The answer to a GET of /a with these lines of a header.
+// Returns the answer to a GET of /a with these header lines.
 std::string asked_for(const ServedSite& site, const std::string& lines, const std::string& target = "/a") {
   RawClient client(site.port);
   client.send("GET " + target + " HTTP/1.1\r\n" + lines + "Connection: close\r\n\r\n");
@@ -169,7 +169,7 @@ TEST_CASE("HTTP server: keeps other clients of a proxy served when one reaches i
   const auto ask = [](const std::string& forwarded) {
     return "GET /a HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-For: " + forwarded + "\r\n\r\n";
   };
-  // More connections than one address may have; the first client uses up what it may ask for.
+  // More connections than one address may have. The first client uses up its limit.
   std::vector<std::unique_ptr<RawClient>> connections;
   for (int i = 0; i < 6; ++i) connections.push_back(std::make_unique<RawClient>(site.port));
   bool refused = false;
@@ -183,7 +183,7 @@ TEST_CASE("HTTP server: keeps other clients of a proxy served when one reaches i
     connections[i]->send(ask("198.51.100.1, 198.51.100." + std::to_string(10 + i)));
     CHECK(connections[i]->receive().starts_with("HTTP/1.1 200"));
   }
-  // From an address that is no proxy of ours the field is anyone's.
+  // The field of an address that is no trusted proxy is ignored.
   RawClient stranger(site.port, "127.0.0.7");
   bool limited = false;
   for (int i = 0; i < 100 && !limited; ++i) {

@@ -29,7 +29,7 @@ TEST_CASE("saves at most its burst", "[token_bucket]") {
   REQUIRE(bucket.has(2000, Instant(1'000'000'000)));
   bucket.take(2000, Instant(1'000'000'000));
   REQUIRE_FALSE(bucket.has(1, Instant(1'000'000'000)));
-  // More than the burst waits for a full bucket only.
+  // More than the burst waits only for a full bucket.
   REQUIRE(bucket.when(5000, Instant(1'000'000'000)) == Instant(1'002'000'000));
 }
 
@@ -41,7 +41,7 @@ TEST_CASE("waits for a new rate if the rate is 0", "[token_bucket]") {
   REQUIRE(bucket.when(10, Instant(20)) == Instant(30));
   bucket.set_rate(~std::uint64_t{0}, ~std::uint64_t{0}, Instant(20));
   REQUIRE(bucket.has(1'000'000, Instant(90'000'000)));
-  // Time that goes back changes nothing.
+  // A time in the past changes nothing.
   REQUIRE(bucket.has(1'000'000, Instant(5)));
 }
 
@@ -56,9 +56,9 @@ TEST_CASE("lets an allowed debt pass early, and waits until it is paid back", "[
   REQUIRE(bucket.when(1000, Instant(0)) == Instant(1000));
   bucket.allow_debt(0);
   REQUIRE(bucket.when(1000, Instant(0)) == Instant(11'000));
-  // Over a second no more has passed than the rate and the burst allow.
+  // Over a second no more passes than the rate and the burst allow.
   REQUIRE(bucket.has(2000, Instant(12'000)));
-  // Without a rate there is nothing to pay it back with.
+  // Without a rate no debt can be paid back.
   TokenBucket none(0, 1000, Instant(0));
   none.allow_debt(5000);
   none.take(1000, Instant(0));

@@ -76,7 +76,7 @@ TEST_CASE("resolves references as in the normal examples (RFC 3986 5.4.1)") {
   for (const auto& [reference, target] : examples) {
     CHECK(resolved("http://a/b/c/d;p?q", reference) == target);
   }
-  // A one-letter scheme is a drive letter to us, so the example is tried with two letters.
+  // A one-letter scheme counts as a drive letter, so the example uses two letters.
   CHECK(resolved("http://a/b/c/d;p?q", "gg:h") == "gg:h");
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("resolves references against files and against hosts without a path") 
   CHECK(resolved("a/b.wrl", "c.wrl") == "a/c.wrl");
   CHECK(resolved("", "c.wrl") == "c.wrl");
   CHECK(resolved("x:", "y").find('y') != std::string::npos);
-  // A path of two slashes does not become a host.
+  // A path of two slashes never becomes a host.
   CHECK(resolved("urn:a", "/.//b") == "urn:/.//b");
 }
 

@@ -82,7 +82,7 @@ TEST_CASE("limits messages to one datagram", "[cell_contract]") {
 TEST_CASE("rejects every prefix of a message, and invalid values", "[cell_contract]") {
   for (const ContractMessage& message : samples()) {
     const auto bytes = encode_contract(message);
-    // Hellos and reports are filled up behind their end.
+    // Hellos and reports are padded at the end.
     const bool filled = message.index() == 0 || message.index() == 5;
     for (std::size_t size = 0; size < bytes.size(); ++size) {
       const auto decoded = decode_contract(std::span(bytes).first(size));

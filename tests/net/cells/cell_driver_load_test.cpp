@@ -23,7 +23,7 @@ struct Client {
   bool base = false, ended = false, failed = false;
 };
 
-/// One turn of a client; whether something came.
+/// Runs one turn of a client. Reports whether it received something.
 bool turn(Client& at, const Endpoint& server) {
   bool any = false;
   Endpoint from;
@@ -113,7 +113,7 @@ TEST_CASE("serves two hundred clients on loopback evenly, in bounded memory", "[
   CHECK(statistics.clients == kClients);
   CHECK(statistics.accepted == kClients);
   CHECK(statistics.refused == 0);
-  // Of server and clients together.
+  // Memory of server and clients together.
   if (!gs::watched()) CHECK(most_memory - before < kClients * std::size_t{400'000});
 }
 

@@ -31,7 +31,7 @@ std::unique_ptr<CellClientDriver> start_client(std::uint16_t port, std::function
   return std::move(std::get<std::unique_ptr<CellClientDriver>>(started));
 }
 
-/// Polls until `done`, or for half a minute.
+/// Polls until `done` returns true, or for half a minute.
 template <class Done>
 void poll_until(CellClientDriver& client, ReceivedCells& got, const CellSource& source, Done done) {
   const auto end = std::chrono::steady_clock::now() + 30s;

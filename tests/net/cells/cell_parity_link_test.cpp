@@ -49,7 +49,7 @@ std::shared_ptr<PatternSource> parity_clusters() {
 }
 
 struct Measured {
-  double chunks = 0, bytes = 0, sent = 0;  // whole chunks and bytes that came; bytes sent, a byte of data
+  double chunks = 0, bytes = 0, sent = 0;  // whole chunks and bytes received; bytes sent per byte of data
 };
 Measured measure(const Scene& scene, const PatternSource& source) {
   const Scene::Client& client = *scene.clients[0];
@@ -69,7 +69,7 @@ TEST_CASE("adds no bytes for parity without loss", "[cell_parity]") {
     REQUIRE(with->clients[0]->client.statistics().parity == 0);
     trial.parity = false;
     const auto without = trial.run(source);
-    // But for the first datagrams, which are a little shorter.
+    // Except for the slightly shorter first datagrams.
     REQUIRE(static_cast<double>(with->clients[0]->down.sent_bytes()) <
             1.02 * static_cast<double>(without->clients[0]->down.sent_bytes()));
   }
@@ -79,7 +79,7 @@ TEST_CASE("restores lost datagrams without another request", "[cell_parity][opti
   struct Case {
     double loss, chunks, most_sent;  // relative to the bytes without loss
   };
-  // Beside 1 / (1 - loss): 1.01, 1.11, 1.43, 2.
+  // For comparison, 1 / (1 - loss): 1.01, 1.11, 1.43, 2.
   const Case cases[] = {{0.01, 0.99, 1.18}, {0.1, 0.995, 1.45}, {0.3, 0.98, 2.2}, {0.5, 0.95, 3.5}};
   for (const bool packed : {false, true}) {
     const auto source = packed ? parity_clusters() : parity_records();
@@ -150,7 +150,7 @@ TEST_CASE("restores datagrams despite reordering and duplicates", "[cell_parity]
 }
 
 TEST_CASE("protects a scene of a few datagrams", "[cell_parity]") {
-  // All is sent before the first report comes; `ended` waits for the parity.
+  // All data are sent before the first report; `ended` waits for the parity.
   std::uint64_t lacking = 0, total = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const auto source = std::make_shared<PatternSource>(2000, Streams{{true, 5, 4000}});
@@ -190,8 +190,7 @@ TEST_CASE("adapts to losses that begin later, and forgets losses that end", "[ce
   const auto now_lost = static_cast<double>(client.client.statistics().lost - lost);
   const auto now_rebuilt = static_cast<double>(client.client.statistics().rebuilt - rebuilt);
   REQUIRE(now_lost > 300);
-  // Parity is lost as well, and what of it is not needed is not rebuilt: data
-  // are three of four.
+  // Parity is lost as well, and unneeded parity is not rebuilt: three of four datagrams are data.
   CHECK(now_rebuilt > 0.6 * now_lost);
   client.down.set(clean);
   scene.run(scene.now + 15s);

@@ -17,7 +17,7 @@ using namespace gs::net;
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::byte>;
 
-/// The cells of a data datagram: one PDU of so many cells.
+/// Returns the cells of a data datagram: one PDU of this many cells.
 std::vector<Cell> data_cells(std::size_t count, std::uint64_t seed) {
   Bytes user(count * kCellPayload - kAal5Trailer);
   for (std::byte& byte : user) byte = static_cast<std::byte>(Link::next_random(seed));
@@ -31,7 +31,7 @@ Bytes wire(const std::vector<Cell>& cells) {
   return {bytes.begin() + kDatagramHeader, bytes.end()};
 }
 
-/// A sender that knows that every fifth datagram is lost.
+/// Returns a sender that knows that every fifth datagram is lost.
 ParitySender lossy_sender() {
   ParitySender sender(true);
   sender.report(800, 200, false, 1s);
@@ -39,7 +39,7 @@ ParitySender lossy_sender() {
   return sender;
 }
 
-/// One group with its parity.
+/// A group with its parity.
 struct Sent {
   std::map<std::uint64_t, std::vector<Cell>> data, parity;
 };
@@ -109,11 +109,11 @@ TEST_CASE("rejects parity PDUs that no sender sends", "[cell_parity]") {
     change(parity);
     return !decode_parity(encode_parity(parity, symbol), rest);
   };
-  REQUIRE(refused([](Parity& parity) { parity.symbol = 1; }));    // a member's own
-  REQUIRE(refused([](Parity& parity) { parity.symbol = 255; }));  // there is none
+  REQUIRE(refused([](Parity& parity) { parity.symbol = 1; }));    // the own symbol of a member
+  REQUIRE(refused([](Parity& parity) { parity.symbol = 255; }));  // no such symbol
   REQUIRE(refused([](Parity& parity) { parity.members.reset(); }));
   REQUIRE(refused([](Parity& parity) { parity.members.reset(0); }));
-  REQUIRE(refused([](Parity& parity) { parity.back = 4; }));  // a member that was not sent yet
+  REQUIRE(refused([](Parity& parity) { parity.back = 4; }));  // a member that is not sent yet
   REQUIRE(refused([](Parity& parity) { parity.back = 4097; }));
   REQUIRE(refused([](Parity& parity) { parity.back = 0xffffffff; }));
   REQUIRE(refused([](Parity& parity) {  // too many
@@ -125,7 +125,7 @@ TEST_CASE("rejects parity PDUs that no sender sends", "[cell_parity]") {
   wrong[0] = std::byte{3};  // another kind
   REQUIRE_FALSE(decode_parity(wrong, rest));
   wrong = bytes;
-  wrong[1] = std::byte{1};  // k is not the number of members
+  wrong[1] = std::byte{1};  // k differs from the number of members
   REQUIRE_FALSE(decode_parity(wrong, rest));
   REQUIRE_FALSE(decode_parity(encode_parity(good, Bytes(kSymbolHead + 27 * kPackedCell)), rest));
   REQUIRE_FALSE(decode_parity(encode_parity(good, Bytes(kSymbolHead + kPackedCell + 1)), rest));
@@ -146,7 +146,7 @@ TEST_CASE("restores the cells of a symbol exactly", "[cell_parity]") {
     REQUIRE_FALSE(cells_of_symbol(damaged));
   }
   for (std::size_t size = 0; size < 6 + 156; ++size) REQUIRE_FALSE(cells_of_symbol(std::span(symbol).first(size)));
-  REQUIRE_FALSE(cells_of_symbol(Bytes(100)));  // nothing is no datagram
+  REQUIRE_FALSE(cells_of_symbol(Bytes(100)));  // an empty datagram
 }
 
 TEST_CASE("estimates the loss rate and its pattern", "[cell_parity]") {
@@ -157,10 +157,10 @@ TEST_CASE("estimates the loss rate and its pattern", "[cell_parity]") {
   REQUIRE(meter.share() == Approx(0.1));
   // 1.1 * 0.1 + 0.002 + sqrt(0.1 * 0.9 / 100)
   REQUIRE(meter.likely() == Approx(0.142));
-  // Long after, 128 datagrams of the past count still: here all 100.
+  // Much later, at most 128 earlier datagrams count: here all 100.
   meter.add(190, 10, 100s);
   REQUIRE(meter.share() == Approx(0.05));
-  // Of 200, 128 stay: 6.4 lost.
+  // 128 of 200 remain, with 6.4 lost.
   meter.add(290, 110, 200s);
   REQUIRE(meter.share() == Approx(106.4 / 328));
   // No client can send this.
@@ -203,7 +203,7 @@ TEST_CASE("restores a group from any k of its datagrams", "[cell_parity]") {
       ParitySender sender = lossy_sender();
       const Sent sent = send_group(sender, members, 1000, step);
       REQUIRE(sent.parity.size() >= 1);
-      // 20 % lost: 22.2 % + 1.3 % is to be stood in 99 of 100 groups.
+      // With 20 % lost, 99 of 100 groups must survive 22.2 % + 1.3 %.
       REQUIRE(failure_of(members, members + sent.parity.size(), 0.222) < 0.0101);
       REQUIRE(sent.parity.size() <= std::max<std::size_t>(2 * members, 8));
       std::vector<std::uint64_t> numbers;
@@ -211,7 +211,7 @@ TEST_CASE("restores a group from any k of its datagrams", "[cell_parity]") {
       const std::size_t data_count = numbers.size();
       for (const auto& [number, cells] : sent.parity) numbers.push_back(number);
       for (int round = 0; round < 4; ++round) {
-        // In any order, each twice, and as many lost as can be.
+        // In any order, each twice, with the maximum number lost.
         for (std::size_t i = numbers.size(); i-- > 1;)
           std::swap(numbers[i], numbers[Link::next_random(random) % (i + 1)]);
         CellRebuilder rebuilder;
@@ -254,7 +254,7 @@ TEST_CASE("sends no parity without loss", "[cell_parity]") {
   REQUIRE_FALSE(sender.on());
   REQUIRE_FALSE(sender.pending());
   REQUIRE(sender.settled(group));
-  // One lost of 1,100 is below 0.2 %; ten more are not.
+  // One lost of 1,100 is below 0.2 %; eleven are not.
   sender.report(1100, 1, false, 3s);
   REQUIRE_FALSE(sender.on());
   sender.report(1200, 11, false, 3s);
@@ -284,7 +284,7 @@ TEST_CASE("sends parity for earlier data after the first reported loss", "[cell_
   REQUIRE(parity.size() == 2);
   REQUIRE(parity[0] == parity[64]);
   REQUIRE(parity[0] >= 12);
-  // The loss turns out to be higher: more for the same groups.
+  // A higher loss adds parity to the same groups.
   sender.report(150, 90, false, 1100ms);
   REQUIRE(sender.pending());
 }
@@ -298,7 +298,7 @@ TEST_CASE("ends a group in time, and after 192 numbers at the latest", "[cell_pa
   REQUIRE(sender.pending());  // 0.7 s
   ParitySender spread = lossy_sender();
   for (std::uint64_t i = 0; i < 3; ++i) spread.add(i * 96, wire(data_cells(20, i)), 1s);
-  REQUIRE(spread.pending());  // 0 and 96; 192 begins anew
+  REQUIRE(spread.pending());  // 0 and 96; 192 starts a new group
   const auto cells = spread.next(193, 0);
   CellRebuilder rebuilder;
   std::vector<CellRebuilder::Rebuilt> rebuilt;
@@ -352,7 +352,7 @@ TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
     return rebuilder;
   };
   const auto& [number, cells] = *sent.parity.begin();
-  // Any bit: the PDU's CRC tells, or it is no parity.
+  // A flipped bit fails the PDU's CRC, or the PDU is no parity.
   for (std::size_t bit = 0; bit < cells.size() * kCellPayload * 8; bit += 37) {
     auto damaged = cells;
     damaged[bit / 8 / kCellPayload].payload[bit / 8 % kCellPayload] ^= static_cast<std::byte>(1 << bit % 8);
@@ -365,8 +365,8 @@ TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
     CellRebuilder rebuilder = with_data();
     REQUIRE_FALSE(rebuilder.add_parity(number, std::span(cells).first(count), rebuilt));
   }
-  // A sound PDU with a symbol that is not this group's; other members; another
-  // size. After each, true parity may come too late, but nothing wrong does.
+  // A valid PDU with a foreign symbol, other members, or another size. Afterwards true parity may come too late, but
+  // restores nothing wrong.
   std::vector<Pdu> pdus;
   Reassembler reassembler;
   for (const Cell& cell : cells) reassembler.push(cell, pdus);
@@ -401,7 +401,7 @@ TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
     REQUIRE(rebuilt.empty());
   }
   {
-    CellRebuilder rebuilder;  // of which nothing else came
+    CellRebuilder rebuilder;  // with no other data of the group
     for (std::uint8_t i = 20; i < 39; ++i) {
       Parity parity = *head;
       parity.symbol = i;
@@ -414,9 +414,9 @@ TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
     Parity parity = *head;
     std::vector<Cell> made;
     REQUIRE(segment(encode_parity(parity, right), kParityVc, 0, true, made));
-    REQUIRE_FALSE(rebuilder.add_parity(3, made, rebuilt));  // would begin before the first datagram
+    REQUIRE_FALSE(rebuilder.add_parity(3, made, rebuilt));  // would start before the first datagram
   }
-  // The group again, whole.
+  // The whole group again.
   CellRebuilder rebuilder = with_data();
   REQUIRE(put(rebuilder, *head, right));
   REQUIRE(rebuilt.size() == 1);

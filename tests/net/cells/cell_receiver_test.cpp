@@ -90,7 +90,7 @@ TEST_CASE("uses the cells of damaged PDUs with small datagrams", "[cell_receiver
   trial.parity = false;
   const auto scene = trial.run(source);
   REQUIRE(scene->clients[0]->got.ok);
-  // Whole PDUs only would be 0.7^4 = 24 %.
+  // Whole PDUs alone would be 0.7^4 = 24 %.
   REQUIRE(share(*scene, *source) == Approx(0.7).margin(0.03));
 }
 
@@ -209,7 +209,7 @@ TEST_CASE("keeps the rate of a sender that reacts to delay when the link itself 
   const auto careful = trial.run(source);
   REQUIRE(aware->clients[0]->got.ended_at < Instant(10s));
   REQUIRE(careful->clients[0]->got.bytes < aware->clients[0]->got.bytes);
-  // But a queue does.
+  // A queue slows it.
   trial.response = CongestionResponse::delay_aware;
   trial.link.loss = 0;
   trial.link.bandwidth = 2'000'000;

@@ -76,7 +76,7 @@ TEST_CASE("limits each client to its grant, and all clients to the total", "[cel
   Scene scene(options, library(source));
   Link::Options link;
   link.latency = 10ms;
-  // The first wants little, the others as much as they can get.
+  // The first client requests little, the others the maximum.
   const std::uint64_t wanted[] = {2'000'000, 50'000'000, 50'000'000, 50'000'000};
   for (const std::uint64_t rate : wanted) scene.add(link, source, rate);
   for (auto& client : scene.clients) client->client.want(0, wish(), scene.now);
@@ -146,7 +146,7 @@ TEST_CASE("stops sending two seconds after the last report", "[cell_sender]") {
   REQUIRE(sent > 100);
   scene.run(scene.now + 5s);
   REQUIRE(scene.clients[0]->down.sent() == sent);
-  // After 30 s it is forgotten.
+  // After 30 s the server forgets the client.
   scene.run(scene.now + 40s);
   REQUIRE(scene.server.deadline(scene.now) == Instant::max());
   REQUIRE(scene.server.statistics().clients == 0);
@@ -160,8 +160,7 @@ TEST_CASE("sends regions and wishes first", "[cell_sender]") {
   scene.add(link, source, 4'000'000);
   CellClient& client = scene.clients[0]->client;
   client.want(0, wish(), scene.now);
-  // Chunks 500 to 519 of each stream lie in this region; then those of the
-  // second region.
+  // Chunks 500 to 519 of each stream are in this region, followed by those of the second region.
   const auto at = [](std::uint32_t chunk) { return static_cast<std::uint16_t>(chunk * 65); };
   client.prefer(0,
                 {{{at(700), 0, 0, static_cast<std::uint16_t>(at(710) - 1), 9, 9}, 1},
@@ -195,7 +194,7 @@ TEST_CASE("shares the rate between slots by weight", "[cell_sender]") {
   const double ratio = static_cast<double>(bytes[0]) / static_cast<double>(bytes[5]);
   REQUIRE(ratio > 2.8);
   REQUIRE(ratio < 3.2);
-  // One is dropped: the other gets all.
+  // After one is dropped, the other gets the whole rate.
   scene.clients[0]->client.drop(0, scene.now);
   scene.run(scene.now + 500ms);
   const auto first = bytes[0], second = bytes[5];

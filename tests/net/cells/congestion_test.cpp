@@ -94,7 +94,7 @@ TEST_CASE("starts slowly, doubles, and then obeys the equation", "[congestion]")
   now += 100ms;
   controller.feedback({100ms, 0.01, 1e6, false}, now);
   REQUIRE(controller.rate() == Approx(tcp_rate(1388, 0.1, 0.01)));
-  // Without a loss, but less than a third arrives: twice of what arrived.
+  // Without loss, but with under a third received: twice the received rate.
   RateController other(CongestionResponse::equation, 1e6, 100ms, now);
   for (int i = 1; i < 8; ++i) other.feedback({100ms, 0, 70'000, false}, now + i * 100ms);
   REQUIRE(other.rate() <= 140'001);

@@ -96,7 +96,7 @@ struct Served {
   }
   [[nodiscard]] std::string path() const { return folder.path("socket"); }
   [[nodiscard]] std::uint16_t port() const { return server->ports().front(); }
-  /// The next news, waiting for it.
+  /// Waits for the next event.
   ControlNews next() const {
     for (int i = 0; i < 20'000; ++i) {
       if (auto news = server->next()) return std::move(*news);
@@ -198,7 +198,7 @@ TEST_CASE("restricts the socket to its owner, removes it at the end, and replace
   const std::string path = served.path();
   served.server.reset();
   CHECK(::stat(path.c_str(), &about) != 0);
-  // As a program that was killed leaves it.
+  // A socket file as a killed program leaves it.
   const int dead = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -213,7 +213,7 @@ TEST_CASE("listens on loopback only") {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(served.port());
-  // It listens at 127.0.0.1, and at no other address of the machine.
+  // Listens at 127.0.0.1 only.
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK + 1);
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   CHECK(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0);
@@ -254,7 +254,7 @@ TEST_CASE("admits a client while a thousand silent connections are open and boun
   std::vector<std::unique_ptr<LineClient>> crowd;
   [[maybe_unused]] const std::size_t before = test::resident();
   for (int i = 0; i < 1000; ++i) {
-    // The system has room for so many descriptors of ours.
+    // Limits the number of open descriptors.
     if (crowd.size() >= 200) crowd.erase(crowd.begin());
     crowd.push_back(std::make_unique<LineClient>(served.path()));
   }
@@ -265,7 +265,7 @@ TEST_CASE("admits a client while a thousand silent connections are open and boun
   CHECK(served.server->send(news.client, "answer"));
   CHECK(known.line() == "answer");
   CHECK(served.server->connections() <= 22);
-  if (!watched()) CHECK(test::resident() < before + (std::size_t{32} << 20));  // which keeps what was freed
+  if (!watched()) CHECK(test::resident() < before + (std::size_t{32} << 20));  // AddressSanitizer keeps freed memory
 }
 
 TEST_CASE("admits no more clients than the limit, and tells the next one") {
@@ -298,8 +298,8 @@ TEST_CASE("pauses reading from a client that floods, and serves the others in tu
   });
   Served::until([&] { return served.server->connections() == 1; });
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  CHECK_FALSE(done);  // 20 MB do not fit into what may wait and the buffers of the system
-  if (!watched()) CHECK(test::resident() < before + (std::size_t{64} << 20));  // which keeps what was freed
+  CHECK_FALSE(done);  // 20 MB exceed the queue and the buffers of the system
+  if (!watched()) CHECK(test::resident() < before + (std::size_t{64} << 20));  // AddressSanitizer keeps freed memory
   LineClient other(served.path());
   other.send(kToken + "\nother\n");
   std::this_thread::sleep_for(std::chrono::milliseconds(50));

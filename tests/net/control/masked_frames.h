@@ -6,7 +6,7 @@
 
 namespace gs::net::test {
 
-/// A frame of a client (RFC 6455 5.2), masked. `first`: FIN, reserved bits and opcode.
+/// Returns a masked frame of a client (RFC 6455 5.2). `first`: FIN, reserved bits and opcode.
 inline std::string masked_frame(unsigned first, std::string_view payload, std::string_view mask = "\x37\xfa\x21\x3d") {
   std::string frame(1, static_cast<char>(first));
   const std::uint64_t size = payload.size();
@@ -18,7 +18,7 @@ inline std::string masked_frame(unsigned first, std::string_view payload, std::s
   return frame;
 }
 
-/// A request that opens a WebSocket; the key is that of RFC 6455 1.3.
+/// Returns a request that opens a WebSocket, with the key of RFC 6455 1.3.
 inline std::string opening(const std::string& target = "/", const std::string& more = "",
                            const std::string& host = "127.0.0.1:7000") {
   return "GET " + target + " HTTP/1.1\r\nHost: " + host +

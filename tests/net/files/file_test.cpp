@@ -21,7 +21,7 @@ using gs::net::MappedFile;
 using gs::net::RandomAccessFile;
 using gs::net::write_file_atomically;
 
-/// A folder of its own for each test, gone at its end.
+/// Temporary folder of one test.
 class Folder {
  public:
   Folder() {

@@ -29,7 +29,7 @@ using gs::net::MappedFile;
 
 constexpr std::size_t kMappedLarge = 3 * MappedFile::kMappedSize;
 
-// A file of x's, gone at the end.
+// Temporary file of x's.
 class LargeFile {
  public:
   explicit LargeFile(std::size_t size = kMappedLarge) {
@@ -82,7 +82,7 @@ TEST_CASE("reads zeros and reports it when a mapped file is truncated") {
 
 TEST_CASE("reports that a mapped file was written to or shortened by a byte") {
   const LargeFile file;
-  // The clock of a file system is coarse: what was written long ago is told from what is written now.
+  // The clock of a file system is coarse, so the old time is set far back.
   fs::last_write_time(file.path, fs::file_time_type::clock::now() - std::chrono::hours(1));
   MappedFile first = mapped_file_of(file.path);
   const MappedFile one = std::move(first);
@@ -147,13 +147,13 @@ TEST_CASE("guards each of many short-lived mappings") {
 
 TEST_CASE("ends the program on a bus error outside all guarded mappings") {
   const LargeFile file;
-  const MappedFile guarded = mapped_file_of(file.path);  // the handler is there
+  const MappedFile guarded = mapped_file_of(file.path);  // the handler is installed
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
     const Descriptor open(::open(file.path.c_str(), O_RDWR | O_CLOEXEC));
     const Descriptor nothing(::open("/dev/null", O_WRONLY | O_CLOEXEC));
-    (void)::dup2(nothing.get(), STDERR_FILENO);  // of AddressSanitizer's report
+    (void)::dup2(nothing.get(), STDERR_FILENO);  // hides AddressSanitizer's report
     void* const bare = ::mmap(nullptr, kMappedLarge, PROT_READ, MAP_SHARED, open.get(), 0);
     if (bare == MAP_FAILED || ::ftruncate(open.get(), 0) != 0) ::_exit(0);
     const char last = static_cast<const volatile char*>(bare)[kMappedLarge - 1];

@@ -206,7 +206,7 @@ TEST_CASE("joins neighbouring extents with their checksums") {
   CacheEntry entry;
   REQUIRE(entry.add({0, 400, cache_checksum(std::span(bytes).first(400))}));
   REQUIRE(entry.add({400, 600, cache_checksum(std::span(bytes).subspan(400))}));
-  REQUIRE(entry.add({100, 50, 9}));  // overlaps: left out
+  REQUIRE(entry.add({100, 50, 9}));  // overlaps: rejected
   REQUIRE(entry.extents.size() == 1);
   CHECK(entry.extents[0].checksum == cache_checksum(bytes));
 }
@@ -216,7 +216,7 @@ TEST_CASE("removes the least recently used entries at the size limit") {
   const auto cache = open(folder.path(), 400'000, 1000);
   const std::string text = pattern(80'000);
   for (int i = 0; i < 4; ++i) put(*cache, "k" + std::to_string(i), "\"1\"", text, 1000 + i);
-  CHECK(cache->find("k0", 1010));  // now k1 is the oldest
+  CHECK(cache->find("k0", 1010));  // makes k1 the oldest
   put(*cache, "k4", "\"1\"", text, 1011);
   put(*cache, "k5", "\"1\"", text, 1012);
   CHECK(cache->usage().bytes <= 400'000);
@@ -262,7 +262,7 @@ TEST_CASE("removes leftovers of crashes after an hour") {
 TEST_CASE("shares one folder between two caches") {
   const TemporaryFolder folder;
   const std::string text = pattern(64'000);
-  // As in two processes: no memory is shared.
+  // Shares no memory, like two processes.
   const auto work = [&](std::uint64_t seed) {
     const auto cache = open(folder.path(), 300'000, 8, seed);
     std::uint64_t state = seed;

@@ -59,7 +59,7 @@ TEST_CASE("refuses references of a public document to local hosts even after red
   CHECK(bench.load(from(inside, "memory://inside/a")).done);
   CHECK(bench.load(from(inside, "memory://public/a")).done);
   CHECK(bench.load(from(inside, "memory://inside/out")).done);
-  // The user may ask for anything, but where a public server sends him is the server's doing.
+  // The user may request any URL, but a public server may not redirect there.
   CHECK(bench.load("memory://inside/a").done);
   CHECK(bench.load("memory://public/in").error->kind == LoadErrorKind::forbidden);
 }
@@ -143,7 +143,7 @@ TEST_CASE("reads files only as the policy allows") {
 
 // Over sockets -----------------------------------------------------------------------------------
 
-/// 127.0.0.1 stands for a public host, all else is what it is.
+/// 127.0.0.1 stands for a public host; other addresses keep their class.
 AddressSpace one_is_public(const IpAddress& address) {
   return address == *ip_address_of("127.0.0.1") ? AddressSpace::global : address_space_of(address);
 }
@@ -172,7 +172,7 @@ TEST_CASE("opens no connection to an address that a public text may not reach") 
         "cannot load " + inside.url() +
             ": the address 127.0.0.2 is of this machine; a document of the Internet may not reach it");
   CHECK(inside.connections() == 0);
-  // Whatever it is called.
+  // By any name.
   const std::string port = inside.url("").substr(inside.url("").rfind(':'));
   for (const char* host : {"127.2", "2130706434", "0x7f.0.0.2", "0177.0.0.2", "127.0.0.2.", "[::ffff:127.0.0.2]"}) {
     INFO(host);
@@ -199,7 +199,7 @@ TEST_CASE("opens a new connection instead of reusing one of another origin") {
 TEST_CASE("checks a name at each connection") {
   std::atomic<unsigned> lookups = 0;
   LoaderOptions options = pretending();
-  // As a name server that gives a public address at first, and then ours.
+  // Simulates a name server that first returns a public address, then a local one.
   options.space_of = [&](const IpAddress&) { return lookups++ < 2 ? AddressSpace::global : AddressSpace::loopback; };
   BadServer server([](Exchange& exchange) { exchange.send(http("200 OK", "Connection: close\r\n", "hello")); });
   const auto loader = Loader::create(std::move(options));

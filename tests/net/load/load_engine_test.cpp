@@ -9,7 +9,7 @@ namespace {
 using namespace gs::net;
 using namespace gs::net::test;
 
-/// One answer after the other; the last stays.
+/// Answers in sequence; the last one repeats.
 void script(Bench& bench, const std::string& url,
             std::vector<std::function<MemoryAnswer(const TransferRequest&)>> answers) {
   bench.network->put(url, [answers](const TransferRequest& request, unsigned transfer) {
@@ -425,7 +425,7 @@ TEST_CASE("rejects inconsistent answers") {
   const Outcome longer = lie([](MemoryAnswer& a) { a.body.resize(6000); });
   CHECK(longer.error->message == "cannot load memory:a: the server sent more than the 5000 bytes it announced");
   const Outcome shorter = lie([](MemoryAnswer& a) { a.body.resize((a.body.size() + 1) / 2); });
-  CHECK(shorter.done);  // the rest was asked for again, and again
+  CHECK(shorter.done);  // the rest was requested repeatedly
   CHECK(shorter.pieces.at(100) == text.substr(100, 4900));
   check(lie([](MemoryAnswer& a) {
     a.head.status = 206;
@@ -444,7 +444,7 @@ TEST_CASE("reports an error for a server that only sends empty parts") {
   CHECK(got.error->kind == LoadErrorKind::broken);
   CHECK(got.error->message ==
         "cannot load memory:a: the connection ended after byte 0; expected 1000 (after 4 attempts)");
-  // One byte at a time makes progress each time, but not for ever.
+  // One byte at a time is progress, but not for ever.
   script(bench, "memory:b", {[](const TransferRequest& r) {
            MemoryAnswer answer = answer_well(resource(pattern(1000)), r);
            answer.break_after = 1;

@@ -111,7 +111,7 @@ TEST_CASE("pauses a running transfer for an urgent one, and resumes it") {
   bench.run();
   CHECK(bench.outcomes[id].text() == text);
   CHECK(bench.outcomes[slow].text() == text);
-  CHECK(bench.network->transfers().size() == 2);  // nothing was asked for twice
+  CHECK(bench.network->transfers().size() == 2);  // requested nothing twice
 }
 
 TEST_CASE("limits concurrent transfers per host and in total") {

@@ -12,7 +12,7 @@
 
 #include "tests/net/load_helpers.h"
 
-/// Files by FTP (RFC 959; VRML97 Table 7-1), from a server of a few lines.
+/// Files by FTP (RFC 959; VRML97 Table 7-1), from a minimal server.
 namespace {
 
 using namespace gs::net;
@@ -31,7 +31,7 @@ int listen_on_loopback(int& port) {
   return listener;
 }
 
-/// Has one file; answers one connection after the other, until it is gone.
+/// Server of one file that answers one connection after another until it is destroyed.
 class FtpServer {
  public:
   struct Ways {
@@ -39,8 +39,8 @@ class FtpServer {
     std::string text;
     bool tells_size = true;
     bool lets_in = true;
-    std::size_t sent = std::string::npos;  // bytes of the text that come
-    bool ends = true;                      // says that the file is complete, and takes leave
+    std::size_t sent = std::string::npos;  // bytes of the text that it sends
+    bool ends = true;                      // reports the end of the file, and says goodbye
   };
 
   explicit FtpServer(Ways ways) : ways_(std::move(ways)), listener_(listen_on_loopback(port_)) {

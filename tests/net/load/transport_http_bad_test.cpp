@@ -5,7 +5,7 @@
 #include "tests/net/bad_server.h"
 #include "tests/net/load_helpers.h"
 
-/// The loader and servers that misbehave: each gives a clear message and a defined order of events.
+/// The loader with servers that misbehave: each case gives a clear message and a defined order of events.
 namespace {
 
 using namespace gs::net;
@@ -23,7 +23,7 @@ LoaderOptions impatient() {
   return options;
 }
 
-/// The bytes that a Range header asks for, as a server should answer.
+/// Returns the bytes that a Range header requests.
 std::string part_of(const std::string& text, const Exchange& exchange, const std::string& etag) {
   const std::string range = exchange.header("Range");
   if (range.empty()) return http("200 OK", "Accept-Ranges: bytes\r\nETag: " + etag + "\r\n", text);
@@ -37,7 +37,7 @@ std::string part_of(const std::string& text, const Exchange& exchange, const std
 
 struct Result {
   Outcome got;
-  std::string message;  // behind the URL
+  std::string message;  // after the URL
   std::vector<std::string> requests;
   LoadErrorKind kind() const { return got.error ? got.error->kind : LoadErrorKind::bad_request; }
 };
@@ -331,7 +331,7 @@ TEST_CASE("closes the loader at once although servers stall") {
     request.url = server.url("/" + std::to_string(i));
     ids.push_back(loader->request(request));
   }
-  // Until something came, so that transfers are under way.
+  // Waits until something is received, so that transfers run.
   while (loader->progress().received == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   loader->cancel(ids[0]);
   loader.reset();  // would hang if it waited for the server
@@ -352,7 +352,7 @@ TEST_CASE("stops reading from a server while the owner does not poll") {
   request.url = server.url();
   const RequestId id = loader->request(request);
   while (loader->queued_bytes() < (256 << 10)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  // Longer than the time-out for stalls, which must not run meanwhile.
+  // Longer than the stall time-out, which must not run meanwhile.
   std::this_thread::sleep_for(std::chrono::milliseconds(250));
   CHECK(loader->queued_bytes() <= (256 << 10) + 16384);
   CHECK(sent < 32 << 20);

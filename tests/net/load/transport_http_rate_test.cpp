@@ -7,7 +7,7 @@
 #include "tests/net/bad_server.h"
 #include "tests/net/load_helpers.h"
 
-/// The rate that a client asks for is kept by all its transfers over HTTP together. The clock is the test's own.
+/// Tests of the client's rate limit, shared by all its HTTP transfers. The test controls the clock.
 namespace gs::net::rate_test {
 
 using namespace gs::net;
@@ -31,7 +31,7 @@ struct Counter final : TransferSink {
 
 TEST_CASE("limits the rate of a client over HTTP across all its transfers, from the first byte on") {
   constexpr std::size_t kSize = 150'000;
-  constexpr std::uint64_t kRate = 25'000;  // bytes a second: 200 kbit/s
+  constexpr std::uint64_t kRate = 25'000;  // bytes per second: 200 kbit/s
   const auto serve = [&](BadServer::Exchange& exchange) {
     exchange.send(http("200 OK", "Content-Type: model/vrml\r\n", std::string(kSize, 'x')));
   };
@@ -58,7 +58,7 @@ TEST_CASE("limits the rate of a client over HTTP across all its transfers, from 
     REQUIRE(static_cast<double>(counter.all) <= kRate * seconds() + 2 * block);
     if (counter.ended.empty()) shared = static_cast<double>(std::min(counter.received[1], counter.received[2]));
     transport->wait(Milliseconds(1), {});
-    // As far as the transport waits for its rate, not for the server.
+    // Advances while the transport waits for its rate, not for the server.
     const auto next = transport->deadline(now);
     if (next && *next > now && *next < now + Milliseconds(1000)) now = *next;
     if (counter.all == 0) continue;
@@ -85,7 +85,7 @@ TEST_CASE("changes or lifts the rate during HTTP transfers") {
   TransferRequest request;
   request.url = server.url();
   transport->start(1, request, now);
-  // Until so much has come; seconds that went by as far as the transport waited for its rate.
+  // Receives this many bytes, and returns the seconds in which the transport waited for its rate.
   const auto receive = [&](std::size_t bytes, bool clock_goes) {
     const TimePoint begin = now;
     for (int step = 0; step < 100'000 && counter.all < bytes; ++step) {

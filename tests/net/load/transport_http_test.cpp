@@ -20,7 +20,7 @@
 
 extern char** environ;
 
-/// The loader against a real server: nginx on loopback, where it is installed.
+/// The loader with a real server: nginx on loopback, if installed.
 namespace {
 
 using namespace gs::net;
@@ -48,14 +48,14 @@ class Nginx {
                             "/CN=localhost -addext subjectAltName=IP:127.0.0.1 -keyout " +
                             (folder / "key.pem") + " -out " + (folder / "cert.pem") + " >/dev/null 2>&1")
                                .c_str()) == 0;
-    // Another process may take a port between our asking and nginx' listening.
+    // Another process may take the port before nginx listens.
     for (int attempt = 0; attempt < 5 && !running_; ++attempt) start();
   }
   Nginx(const Nginx&) = delete;
   Nginx& operator=(const Nginx&) = delete;
   ~Nginx() { stop(); }
 
-  /// False, with a word, where nginx is missing.
+  /// Returns false with a message if nginx is missing.
   [[nodiscard]] bool ready() const {
     if (!running_) WARN("skipped: nginx is not installed or does not start");
     return running_;
@@ -70,7 +70,7 @@ class Nginx {
   void put(const std::string& name, const std::string& text) const {
     std::ofstream(folder / "www" + "/" + name, std::ios::binary) << text;
   }
-  /// Lines of the access log: status, bytes of the body, requests on the connection, protocol, URI, Range.
+  /// Returns lines of the access log: status, body bytes, requests on the connection, protocol, URI, Range.
   [[nodiscard]] std::vector<std::string> log() {
     stop();
     std::ifstream file(folder / "access.log");
@@ -86,7 +86,7 @@ class Nginx {
     if (!running_) return;
     running_ = false;
     ::kill(process_, SIGQUIT);
-    // Idle connections of a loader that still lives are closed by it, so this ends.
+    // A running loader closes idle connections, so this ends.
     int status = 0;
     ::waitpid(process_, &status, 0);
   }
@@ -188,7 +188,7 @@ TEST_CASE("nginx: loads whole, compressed, ranged, redirected and missing files"
   REQUIRE(log.size() >= 5);
   CHECK(log[0].starts_with("200 1000000 1 HTTP/1.1 /a.bin"));
   CHECK(log[1].starts_with("200 "));
-  CHECK(std::stoul(log[1].substr(4)) < 800'000);           // compressed on the way
+  CHECK(std::stoul(log[1].substr(4)) < 800'000);           // compressed in transit
   CHECK(log[1].find(" 2 HTTP/1.1") != std::string::npos);  // the same connection
   CHECK(count(log, "206 100000 ") == 1);
 }
@@ -287,7 +287,7 @@ TEST_CASE("nginx: loads several ranges on one HTTP/2 connection over TLS, and re
   loader.reset();
   const auto log = nginx.log();
   CHECK(count(log, "206 5000 ") == 10);
-  // The number of requests on the connection goes up to ten: there was but one.
+  // The number of requests on the connection reaches ten, so there was only one.
   CHECK(count(log, "206 5000 10 HTTP/2.0") == 1);
 }
 

@@ -30,15 +30,14 @@ TEST_CASE("HTTP server: 200 clients share a rate fairly and in bounded memory", 
   const std::size_t before = resident();
   std::vector<std::unique_ptr<RawClient>> clients;
   std::vector<pollfd> polls;
-  // Buffers of the system small against what each gets, so that what is counted
-  // is what the server gives.
+  // Keeps the system's buffers small relative to each client's data, so that the counts measure the server.
   for (int i = 0; i < 200; ++i) {
     const std::string from = "127.0." + std::to_string(1 + i / 100) + "." + std::to_string(1 + i % 100);
     clients.push_back(std::make_unique<RawClient>(site.port, from.c_str(), 16384));
     polls.push_back({clients.back()->socket(), POLLIN, 0});
     clients.back()->send(kAsk);
   }
-  // Counted is from where all have begun: on a busy machine the first get a lot while the others still connect.
+  // Counting starts when all clients have started, since early clients get much on a busy machine.
   std::vector<std::size_t> got(clients.size());
   std::size_t begun = 0, total = 0, most_memory = 0;
   while (begun < clients.size() || total < std::size_t{400'000} * clients.size()) {
@@ -53,7 +52,7 @@ TEST_CASE("HTTP server: 200 clients share a rate fairly and in bounded memory", 
       total += bytes;
     }
     if (!counted && begun == clients.size()) {
-      got.assign(got.size(), 1);  // none is new any more
+      got.assign(got.size(), 1);  // resets all counts
       total = 0;
     }
     most_memory = std::max(most_memory, resident());
@@ -83,7 +82,7 @@ TEST_CASE("HTTP server: gives an address with many connections the share of one"
     for (std::size_t i = 0; i < polls.size(); ++i)
       if ((polls[i].revents & POLLIN) != 0) (i == 0 ? alone : others) += clients[i]->receive().size();
   }
-  // The system's buffers of 16 connections hold some of what the others got.
+  // The buffers of 16 connections still hold part of the others' data.
   CHECK(alone * 2 > others);
   CHECK(others * 2 > alone);
 }
@@ -127,7 +126,7 @@ TEST_CASE("HTTP server: gives up slow and overlong requests") {
   deaf.send(kAsk);
   slow.send("GET /big HT");
   CHECK(silent.receive().empty());
-  // A byte now and then is no excuse.
+  // A single byte now and then does not keep a connection open.
   bool closed = false;
   while (!closed) {
     slow.send("x");
@@ -263,7 +262,7 @@ TEST_CASE("HTTP server: makes a file once for all clients that wait for it") {
   const Got leak = site.get("/leak.stl.qnv");
   CHECK(leak.status == 422);
   CHECK(leak.body == "cannot be made: it cannot be read; the messages of the server say why\n");
-  // A full disk is no fault of the file: it is tried again, and until then no client learns where.
+  // A full disk is no error of the file: it is retried, and no client learns the path.
   full = true;
   site.write("a.stl", "a third mesh");
   const Got none = site.get("/a.stl.qnv");

@@ -75,7 +75,7 @@ TEST_CASE("HTTP server: sends files with their headers, and answers HEAD, OPTION
   }
   CHECK(site.get("/deep").status == 301);
   CHECK(site.get("/deep").headers.at("location") == "/deep/");
-  CHECK(site.get("/deep/").status == 404);  // without a way to list
+  CHECK(site.get("/deep/").status == 404);  // without a listing
   CHECK(site.get("/nothing").status == 404);
   CHECK(site.get("/health").body == "ok\n");
 }

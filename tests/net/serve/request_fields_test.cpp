@@ -14,7 +14,7 @@ std::string refusal(const std::vector<ReceivedField>& fields, std::string_view v
   return refuse_fields(fields, version).value_or("");
 }
 
-/// Everything that a server sends until it closes the connection. `request` without its first line and its Host field.
+/// Returns everything that a server sends until it closes. `request` omits the first line and the Host field.
 std::string answer_to(const ServedSite& site, const std::string& request) {
   RawClient client(site.port);
   client.send("GET /a HTTP/1.1\r\nHost: localhost\r\n" + request);
@@ -76,7 +76,7 @@ TEST_CASE("HTTP server: answers 400 to doubtful header fields and closes the con
     CHECK(answer.find("Connection: close\r\n") != std::string::npos);
     CHECK(count_answers(answer) == 1);
   }
-  // The first line of the fields is none that goes on.
+  // The first field line cannot be a continuation.
   RawClient first(site.port);
   first.send("GET /a HTTP/1.1\r\n Host: localhost\r\nHost: localhost\r\n\r\n" + hidden);
   const std::string answer = first.receive_all();
