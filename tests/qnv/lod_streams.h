@@ -17,7 +17,7 @@
 #include <variant>
 #include <vector>
 
-// Streams for the tests of the level of detail, and what their cuts are.
+// Streams for tests of levels of detail, and their cuts.
 namespace gs::qnv {
 
 inline EncodedStream stream_of(const Triangles& triangles, std::size_t vectors, bool two_sided = false) {
@@ -29,14 +29,14 @@ inline EncodedStream stream_of(const Triangles& triangles, std::size_t vectors, 
   return std::move(std::get<EncodedStream>(encoded));
 }
 
-/// Encoded once, however many cases of a file look at it.
+/// Encodes once per file of tests.
 inline const EncodedStream& sphere_stream(std::size_t vectors) {
   static std::map<std::size_t, EncodedStream> made;
   const auto found = made.find(vectors);
   return found != made.end() ? found->second : made.emplace(vectors, stream_of(sphere(200), vectors)).first->second;
 }
 
-/// A sphere with bumps a tenth of its radius high.
+/// Returns a sphere with bumps a tenth of its radius high.
 inline Triangles bumpy_sphere(int n) {
   Triangles triangles = sphere(n);
   for (Triangle& t : triangles)
@@ -53,7 +53,7 @@ inline std::unique_ptr<LodStream> opened(std::vector<std::byte> bytes, std::size
   return taken(LodStream::open(std::move(bytes), cache));
 }
 
-/// The same stream where only what is asked for is read.
+/// Opens a stream that is read in place, on demand.
 inline std::unique_ptr<LodStream> opened_there(std::vector<std::byte> bytes,
                                                std::size_t cache = LodStream::kCacheBytes) {
   return taken(LodStream::open(memory_source(std::move(bytes)), cache));
@@ -86,7 +86,7 @@ inline std::size_t count(const std::vector<Piece>& pieces) {
   return n;
 }
 
-/// Everything, at full detail.
+/// Returns a view of everything at full detail.
 inline LodView everything() {
   LodView view;
   view.error_pixels = 0;

@@ -16,22 +16,22 @@
 #include <variant>
 #include <vector>
 
-// Outline streams, taken apart for comparison.
+// Comparable content of outline streams.
 namespace gs::qnv::outlines {
 
 using Bytes = std::vector<std::byte>;
 using Point = std::array<float, 3>;
 
-/// One polygon that came, with all that is known of it.
+/// Decoded polygon with all its data.
 struct One {
   bool inner = false;
   std::uint32_t appearance = 0, group = 0, count = 0;
   std::vector<std::vector<Point>> rings;
-  std::vector<std::array<float, 2>> texture_coordinates;  // empty, or ring after ring
+  std::vector<std::array<float, 2>> texture_coordinates;  // empty, or ring by ring
   auto operator<=>(const One&) const = default;
 };
 
-/// Triangles may begin at any corner: here at the least one.
+/// Rotates triangles to start at their smallest corner.
 inline One canonical(One one) {
   if (one.rings.size() != 1 || one.rings[0].size() != 3) return one;
   const auto first = std::min_element(one.rings[0].begin(), one.rings[0].end()) - one.rings[0].begin();
@@ -100,7 +100,7 @@ inline EncodedStream encoded(const OutlineGroups& groups, std::span<const Outlin
 
 struct ChunkAt {
   ChunkType type;
-  std::size_t offset;  // of its header
+  std::size_t offset;  // position of its header
   Bytes payload;
 };
 
@@ -120,7 +120,7 @@ inline std::size_t u16(std::span<const std::byte> bytes, std::size_t at) {
   return std::to_integer<std::size_t>(bytes[at]) | std::to_integer<std::size_t>(bytes[at + 1]) << 8;
 }
 
-/// The header alone, so that chunks can be added by themselves.
+/// Returns the header alone, so that chunks can be added singly.
 inline std::span<const std::byte> header_of(std::span<const std::byte> bytes) { return bytes.first(u16(bytes, 12)); }
 
 /// Returns a model after the round trip: all coordinates at the nearest lattice point, and repeated corners of a ring

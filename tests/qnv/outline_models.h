@@ -31,7 +31,7 @@ inline void add_square(PolygonModel& model, float x, float y, std::uint32_t appe
   add_polygon(model, {{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}, appearance);
 }
 
-/// The cube 0..1 as twelve triangles; its faces seen from outside, or from inside.
+/// Adds the cube 0..1 as twelve triangles that face outwards or inwards.
 inline void add_cube(PolygonModel& model, bool inside_out = false) {
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) {
@@ -49,7 +49,7 @@ inline void add_cube(PolygonModel& model, bool inside_out = false) {
     }
 }
 
-/// A sphere of radius 1 around the origin: an octahedron's faces divided.
+/// Returns a unit sphere around the origin: a subdivided octahedron.
 inline PolygonModel sphere_model(int divisions) {
   PolygonModel model;
   for (int octant = 0; octant < 8; ++octant) {
@@ -82,7 +82,7 @@ inline const OutlinePolygons& surface_of(const OutlineGroup& group) {
   return group.inner.empty() ? group.outline : group.inner;
 }
 
-/// Twice the vector area of positions, halved.
+/// Returns the vector area of positions.
 template <typename Positions>
 glm::dvec3 vector_area(const Positions& ring) {
   glm::dvec3 sum(0);

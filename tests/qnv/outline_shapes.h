@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-// Outline groups without the steps that find them in a model.
+// Outline groups that are built directly, without grouping a model.
 namespace gs::qnv::shapes {
 
 using Ring = std::vector<glm::vec3>;
@@ -39,7 +39,7 @@ inline void add_polygon(OutlinePolygons& to, const std::vector<Ring>& rings,
   to.areas.push_back(area_of(rings));
 }
 
-/// A group that is one polygon.
+/// Returns a group of one polygon.
 inline OutlineGroup flat_group(const std::vector<Ring>& rings, std::uint32_t appearance = 0,
                                const std::vector<glm::vec2>& texture_coordinates = {}) {
   OutlineGroup group;
@@ -54,8 +54,8 @@ inline Ring square(glm::vec3 corner, float side) {
   return {corner, corner + glm::vec3(side, 0, 0), corner + glm::vec3(side, side, 0), corner + glm::vec3(0, side, 0)};
 }
 
-/// A sphere of 2 * (rows - 1) * columns triangles; each patch of `patch` x `patch` cells is a group, its border the
-/// outline. Appearances go round.
+/// Returns a sphere of 2 * (rows - 1) * columns triangles. Each patch of `patch` x `patch` cells is a group with its
+/// border as outline. Appearances alternate.
 inline OutlineGroups sphere(int rows, int columns, int patch, std::uint32_t appearances = 1) {
   const auto at = [&](int row, int column) {
     const double polar = 3.14159265358979 * row / rows, azimuth = 2 * 3.14159265358979 * (column % columns) / columns;
@@ -87,7 +87,7 @@ inline OutlineGroups sphere(int rows, int columns, int patch, std::uint32_t appe
   return groups;
 }
 
-/// Large rectangles of any size, place and direction.
+/// Returns large rectangles of random size, position and direction.
 inline OutlineGroups rectangles(std::size_t count, unsigned seed, bool along_axes) {
   std::mt19937 random(seed);
   const auto number = [&] { return static_cast<float>(random() % 100000) / 1000; };

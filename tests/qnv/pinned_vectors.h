@@ -9,7 +9,7 @@
 
 namespace gs::qnv {
 
-/// The bytes of a file of the pinned test vectors.
+/// Reads a file of the pinned test vectors.
 inline std::vector<std::byte> read_bytes(const std::string& name, const std::string& version = "v1") {
   std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/" + version + "/" + name, std::ios::binary);
   const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};

@@ -18,7 +18,7 @@
 #include <variant>
 #include <vector>
 
-// Surfaces for the tests of the surface encoder.
+// Surfaces for tests of the surface encoder.
 namespace gs::qnv {
 
 using Triangles = std::vector<Triangle>;
@@ -41,7 +41,7 @@ inline double area_of(const Triangles& triangles) {
   return area;
 }
 
-/// A sphere of n by 2 n quadrilaterals, facing outwards.
+/// Returns a sphere of n by 2 n quadrilaterals that faces outwards.
 inline Triangles sphere(int n, float radius = 1, const glm::vec3& center = {}, bool colored = false) {
   Triangles out;
   const auto at = [&](int i, int j) {
@@ -53,14 +53,14 @@ inline Triangles sphere(int n, float radius = 1, const glm::vec3& center = {}, b
       const Rgb8 color = colored ? Rgb8{static_cast<std::uint8_t>(255 * i / n), static_cast<std::uint8_t>(127 * j / n),
                                         static_cast<std::uint8_t>(i > n / 2 ? 250 : 20)}
                                  : Rgb8{};
-      // At the poles one of the two has no area.
+      // At the poles one of the two triangles has no area.
       if (i > 0) out.push_back(triangle_of(at(i, j), at(i + 1, j), at(i, j + 1), color));
       if (i + 1 < n) out.push_back(triangle_of(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1), color));
     }
   return out;
 }
 
-/// The surface of the box between two corners, facing outwards, of n^2 squares a side.
+/// Returns the surface of a box that faces outwards, with n^2 squares per side.
 inline Triangles box_shape(const glm::vec3& lower, const glm::vec3& upper, int n = 1) {
   Triangles out;
   const glm::vec3 size = upper - lower;
@@ -86,7 +86,7 @@ inline Triangles box_shape(const glm::vec3& lower, const glm::vec3& upper, int n
   return out;
 }
 
-/// A square that lies askew, seen from both sides: every place has two triangles back to back.
+/// Returns an oblique square with triangles on both sides.
 inline Triangles two_sided_sheet() {
   const glm::vec3 a(-1, -0.8f, -0.1f), b(1, -0.7f, 0.2f), c(1.05f, 0.9f, 0.3f), d(-0.95f, 0.8f, 0);
   return {triangle_of(a, b, c), triangle_of(a, c, d), triangle_of(c, b, a), triangle_of(d, c, a)};

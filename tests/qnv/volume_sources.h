@@ -15,7 +15,7 @@ namespace gs::test {
 
 inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// A volume of these stored voxels, x fastest. The layout needs no type: it is that of T.
+/// Makes a volume of stored voxels, x fastest. The type of the layout is T.
 template <class T>
 qnv::VolumeSource volume_of(qnv::VolumeLayout layout, std::vector<T> voxels) {
   const std::size_t slice = std::size_t{layout.dimensions[0]} * layout.dimensions[1] * sizeof(T);
@@ -27,7 +27,7 @@ qnv::VolumeSource volume_of(qnv::VolumeLayout layout, std::vector<T> voxels) {
           }};
 }
 
-/// A volume of floats from a function of the voxel's indices.
+/// Makes a volume of floats from a function of the voxel's indices.
 inline qnv::VolumeSource volume_of(qnv::VolumeLayout layout,
                                    const std::function<float(std::uint32_t, std::uint32_t, std::uint32_t)>& value) {
   std::vector<float> voxels;
@@ -39,7 +39,7 @@ inline qnv::VolumeSource volume_of(qnv::VolumeLayout layout,
   return volume_of(std::move(layout), std::move(voxels));
 }
 
-/// Anisotropic axes that are not at right angles.
+/// Returns anisotropic axes that are not at right angles.
 inline qnv::VolumeLayout oblique(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz) {
   qnv::VolumeLayout layout;
   layout.dimensions = {nx, ny, nz};
@@ -48,7 +48,7 @@ inline qnv::VolumeLayout oblique(std::uint32_t nx, std::uint32_t ny, std::uint32
   return layout;
 }
 
-/// The place of a voxel, by the definition.
+/// Returns the position of a voxel, by definition.
 inline glm::vec3 place_of(const qnv::VolumeLayout& layout, float x, float y, float z) {
   return glm::vec3(layout.origin) + x * layout.axes[0] + y * layout.axes[1] + z * layout.axes[2];
 }

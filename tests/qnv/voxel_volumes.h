@@ -12,10 +12,10 @@
 #include <variant>
 #include <vector>
 
-/// Volumes and their streams of voxels, for tests.
+/// Volumes and their streams, for tests.
 namespace gs::qnv {
 
-/// A soft ball in a grid of n^3 voxels, its lattice oblique, and in it a plate; the longest quarter of its gradients.
+/// Soft ball with a plate inside, on an oblique lattice of n^3 voxels, with the longest quarter of its gradients.
 struct SoftBall {
   VolumeSource source;
   Cloud cloud;
@@ -40,7 +40,7 @@ struct SoftBall {
   }
 };
 
-/// The payloads of the clusters of a stream, in their order.
+/// Returns the payloads of a stream's clusters, in order.
 inline std::vector<std::vector<std::byte>> clusters_of(std::span<const std::byte> stream) {
   std::vector<std::vector<std::byte>> payloads;
   StreamReader reader;

@@ -64,7 +64,7 @@ TEST_CASE("clusters many colours with a small error") {
   const std::vector<Rgb8> palette = make_palette(colors);
   REQUIRE(palette.size() <= 256);
   CHECK(palette.size() > 240);
-  std::vector<Rgb8> cube;  // a palette that knows nothing of the colours
+  std::vector<Rgb8> cube;  // a palette without knowledge of the colours
   for (int r = 0; r < 6; ++r)
     for (int g = 0; g < 6; ++g)
       for (int b = 0; b < 6; ++b)

@@ -53,7 +53,7 @@ TEST_CASE("keeps the area of distant, huge and tiny surfaces") {
 }
 
 TEST_CASE("counts faces on voxel boundaries once") {
-  // A cube of which every face is a plane between voxels: 2 of 8 voxels an axis.
+  // A cube with each face in a plane between voxels: 2 of 8 voxels per axis.
   SurfaceVoxelizer voxelizer(Cube{{0, 0, 0}, 8}, 3);
   voxelizer.add(box_shape({2, 2, 2}, {4, 4, 4}));
   double area = 0;
@@ -62,7 +62,7 @@ TEST_CASE("counts faces on voxel boundaries once") {
 }
 
 TEST_CASE("computes the moments of a plane as by hand") {
-  // z = 0.25 in the cube of edge 1, at level 1: four voxels of a quarter each, in the middle of their height.
+  // z = 0.25 in the unit cube at level 1: four voxels of a quarter each, at half height.
   SurfaceVoxelizer voxelizer(Cube{{0, 0, 0}, 1}, 1);
   const glm::vec3 a(0, 0, 0.25f), b(0.9999f, 0, 0.25f), c(0.9999f, 0.9999f, 0.25f), d(0, 0.9999f, 0.25f);
   voxelizer.add(Triangles{triangle_of(a, b, c, {10, 20, 30}), triangle_of(a, c, d, {10, 20, 30})});
@@ -134,7 +134,7 @@ TEST_CASE("skips triangles that are degenerate, not finite or outside the cube")
   double area = 0;
   for (const Voxel& voxel : voxelizer.finish()) area += voxel.moments.area;
   CHECK(area < 1e-3);
-  // Normals that are not finite are those of the face.
+  // Normals that are not finite become the face's.
   SurfaceVoxelizer other(cube, 4);
   Triangle t = triangle_of({0.1f, 0.1f, 0.5f}, {0.9f, 0.1f, 0.5f}, {0.1f, 0.9f, 0.5f});
   t.normals = {glm::vec3(nan, 0, 0), glm::vec3(0, infinity, 0), glm::vec3(0)};
@@ -181,14 +181,14 @@ TEST_CASE("gives the same bits for any number of threads and batches", "[optimis
 }
 
 TEST_CASE("sums more triangles than the queue holds") {
-  // 600,000 copies of a triangle are more than one batch.
+  // 600,000 copies of a triangle exceed one batch.
   const Triangle t = triangle_of({0.1f, 0.1f, 0.2f}, {0.12f, 0.1f, 0.2f}, {0.1f, 0.12f, 0.21f});
   const std::vector<Triangle> copies(1000, t);
   SurfaceVoxelizer voxelizer(Cube{{0, 0, 0}, 1}, 2);
   for (int i = 0; i < 600; ++i) voxelizer.add(copies);
   const std::vector<Voxel> voxels = voxelizer.finish();
   REQUIRE(voxels.size() == 1);
-  // Sums of floats: six hundred thousand roundings.
+  // Tolerance for six hundred thousand float roundings.
   CHECK(area_of(voxels, Cube{{0, 0, 0}, 1}, 2) == Approx(600000 * area_of(t)).epsilon(0.02));
 }
 

@@ -73,7 +73,7 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
                                   OutlineSource{std::get<OutlineGroups>(grouped), {}, outline_options}, ball.vectors()};
   EncodeOptions few;
   few.vectors = 5000;
-  // Which of them each payload is made of.
+  // Sources of each payload.
   const std::set<std::pair<Payload, std::size_t>> made = {
       {Payload::records, 0}, {Payload::records, 1}, {Payload::packed, 0},    {Payload::outlines, 2},
       {Payload::records, 3}, {Payload::voxels, 3},  {Payload::displaced, 0}, {Payload::packed, 1}};
@@ -97,7 +97,7 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
         if (i == 1 && row.payload == Payload::records) CHECK(vectors.size() == cloud.size());
         CHECK(vectors.description.total == Approx(i == 3 ? magnitudes : i == 1 ? 40 : 1).epsilon(0.01));
       }
-      // Of other payloads nothing is made.
+      // Other payloads encode nothing of it.
       for (const PayloadRow& other : payload_rows()) {
         const DecodedStream foreign = other.decode(stream->bytes, 1 << 20);
         if ((other.reader == PayloadReader::polygons) != (row.reader == PayloadReader::polygons))
@@ -117,7 +117,7 @@ TEST_CASE("cuts chunks so that their parts are useful after losses") {
       CHECK(parts->head.size() == (row.record_bytes > 0 ? kChunkHeaderBytes + kRecordsHeaderBytes : 0));
       CHECK(parts->head.size() + parts->body.size() == chunk.size());
       CHECK(parts->body.data() + parts->body.size() == chunk.data() + chunk.size());
-      // Too short, too long, of another payload, no chunk.
+      // Too short, too long, of another payload, and no chunk.
       CHECK(!cut_chunk(row, std::span(chunk).first(chunk.size() - 1)));
       std::vector<std::byte> longer = chunk;
       longer.push_back({});
@@ -126,7 +126,7 @@ TEST_CASE("cuts chunks so that their parts are useful after losses") {
       CHECK(!cut_chunk(row, {}));
     }
   }
-  // Records of eight bytes behind a header of 48 (FORMAT.md, "Records payload").
+  // Records of eight bytes after a header of 48 (FORMAT.md, "Records payload").
   const PayloadRow& records = row_of(Payload::records);
   CHECK(!cut_chunk(records, encode_chunk(ChunkType::records, std::span(payload).first(48))));
   CHECK(!cut_chunk(records, encode_chunk(ChunkType::records, std::span(payload).first(57))));

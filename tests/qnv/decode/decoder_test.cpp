@@ -36,7 +36,7 @@ bool same(const Cloud& a, const Cloud& b) {
          std::equal(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(), cells);
 }
 
-// A stream with its header and chunks apart.
+// Stream split into header and chunks.
 struct PackedParts {
   EncodedStream stream;
   Bytes header;
@@ -69,7 +69,7 @@ PackedParts sphere_parts(std::size_t vectors) {
   return PackedParts(encoded(sphere(60), options));
 }
 
-// A coloured ball in which a two-sided sheet stands.
+// Returns a coloured ball with a two-sided sheet inside.
 PackedParts small_parts() {
   Triangles shape = sphere(24, 1, {}, true);
   for (Triangle t : two_sided_sheet()) {
@@ -81,7 +81,7 @@ PackedParts small_parts() {
   return PackedParts(encoded(shape, options));
 }
 
-// A cube of the octree: its level and cell.
+// Cube of the octree: its level and cell.
 struct Place {
   int level;
   std::array<std::uint32_t, 3> cell;
@@ -96,8 +96,8 @@ Place place_of(const Cloud& cloud, std::size_t i, const Cube& cube) {
   return place;
 }
 
-// Every part of the sphere is covered once: its points lie in cubes that have a disc (but for one voxel of the finest
-// level, where the surface only touches a cube), and no cube lies in another.
+// Checks that each part of the sphere is covered once: its points are in cubes with a splat (within one finest voxel,
+// where the surface only touches a cube), and no cube is inside another.
 void check_cover(const Cloud& cloud, const Cube& cube, int finest) {
   std::set<std::pair<int, std::uint64_t>> cubes;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -214,7 +214,7 @@ TEST_CASE("reports every flipped bit of a stream and shows no wrong data") {
   const Cloud expected = parts.whole();
   Bytes bytes = parts.stream.bytes;
   std::set<std::array<float, 3>> right;
-  // Discs of all levels, of which a part shows when a chunk is missing.
+  // Splats of all levels, of which some show when a chunk is missing.
   StreamDecoder growing = parts.begun();
   for (const Bytes& payload : parts.payloads) {
     growing.add(ChunkType::packed, payload);
@@ -266,7 +266,7 @@ TEST_CASE("rejects cycles, duplicate numbers and second roots") {
   const PackedParts parts = small_parts();
   const Cloud expected = parts.whole();
   StreamDecoder decoder = parts.begun();
-  // Its own parent, and two that are each other's: they wait for ever.
+  // A chunk that is its own parent, and two that are each other's: they wait for ever.
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 900, 900));
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 901, 902));
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 902, 901));
@@ -279,7 +279,7 @@ TEST_CASE("rejects cycles, duplicate numbers and second roots") {
     decoder.add(ChunkType::packed, payload);
     return decoder.refused_chunks() == ++refused && same(decoder.cloud(), expected);
   };
-  CHECK(refuses(parts.payloads[0]));                            // the same again
+  CHECK(refuses(parts.payloads[0]));                            // repeated
   CHECK(refuses(parts.payloads[1]));                            // another repeated one
   CHECK(refuses(with_ids(parts.payloads[0], 700, kNoParent)));  // a second root
   CHECK(refuses(with_ids(parts.payloads[1], 701, 0)));          // already divided
@@ -358,7 +358,7 @@ TEST_CASE("accepts the records of a chunk in any pieces") {
     return all;
   };
   CHECK(sorted(pieces.cloud()) == sorted(whole.cloud()));
-  // Only records can come so.
+  // Only records can be received so.
   const ByteRange missing{0, 8};
   pieces.add(ChunkType::packed, payloads[0], std::span(&missing, 1));
   CHECK(pieces.refused_chunks() == 1);
@@ -376,9 +376,8 @@ TEST_CASE("is empty before the header, and reads directories in pieces") {
   CHECK(decoder.directory().size() == parts.stream.header.chunks);
 }
 
-// tests/qnv/vectors/v1/packed_sphere.qnv is a stream as encode_surface wrote it once; packed_sphere.txt is what a
-// program written from FORMAT.md alone made of it. Neither may ever be made again: streams of version 1 are read for
-// ever.
+// encode_surface once wrote tests/qnv/vectors/v1/packed_sphere.qnv. A program written from FORMAT.md alone made
+// packed_sphere.txt. Never regenerate either: streams of version 1 stay readable.
 TEST_CASE("decodes a stream of version 1 to its pinned numbers") {
   const std::string folder = GHOSTSPACE_TESTS "/qnv/vectors/v1/";
   std::ifstream in(folder + "packed_sphere.qnv", std::ios::binary);
@@ -420,7 +419,7 @@ TEST_CASE("decodes a stream of version 1 to its pinned numbers") {
   CHECK(cloud.description.metadata.at(0).first == "title");
 }
 
-// tests/qnv/vectors/v2: as above, with an origin; records_far.txt is what records_decode.py made of it.
+// Streams in tests/qnv/vectors/v2 have an origin. records_decode.py made records_far.txt.
 TEST_CASE("decodes a stream of version 2 to its pinned positions") {
   const Bytes bytes = read_bytes("records_far.qnv", "v2");
   StreamDecoder decoder;
@@ -439,7 +438,7 @@ TEST_CASE("decodes a stream of version 2 to its pinned positions") {
     for (int& c : color) numbers >> c;
     REQUIRE(numbers);
     REQUIRE(i < cloud.size());
-    // A tenth of a micrometre, four thousand kilometres from 0.
+    // A tenth of a micrometre at four thousand kilometres.
     CHECK(glm::length(cloud.description.origin + glm::dvec3(cloud.positions[i]) - place) < 1e-7);
     CHECK(glm::length(glm::dvec3(cloud.normals[i]) - normal) < 1e-5);
     CHECK(cloud.colors[i] == Rgb8{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMost = 1 << 17;
 
-/// On a lattice of 2^bits places an axis.
+/// Encodes on a lattice of 2^bits positions per axis.
 BaseMesh base_of(const SurfaceMesh& mesh, int bits) {
   BaseMesh base;
   base.bits = bits;
@@ -44,7 +44,7 @@ BaseMesh tetrahedron() {
 
 bool none(std::uint32_t, std::uint32_t) { return false; }
 
-/// Triangles by the places of their corners, from the least corner on.
+/// Returns triangles by the positions of their corners, starting at the smallest corner.
 std::multiset<std::vector<std::tuple<int, int, int>>> placed(const BaseMesh& base) {
   std::multiset<std::vector<std::tuple<int, int, int>>> out;
   for (const Corners& t : base.triangles) {
@@ -78,7 +78,7 @@ std::vector<std::pair<const char*, BaseMesh>> bases() {
           {"one triangle", base_of(mesh_of({triangle_of({0, 0, 0}, {1, 0, 0}, {0, 1, 0})}), 1)}};
 }
 
-/// Sound as a decoder may hand it out.
+/// Checks the promises of a decoder's result.
 void check_sound(const BaseMesh& base, std::size_t bytes) {
   REQUIRE_EACH(base.triangles.size() <= 64 * bytes);
   REQUIRE_EACH(base.vertices.size() <= 3 * base.triangles.size());
@@ -159,7 +159,7 @@ TEST_CASE("decodes prefixes and mutations of a base mesh to a valid mesh or reje
 }
 
 TEST_CASE("ends on bytes that always decode to new vertices") {
-  // Behind the end are zeros, which are yes: a new vertex beside every gate, until the bytes allow no more.
+  // Bytes after the end read as 0, which means a new vertex at every gate, until the limit.
   for (const std::size_t length : {1, 2, 30, 3000, 65535})
     for (const int fill : {0x00, 0xff, 0x55}) {
       std::vector<std::byte> bytes(length, static_cast<std::byte>(fill));
@@ -167,8 +167,8 @@ TEST_CASE("ends on bytes that always decode to new vertices") {
       if (const auto decoded = decode_base(bytes, kMost)) check_sound(*decoded, length);
     }
   CHECK(!decode_base({}, kMost));
-  CHECK(!decode_base(std::vector<std::byte>(100), kMost));                 // a lattice of no bits
-  CHECK(!decode_base(std::vector<std::byte>(100, std::byte{17}), kMost));  // of too many
+  CHECK(!decode_base(std::vector<std::byte>(100), kMost));                 // a lattice of 0 bits
+  CHECK(!decode_base(std::vector<std::byte>(100, std::byte{17}), kMost));  // too many bits
 }
 
 }  // namespace gs::qnv::displaced::base_mesh_test

@@ -16,13 +16,13 @@ TEST_CASE("returns the same base mesh whether it was prepared in advance or not"
   };
   CHECK(same(100));
   bases.expect(200);
-  bases.expect(400);  // while the first is under way it is the one that counts
+  bases.expect(400);  // the first one counts while it is running
   CHECK(same(200));
   CHECK(same(400));
   bases.expect(300);
-  CHECK(same(60));  // another one than was expected
+  CHECK(same(60));  // an unexpected count
   CHECK(same(300));
-  bases.expect(80);  // and nobody asks
+  bases.expect(80);  // never requested
 }
 
 }  // namespace gs::qnv::displaced::bases_ahead_test

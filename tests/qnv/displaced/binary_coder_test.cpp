@@ -15,7 +15,7 @@ namespace gs::qnv::displaced::binary_coder_test {
 namespace {
 
 struct Decision {
-  int model = 0;  // of 4; 4: plain bits; 5: a number
+  int model = 0;  // under 4: a model; 4: plain bits; 5: a number
   std::uint32_t value = 0;
   int bits = 0;
 };
@@ -28,7 +28,7 @@ struct Models {
 std::vector<Decision> random_decisions(std::uint32_t seed, std::size_t count) {
   std::mt19937 random(seed);
   std::vector<Decision> out;
-  // How likely a 1 is, of 1000.
+  // Probability of a 1, in thousandths.
   constexpr std::array<std::uint32_t, 4> kLikely{1, 300, 500, 1000};
   for (std::size_t i = 0; i < count; ++i) {
     Decision d;
@@ -88,7 +88,7 @@ TEST_CASE("decodes any number of equal decisions from few bytes and spared trail
     }
 }
 
-// FORMAT.md, "Binary range coding": worked out by hand-written integer arithmetic apart from this program.
+// FORMAT.md, "Binary range coding", computed independently of this program in integer arithmetic.
 TEST_CASE("writes the pinned bytes of the range coder") {
   BinaryEncoder encoder;
   BitModel model;

@@ -17,7 +17,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// A wheel with 200 teeth, each face shaded by itself: more corners than a first stage follows.
+/// Returns a wheel with 200 flat-shaded teeth: too many corners for a first stage.
 Triangles wheel() {
   constexpr int kPlaces = 400;
   Triangles out;
@@ -88,7 +88,7 @@ TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives l
   std::size_t whole = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) whole += decoded(parts, 0.3, seed).is_mesh() ? 1 : 0;
   CHECK(whole >= 37);
-  // Of a prefix there is as much as has come, from the header on.
+  // A prefix shows as much as is received, from the header on.
   std::size_t before = 0;
   for (std::size_t n = 1000; n <= stream.size(); n += watched_step(7) * 500) {
     StreamDecoder decoder;

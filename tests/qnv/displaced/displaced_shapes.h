@@ -43,7 +43,7 @@ inline Triangles ball(int n, const std::function<Rgb8(const glm::vec3&)>& color 
   return out;
 }
 
-/// Triangles over a grid of places; where it is closed, the last row is the first.
+/// Connects a grid of positions to triangles; in a closed direction the last row is the first.
 inline Triangles woven(int u, int v, bool closed_u, bool closed_v, const std::function<glm::vec3(int, int)>& place) {
   Triangles out;
   const auto at = [&](int i, int j) { return place(closed_u ? i % u : i, closed_v ? j % v : j); };
@@ -63,7 +63,7 @@ inline Triangles torus(int u, int v) {
   });
 }
 
-/// A sheet with waves and noise, and a hole in its middle.
+/// Returns a sheet with waves, noise and a hole in its middle.
 inline Triangles sheet(int n) {
   Triangles all = woven(n, n, false, false, [=](int i, int j) {
     const double x = 2.0 * i / n - 1, y = 2.0 * j / n - 1;
@@ -85,7 +85,7 @@ inline SurfaceMesh mesh_of(const Triangles& triangles, bool colored = false) {
 
 inline std::vector<Corners> corners_of(const SurfaceMesh& mesh) { return mesh.triangles; }
 
-/// How often each side from one vertex to another occurs.
+/// Counts each directed edge.
 inline std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides_of(const std::vector<Corners>& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
   for (const Corners& t : triangles)
@@ -93,14 +93,14 @@ inline std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides_of(const std
   return sides;
 }
 
-/// Whether every side occurs once: then every edge has at most two triangles, which turn the same way.
+/// Reports whether each directed edge occurs once, so that an edge has at most two triangles of equal orientation.
 inline bool sides_once(const std::vector<Corners>& triangles) {
   for (const auto& [side, times] : sides_of(triangles))
     if (times != 1) return false;
   return true;
 }
 
-/// Sides with nothing beside them.
+/// Counts boundary edges.
 inline std::size_t rims_of(const std::vector<Corners>& triangles) {
   const auto sides = sides_of(triangles);
   std::size_t rims = 0;
@@ -108,7 +108,7 @@ inline std::size_t rims_of(const std::vector<Corners>& triangles) {
   return rims;
 }
 
-/// Whether the triangles round each vertex are one fan.
+/// Reports whether the triangles around each vertex form one fan.
 inline bool one_fan_a_vertex(const std::vector<Corners>& triangles) {
   std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> round;  // of a vertex: from one neighbour to the next
   std::map<std::uint32_t, std::size_t> count;
@@ -140,7 +140,7 @@ inline std::size_t vertices_used(const std::vector<Corners>& triangles) {
   return used.size();
 }
 
-/// Vertices - edges + triangles.
+/// Returns vertices - edges + triangles.
 inline int euler_characteristic(const std::vector<Corners>& triangles) {
   const std::size_t edges = (triangles.size() * 3 + rims_of(triangles)) / 2;
   return static_cast<int>(vertices_used(triangles)) - static_cast<int>(edges) + static_cast<int>(triangles.size());

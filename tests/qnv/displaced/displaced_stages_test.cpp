@@ -80,7 +80,7 @@ TEST_CASE("switches to a later stage whatever the order of its chunks is") {
     CHECK(same(decoder.cloud(), wanted));
     CHECK(decoder.refused_chunks() == 0);
   }
-  // The second stage's base behind all else.
+  // Moves the second stage's base after all others.
   std::stable_partition(chunks.begin(), chunks.end(), [](const Bytes& chunk) { return kind_of(chunk) != 0; });
   CHECK(same(decoded(parts, chunks).cloud(), wanted));
 }
@@ -148,7 +148,7 @@ TEST_CASE("limits memory however many stages a stream claims") {
       chunk[3] = static_cast<std::byte>(flags);
       chunk[4] = std::byte{200};
       decoder.add(ChunkType::displaced, chunk);
-      // Clusters of their deepest levels.
+      // Clusters of the deepest levels.
       for (int level = 1; level <= 8; ++level) {
         ClusterHeader cluster{ClusterHeader::Kind::displacement, stage, level, 0, 0, 40, 0};
         Bytes payload = encode_cluster_header(cluster);

@@ -28,7 +28,7 @@ struct Sample {
   std::string name;
   Triangles triangles;
   Bytes stream;
-  double most = 0;  // error of the whole stream, root of the mean square, of the box's longest edge
+  double most = 0;  // RMS error of the whole stream, relative to the longest edge of the box
 };
 
 Bytes encode(const Triangles& triangles) {
@@ -37,7 +37,7 @@ Bytes encode(const Triangles& triangles) {
   return std::get<EncodedStream>(std::move(made)).bytes;
 }
 
-/// A cube of 2 n^2 triangles a side, its sides shaded flat.
+/// Returns a cube of 2 n^2 flat-shaded triangles per side.
 Triangles cube(int n) {
   Triangles all = box_shape(glm::vec3(-1), glm::vec3(1), n);
   for (Triangle& t : all)
@@ -70,7 +70,7 @@ StreamDecoder decoded(std::span<const std::byte> bytes) {
   return decoder;
 }
 
-/// How far both surfaces are from each other, of the box's longest edge.
+/// Returns the distance of both surfaces, relative to the longest edge of the box.
 double error_of(const Cloud& cloud, const Triangles& source) {
   SurfaceMesh made;
   made.positions = cloud.positions;
@@ -147,7 +147,7 @@ TEST_CASE("approaches the surface as more of a displaced stream is received") {
     CHECK(decoder.problems().empty());
     const Cloud cloud = decoder.cloud();
     CHECK(decoder.vectors() == cloud.size());
-    // The sum of weights is the area of what is shown.
+    // The sum of weights is the shown area.
     CHECK(total_weight(cloud) == Approx(area_of(s.triangles)).epsilon(0.01));
   }
 }
@@ -159,7 +159,7 @@ TEST_CASE("keeps closed surfaces closed and boundaries in place") {
       const auto bytes =
           std::max(header_bytes(s.stream), static_cast<std::size_t>(part * static_cast<double>(s.stream.size())));
       const Cloud cloud = decoded(std::span(s.stream).first(bytes)).cloud();
-      // Slots at one place are one vertex.
+      // Slots at one position are one vertex.
       Triangles triangles;
       for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
         triangles.push_back(triangle_of(cloud.positions[cloud.triangles[i]], cloud.positions[cloud.triangles[i + 1]],
@@ -268,11 +268,11 @@ TEST_CASE("makes a displaced surface only rougher when chunks are lost", "[optim
       check_sound(cloud);
       sum += error_of(cloud, rough);
     }
-    // Of the way from the whole back to the base alone.
+    // Relative to the error of the base alone.
     INFO("lost " << share << ": " << sum / kRounds << "; whole " << whole << ", base " << base);
     CHECK(sum / kRounds < whole + factor * (base - whole));
   }
-  // Of streams of few chunks each is much: what is finer stands beside what was lost.
+  // In streams of few chunks a loss is large: finer parts remain beside the lost ones.
   for (const Sample& s : samples()) {
     INFO(s.name);
     StreamReader of;

@@ -111,8 +111,8 @@ void check_stage(Surface& surface, Told wanted) {
 
 }  // namespace
 
-// tests/qnv/vectors/v1/displaced_*.qnv are streams as encode_displaced wrote them once; the .txt beside them is what
-// tests/qnv/vectors/displaced.py, written from FORMAT.md alone, made of them. Neither may ever be made again.
+// encode_displaced once wrote tests/qnv/vectors/v1/displaced_*.qnv. tests/qnv/vectors/displaced.py, written from
+// FORMAT.md alone, made the .txt files. Never regenerate either.
 TEST_CASE("decodes displaced streams of version 1 to their pinned numbers") {
   for (const std::string name : {"displaced_fold", "displaced_stages", "displaced_pieces"}) {
     INFO(name);
@@ -166,7 +166,7 @@ TEST_CASE("decodes displaced streams of version 1 to their pinned numbers") {
     for (const auto& [vertex, c] : wanted.colors)
       REQUIRE_EACH(colors.at(vertex) == Rgb8{static_cast<std::uint8_t>(c.x), static_cast<std::uint8_t>(c.y),
                                              static_cast<std::uint8_t>(c.z)});
-    // The decoder of whole streams shows the same.
+    // The decoder of whole streams gives an equal result.
     StreamDecoder decoder;
     REQUIRE(decoder.push(bytes));
     decoder.finish();

@@ -80,7 +80,7 @@ TEST_CASE("drops triangles without area or with positions that are not finite") 
 TEST_CASE("makes a manifold with colours of any set of triangles") {
   std::mt19937 random(9);
   for (std::size_t round = 0; round < 30; ++round) {
-    // Corners on a few places: everything meets everything.
+    // Corners at few positions, so that everything meets.
     Triangles heap;
     for (int i = 0; i < 120; ++i) {
       const auto place = [&] { return glm::vec3(random() % 3, random() % 3, random() % 3); };
@@ -93,12 +93,12 @@ TEST_CASE("makes a manifold with colours of any set of triangles") {
 
 TEST_CASE("returns a manifold with its neighbours and numbers vertices by first use") {
   const bool whole = GENERATE(true, false);
-  const int size = GENERATE(6, 200);  // one thread, several
+  const int size = GENERATE(6, 200);  // on one thread and on several
   Triangles heap = sheet(size);
   std::mt19937 random(5);
   if (!whole)
     for (std::size_t i = 0; i < heap.size(); i += 7) {
-      // Upside down, there again, or leading to where another one is.
+      // Reversed, repeated, or moved to another triangle.
       const auto change = random() % 3;
       if (change == 0) std::swap(heap[i].positions[0], heap[i].positions[1]);
       if (change == 1) heap.push_back(heap[i]);

@@ -19,7 +19,7 @@ Patches patches_of(const SurfaceMesh& mesh) {
   return {mesh.triangles, static_cast<std::uint32_t>(mesh.positions.size())};
 }
 
-/// The corners of the square (0, 1, 2, 3), divided from 0 to 2.
+/// Returns the square (0, 1, 2, 3), divided from 0 to 2.
 Patches square() { return {{{0, 1, 2}, {0, 2, 3}}, 4}; }
 
 }  // namespace
@@ -42,7 +42,7 @@ TEST_CASE("numbers each vertex of a level once, shared by the neighbouring patch
           ++seen[v];
         }
       }
-      // All are there; those inside of an edge as often as it has sides.
+      // All vertices occur; those inside an edge once per side.
       CHECK(std::find(seen.begin(), seen.end(), 0) == seen.end());
       for (std::uint32_t e = 0; e < patches.edges().size(); ++e)
         for (std::size_t t = 0; t + 1 < n; ++t)
@@ -97,18 +97,18 @@ TEST_CASE("places each new vertex of a level between two ends of an edge of the 
 
 TEST_CASE("splits vertices along creases between the patches on either side") {
   Patches patches = square();
-  CHECK(patches.has_lines());  // rims
+  CHECK(patches.has_lines());  // boundary edges
   CHECK(patches.cut().base_vertices() == 4);
   std::vector<bool> creases(5, false);
   creases[2] = true;
-  creases[0] = true;  // a rim is no crease
+  creases[0] = true;  // no crease at a boundary
   patches.set_creases(creases);
   CHECK(!patches.edges()[0].crease);
   CHECK(patches.edges()[2].crease);
   const Patches cut = patches.cut();
   CHECK(cut.base_vertices() == 6);
   CHECK(cut.edges().size() == 6);
-  // A crease that ends inside a surface parts nothing at its end.
+  // A crease that ends inside a surface splits nothing at its end.
   Patches round = patches_of(mesh_of(ball(3)));
   CHECK(!round.has_lines());
   std::vector<bool> one(round.edges().size(), false);
@@ -128,7 +128,7 @@ TEST_CASE("computes normals at creases and boundaries to the same bits on any nu
     CHECK(cut.base_vertices() > patches.base_vertices());
     for (int level = 0; level <= 3; ++level) {
       std::vector<glm::vec3> places(patches.vertices_at(level));
-      // Sums of such numbers depend on their order.
+      // The sum of such numbers depends on their order.
       for (std::size_t i = 0; i < places.size(); ++i) {
         const auto x = static_cast<float>(i);
         places[i] = {std::sin(1.7f * x), std::sin(2.3f * x + 1), std::sin(0.9f * x + 2)};

@@ -21,7 +21,7 @@
 namespace gs::qnv::displaced::surface_test {
 namespace {
 
-/// A stage of a mesh's triangles; creases where `every` divides an edge's number (0: none).
+/// Returns a stage of a mesh's triangles, with creases at edges with numbers that `every` divides (0: none).
 StageHeader stage_of(const SurfaceMesh& mesh, int depth, std::size_t every = 0) {
   StageHeader stage;
   stage.depth = depth;
@@ -45,7 +45,7 @@ struct Made {
   std::vector<std::byte> payload;
 };
 
-/// Random numbers in every place that a cluster may bring, most of them small or 0.
+/// Fills all numbers that a cluster may contain, mostly small or 0.
 void fill(Surface& surface, std::uint32_t seed, int layers) {
   std::mt19937 random(seed);
   const auto number = [&]() -> std::int16_t {
@@ -74,7 +74,7 @@ void fill(Surface& surface, std::uint32_t seed, int layers) {
   }
 }
 
-/// All numbers in clusters of runs of `run` patches.
+/// Returns all numbers in clusters of `run` patches.
 std::vector<Made> clusters_of(Surface& surface, int layers, std::uint32_t run) {
   std::vector<Made> out;
   for (int level = 1; level <= surface.header().depth; ++level)
@@ -198,8 +198,8 @@ TEST_CASE("restores cluster headers, and rejects impossible ones") {
   CHECK(refused({0x01, 0x41, 0, 1}));                          // layer
   CHECK(refused({0x01, 0x01, 0, 0}));                          // no patches
   CHECK(refused({0x01, 0x01, 0xff, 0xff, 0xff, 0xff, 1, 1}));  // a number without end
-  CHECK(refused({0x01, 0x01, 0xff, 0xff, 0xff, 0x7f, 1}));     // first
-  CHECK(refused({0x01, 0x01, 0, 0xff, 0xff, 0xff, 0x7f}));     // count
+  CHECK(refused({0x01, 0x01, 0xff, 0xff, 0xff, 0x7f, 1}));     // first patch
+  CHECK(refused({0x01, 0x01, 0, 0xff, 0xff, 0xff, 0x7f}));     // number of patches
 }
 
 TEST_CASE("leaves no cracks whichever clusters are received") {
@@ -214,7 +214,7 @@ TEST_CASE("leaves no cracks whichever clusters are received") {
       for (const Made& made : clusters)
         if (random() % 12 < round) REQUIRE(add(part, made.payload));
       for (const int level : {2, 4}) {
-        // Vertices by slots: as many triangles a side as the base has, and a place for each vertex alone.
+        // Vertices by slot: one per corner of the base, and a position for each vertex.
         const std::vector<std::uint32_t> vertex_of = part.vertices_of_slots(level), slots = part.triangles(level);
         std::vector<Corners> triangles;
         for (std::size_t i = 0; i < slots.size(); i += 3)

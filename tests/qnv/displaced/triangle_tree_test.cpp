@@ -21,7 +21,7 @@ glm::vec3 random_place(std::mt19937& random, float size) {
   return {x, y, number()};
 }
 
-/// The least distance that one of all triangles gives.
+/// Returns the smallest distance to any triangle.
 template <class Of>
 float least(const SurfaceMesh& mesh, const glm::vec3& facing, float cosine, Of of) {
   float found = std::numeric_limits<float>::infinity();
@@ -34,7 +34,7 @@ float least(const SurfaceMesh& mesh, const glm::vec3& facing, float cosine, Of o
   return found;
 }
 
-/// Of places of a fine grid of a triangle, the nearest.
+/// Returns the nearest position of a fine grid on a triangle.
 float near_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   constexpr int kSteps = 24;
   float found = std::numeric_limits<float>::infinity();
@@ -62,7 +62,7 @@ TEST_CASE("finds in a tree of triangles the result of a full search") {
           const SurfacePoint one = tree.on(t, from, to, 0.8f);
           return one.triangle == kNone ? std::numeric_limits<float>::infinity() : std::abs(one.distance);
         });
-        // Between two triangles either may answer, or, in one question, both.
+        // On a tie between two triangles either is valid, or both in one query.
         if (std::isfinite(all)) {
           REQUIRE(hit.triangle != kNone);
           CHECK(std::abs(hit.distance) == Approx(all).margin(1e-4));
@@ -95,7 +95,7 @@ TEST_CASE("answers queries on a tree of few, no or degenerate triangles") {
     SurfaceMesh mesh;
     for (std::uint32_t t = 0; t < count; ++t) {
       const auto x = static_cast<float>(t);
-      // Every other one is a line.
+      // Every other triangle is degenerate.
       for (const glm::vec3& p : {glm::vec3(x, 0, 0), glm::vec3(x, 1, 0), glm::vec3(t % 2 ? x : x + 1, 1, 0)})
         mesh.positions.push_back(p);
       mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});

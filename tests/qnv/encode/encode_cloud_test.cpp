@@ -16,7 +16,7 @@ using namespace gs::qnv;
 
 namespace {
 
-// Points spread evenly over a unit sphere.
+// Returns points spread evenly over a unit sphere.
 Cloud sphere_cloud(std::size_t count, bool colored) {
   Cloud cloud;
   const auto all = static_cast<float>(count);
@@ -120,7 +120,7 @@ TEST_CASE("keeps the whole area at every cut of a stream of records, within its 
 TEST_CASE("encodes a volume's classes and transfer function, with the total of the sent vectors") {
   Cloud cloud = sphere_cloud(500, false);
   cloud.description.kind = Kind::volume;
-  cloud.description.total = 1e9;  // with vectors that were left out
+  cloud.description.total = 1e9;  // includes vectors that were left out
   cloud.description.spacing = 0.5f;
   cloud.description.value_range = {-3, 7};
   cloud.description.transfer = {{0, {0, 0, 0}, 0}, {1, {255, 255, 255}, 1}};

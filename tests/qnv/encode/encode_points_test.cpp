@@ -17,7 +17,7 @@ using namespace gs::qnv;
 
 namespace {
 
-/// Points of a ball, all with the same part of its area.
+/// Returns points of a ball with equal areas.
 Cloud ball_of_points(std::size_t count) {
   Cloud cloud;
   cloud.description.two_sided = true;
@@ -57,7 +57,7 @@ TEST_CASE("packs points of a surface at their positions, with their normals and 
   CHECK(stream.header.description.metadata ==
         std::vector<std::pair<std::string, std::string>>{{"title", "ball"}, {"up", "z"}});
   CHECK(stream.header.description.total == Approx(4 * std::numbers::pi * 9).epsilon(0.001));
-  CHECK(stream.bytes.size() < 8000 * 3);  // records: 8000 * 8
+  CHECK(stream.bytes.size() < 8000 * 3);  // records would need 8000 * 8
   const Cloud cloud = decoded_points(stream);
   CHECK(cloud.size() > 4000);
   CHECK(cloud.size() < 20'000);

@@ -30,7 +30,7 @@ namespace encode_voxels_test {
 
 using Bytes = std::vector<std::byte>;
 
-/// Which cells of the octree a cloud shows.
+/// Set of the octree cells that a point set shows.
 class Cells {
  public:
   explicit Cells(const VoxelLattice& lattice) : lattice_(lattice) {
@@ -50,7 +50,7 @@ class Cells {
     CHECK(cell.edge == 0);
     return lattice_.depth;
   }
-  /// Every vector of the source lies in one cell that is shown, and no cell in another.
+  /// Checks that every source vector is in one shown cell, and that no cell is inside another.
   void check_cover(const Cloud& shown, const Cloud& source) const {
     std::set<std::pair<int, std::uint64_t>> cells;
     for (std::size_t i = 0; i < shown.size(); ++i) {
@@ -128,18 +128,18 @@ TEST_CASE("leaves no hole with voxel clusters in any order and with any losses")
     std::vector<std::size_t> order(payloads.size());
     std::iota(order.begin(), order.end(), 0);
     std::shuffle(order.begin(), order.end(), random);
-    if (round % 2 == 1) {  // some lost, but not the first
+    if (round % 2 == 1) {  // loses some, but not the first
       order.resize(order.size() - random() % (order.size() / 2 + 1));
       if (std::find(order.begin(), order.end(), 0u) == order.end()) order.push_back(0);
     }
     StreamDecoder decoder;
     REQUIRE(decoder.push(encode_header(stream.header)));
     for (const std::size_t i : order) decoder.add(ChunkType::voxels, payloads[i]);
-    decoder.add(ChunkType::voxels, payloads[order.front()]);  // twice: refused, or waits for ever
+    decoder.add(ChunkType::voxels, payloads[order.front()]);  // repeated: refused, or waits for ever
     cells.check_cover(decoder.cloud(), ball.cloud);
     if (round % 2 == 0) REQUIRE(same(decoder.cloud(), whole));
   }
-  // Packets that are lost on the way.
+  // Lost packets.
   const EncodedStream large = SoftBall(40, 0.3).stream();
   const Bytes lossy = drop_packets(large.bytes, 0.5, 3);
   CHECK(lossy.size() < large.bytes.size());
@@ -152,7 +152,7 @@ TEST_CASE("covers the whole volume with the first vectors of a volume stream") {
   const SoftBall ball(32);
   const Cloud cloud = cloud_of(ball.stream().bytes);
   REQUIRE(cloud.size() == ball.cloud.size());
-  std::map<std::array<int, 3>, std::array<int, 2>> blocks;  // all, the first eighth
+  std::map<std::array<int, 3>, std::array<int, 2>> blocks;  // of all, and of the first eighth
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::vec3 part = (cloud.positions[i] - cloud.description.box.lower) / cloud.description.box.size() * 3.99f;
     auto& count = blocks[{static_cast<int>(part.x), static_cast<int>(part.y), static_cast<int>(part.z)}];
@@ -229,7 +229,7 @@ TEST_CASE("survives random changes of volume streams") {
   std::vector<Bytes> payloads = clusters_of(stream.bytes);
   const Bytes header = encode_header(stream.header);
   std::size_t taken = 0;
-  // Behind the checksums, which would find nearly all of it.
+  // Changes bytes after the checksums, which would detect nearly all changes.
   for (std::size_t round = 0; round < 100'000; round += watched_step(50)) {
     StreamDecoder decoder(100'000);
     REQUIRE(decoder.push(header));
@@ -238,7 +238,7 @@ TEST_CASE("survives random changes of volume streams") {
       for (std::size_t changes = random() % 3; changes > 0; --changes)
         changed[random() % changed.size()] ^= static_cast<std::byte>(1u << random() % 8);
       decoder.add(ChunkType::voxels, changed);
-      if (round % 16 != 0) break;  // mostly the first
+      if (round % 16 != 0) break;  // mostly the first only
     }
     const Cloud cloud = decoder.cloud();
     REQUIRE_EACH(cloud.size() == decoder.vectors());

@@ -48,15 +48,15 @@ struct Bits {
 struct Mesh {
   double area = 0, volume = 0;
   std::size_t points = 0;
-  std::size_t open_edges = 0;    // directed edges without as many in the other direction
-  std::size_t shared_edges = 0;  // with more than one triangle on a side
+  std::size_t open_edges = 0;    // directed edges without an equal number in reverse
+  std::size_t shared_edges = 0;  // with several triangles on one side
 };
 
 Mesh measured(const std::vector<std::array<glm::vec3, 3>>& triangles) {
   Mesh mesh;
   std::unordered_map<std::array<float, 3>, std::uint32_t, Bits> points;
   points.reserve(triangles.size() / 2 + 16);
-  std::vector<std::uint64_t> edges, opposite;  // from a point in the upper half to one in the lower; and the other way
+  std::vector<std::uint64_t> edges, opposite;  // from the upper half to the lower, and in reverse
   edges.reserve(3 * triangles.size());
   for (const auto& corners : triangles) {
     std::array<std::uint32_t, 3> index{};
@@ -92,7 +92,7 @@ Mesh measured(const std::vector<Triangle>& triangles) {
   return measured(corners);
 }
 
-/// Noise with a border of zeros, so that surfaces close.
+/// Returns noise with a border of zeros, so that surfaces close.
 VolumeSource closed_noise(std::uint32_t n, unsigned levels, unsigned seed) {
   std::mt19937 random(seed);
   return volume_of(oblique(n, n, n), [&, n](auto x, auto y, auto z) {
@@ -132,7 +132,7 @@ TEST_CASE("makes closed loops around the cut edges in every case of marching cub
           ++sides[{triangle[i], triangle[(i + 1) % 3]}];
         }
       CHECK(used == crossed);
-      std::map<int, int> outline;  // sides without a partner leave every edge once
+      std::map<int, int> outline;  // edges without a partner leave every cut edge once
       for (const auto& [side, count] : sides) {
         CHECK(count == 1);
         if (!sides.contains({side.second, side.first})) ++outline[side.first];
@@ -166,7 +166,7 @@ TEST_CASE("makes the isosurface of a ball with its area, its volume and outward 
     CHECK(mesh.volume == Approx(4 * pi * radius * radius * radius / 3).epsilon(0.01));
     CHECK(mesh.open_edges == 0);
     CHECK(mesh.shared_edges == 0);
-    CHECK(mesh.points == triangles.size() / 2 + 2);  // Euler
+    CHECK(mesh.points == triangles.size() / 2 + 2);  // Euler's formula
     for (const Triangle& triangle : triangles)
       for (std::size_t i = 0; i < 3; ++i) {
         REQUIRE(glm::length(triangle.positions[i]) == Approx(radius).margin(0.05));

@@ -1,4 +1,4 @@
-// Octrees of surfaces that end with the mesh itself.
+// Tests of octrees of surfaces that end with the mesh itself.
 #include "qnv/codec/loss.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/encode/encode_surface.h"
@@ -15,7 +15,7 @@
 namespace gs::qnv::octree_mesh_test {
 namespace {
 
-/// Parts of three colours, some of which touch.
+/// Returns parts of three colours, some of which touch.
 Triangles assembly() {
   Triangles all;
   const std::array<Rgb8, 3> colors{Rgb8{250, 10, 10}, Rgb8{10, 200, 30}, Rgb8{20, 30, 240}};

@@ -31,7 +31,7 @@ Triangles triangles_of(const ThinnedSurface& surface) {
   return out;
 }
 
-/// Sides that no other triangle has the other way round.
+/// Counts edges without a triangle in the other direction.
 std::size_t open_sides(const ThinnedSurface& surface) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
   for (const auto& t : surface.triangles)
@@ -106,7 +106,7 @@ TEST_CASE("encodes a surface that exceeds the memory as one of fewer triangles")
   CHECK(header.payload == Payload::displaced);
   CHECK(std::get<EncodedStream>(result).thinned);
   CHECK(header.description.total == Approx(area_of(ball)).epsilon(0.01));
-  // No more is held than that, and the mesh itself cannot be had.
+  // The encoder holds no more, and omits the mesh itself.
   options.exact_bits = 12;
   const auto refused = encode_displaced(source_of(ball), options);
   REQUIRE(std::holds_alternative<EncodeError>(refused));

@@ -1,4 +1,4 @@
-// Texture coordinates of exact tails, and their pictures.
+// Tests of texture coordinates of exact tails, and of their textures.
 #include "qnv/decode/decoder.h"
 #include "qnv/encode/surface_tail.h"
 #include "qnv/exact/corner_growth.h"
@@ -33,7 +33,7 @@ TexturedSurface textured(const Triangles& triangles, const Mapped& mapped) {
   return surface;
 }
 glm::vec2 from_above(const glm::vec3& p, const Triangle&) { return {p.x, p.y}; }
-/// Six charts, side by side: a seam wherever faces look another way.
+/// Maps to six charts side by side, with a seam wherever the direction of faces changes.
 glm::vec2 boxed(const glm::vec3& p, const Triangle& of) {
   const glm::vec3 n = glm::cross(of.positions[1] - of.positions[0], of.positions[2] - of.positions[0]);
   int axis = 0;
@@ -49,7 +49,7 @@ Mapped at_random(std::uint32_t seed) {
   };
 }
 
-/// A triangle with its places in the texture, from the least of its corners on.
+/// Triangle with texture coordinates, starting at its smallest corner.
 using Dressed = std::array<std::array<int, 5>, 3>;
 std::vector<Dressed> dressed(const ExactMesh& mesh) {
   std::vector<Dressed> all;
@@ -109,9 +109,9 @@ TEST_CASE("predicts a corner from the triangle across the edge and exactly in a 
   const auto at = [](const glm::ivec3& p) { return glm::ivec2(1000 + 7 * p.x - 3 * p.y, 2000 + 2 * p.x + 9 * p.y); };
   const glm::ivec3 from(40, 10, 0), to(90, 60, 0), beyond(120, 5, 0), corner(15, 80, 0);
   const ExpectedCorner expected{to - from, corner - from, at(from), at(to) - at(from)};
-  const glm::ivec2 off = expected.folded(beyond - from, at(beyond)) - at(corner);  // two numbers are rounded
+  const glm::ivec2 off = expected.folded(beyond - from, at(beyond)) - at(corner);  // two roundings
   CHECK(std::max(std::abs(off.x), std::abs(off.y)) <= 1);
-  // Folded: what stands upright lies flat.
+  // Unfolds an upright triangle into the plane.
   const glm::ivec3 along(100, 0, 0), up(30, 0, 50), down(30, -50, 0);
   const ExpectedCorner folded{along, up, {0, 0}, {200, 0}};
   CHECK(folded.folded(down, {60, -100}) == glm::ivec2(60, 100));
@@ -159,7 +159,7 @@ TEST_CASE("decodes mutated tails with texture coordinates to a mesh or rejects t
     const Bytes tail = encode_tail(mesh_with(textured(displaced::ball(7), mapped), 10));
     for (std::size_t round = 0; round < 400; round += watched_step(7)) {
       Bytes mutated = tail;
-      const std::size_t from = round % 3 == 0 ? 0 : 28;  // the header too, or not
+      const std::size_t from = round % 3 == 0 ? 0 : 28;  // changes the header in a third of the rounds
       for (std::size_t i = 0; i <= round % 4; ++i)
         mutated[from + random() % (mutated.size() - from)] = static_cast<std::byte>(random());
       const auto decoded = decode_tail(mutated, kMost);
@@ -218,7 +218,7 @@ TEST_CASE("shows a texture once enough of one of its files is received, in any o
       CHECK(!shown->whole);
     }
     CHECK(reader.add(piece));
-    CHECK(reader.add(piece));  // again
+    CHECK(reader.add(piece));  // repeated
     come = std::min(come + 64, all.size());
   }
   REQUIRE(reader.whole());
@@ -293,7 +293,7 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
     REQUIRE(cloud.picture);
     CHECK(cloud.picture->bytes == surface.picture[0].bytes);
     CHECK(partly);
-    // Each corner of the source is somewhere, where it lies in the texture.
+    // The mesh contains each corner of the source, at its texture coordinate.
     float furthest = 0;
     for (std::size_t t = 0; t < torus.size(); t += 71)
       for (std::size_t k = 0; k < 3; ++k) {

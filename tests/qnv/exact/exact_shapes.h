@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
-// Meshes for the tests of exact tails, and what is the same of two of them.
+// Meshes for tests of exact tails, and their comparison.
 namespace gs::qnv::exact {
 
-/// A triangle as what it is made of: from the least of its corners on, the way it turns.
-using Turned = std::array<std::array<int, 6>, 3>;  // place, colour
+/// Triangle as its corners, from the smallest on, in its orientation.
+using Turned = std::array<std::array<int, 6>, 3>;  // position, colour
 
 inline Turned turned(Turned t) {
   Turned least = t;
@@ -28,7 +28,7 @@ inline Turned turned(Turned t) {
   return least;
 }
 
-/// All triangles of a mesh, each as often as it is there.
+/// Returns all triangles of a mesh, including duplicates.
 inline std::vector<Turned> triangles_in(const ExactMesh& mesh) {
   std::vector<Turned> all;
   for (const displaced::Corners& t : mesh.triangles) {
@@ -51,7 +51,7 @@ inline Box box_of_all(const Triangles& triangles) {
   return box;
 }
 
-/// The same of a source, each corner by itself put on the lattice. `rgb`: with the colours of the corners.
+/// Returns all triangles of a source, with each corner on the lattice. `rgb` adds the corners' colours.
 inline std::vector<Turned> triangles_in(const Triangles& source, int bits, bool rgb) {
   const displaced::Frame frame(box_of_all(source));
   const auto top = static_cast<float>((1 << bits) - 1);
@@ -71,7 +71,7 @@ inline std::vector<Turned> triangles_in(const Triangles& source, int bits, bool 
   return all;
 }
 
-/// A source as the encoder prepares it.
+/// Prepares a source as the encoder does.
 inline ExactMesh mesh_of(const Triangles& source, int bits, bool colored) {
   displaced::MeshBuilder builder(colored);
   builder.add(source);
@@ -87,7 +87,7 @@ struct Source {
   bool colored = false;
 };
 
-/// Surfaces as they should not be: each of them comes back all the same.
+/// Returns defective surfaces; each one is restored nevertheless.
 inline std::vector<Source> nasty_sources() {
   std::vector<Source> all;
   const glm::vec3 o(0), x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
@@ -99,7 +99,7 @@ inline std::vector<Source> nasty_sources() {
                   triangle_of(o, x, y + z)}});
   all.push_back({"two that meet at a point, and one without an area",
                  {triangle_of(o, x, y), triangle_of(o, -x, -y), triangle_of(o, x, 2.0f * x), triangle_of(o, o, z)}});
-  Triangles band;  // of Moebius
+  Triangles band;  // a Moebius strip
   for (int i = 0; i < 24; ++i) {
     const auto at = [](int k, float side) {
       const double a = 2 * std::numbers::pi * k / 24, b = a / 2;

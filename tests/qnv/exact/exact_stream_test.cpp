@@ -32,7 +32,7 @@ struct Sample {
   Bytes stream;
 };
 
-/// Too rough for a tail of one piece.
+/// Returns a sheet that is too rough for a tail of one piece.
 Triangles rough_sheet() {
   Triangles sheet = displaced::sheet(140);
   for (Triangle& t : sheet)
@@ -48,7 +48,7 @@ Triangles rough_sheet() {
 const std::vector<Sample>& samples() {
   static const std::vector<Sample> all = [] {
     std::vector<Sample> made;
-    // The last one has several pieces.
+    // The last shape has several pieces.
     for (const Source& s : {smooth_sources()[3], smooth_sources()[2], Source{"large sheet", rough_sheet()}})
       made.push_back({s, made.size() == 2 ? 20 : 11, {}});
     for (Sample& s : made) s.stream = std::get<EncodedStream>(encoded(s.source.triangles, s.bits)).bytes;
@@ -72,7 +72,7 @@ bool same(const Cloud& a, const Cloud& b) {
 struct Chunk {
   ChunkType type = ChunkType::displaced;
   Bytes payload;
-  std::size_t end = 0;  // in the stream
+  std::size_t end = 0;  // position in the stream
 };
 
 std::vector<Chunk> chunks_of(const Bytes& stream) {
@@ -150,7 +150,7 @@ TEST_CASE("ends an exact stream with the mesh itself") {
     CHECK(cloud.size() == decoder.vectors());
     CHECK(triangles_shown(cloud, s.bits, s.source.colored) ==
           triangles_in(s.source.triangles, s.bits, s.source.colored));
-    // Half a step of the lattice, and what f32 rounds.
+    // Half a step of the lattice, plus f32 rounding.
     const Box box = cloud.description.box;
     for (const glm::vec3& p : cloud.positions)
       for (int axis = 0; axis < 3; ++axis)
@@ -232,12 +232,12 @@ TEST_CASE("refines positions bit by bit after the tail, with any losses and in a
   std::shuffle(shuffled.begin(), shuffled.end(), random);
   CHECK(triangles_shown(with(shuffled, false), s.bits, false) == whole);
   CHECK(triangles_shown(with(shuffled, true), s.bits, false) == whole);
-  const std::size_t layer = low.size() / 8;  // of 12 to 20 bits
+  const std::size_t layer = low.size() / 8;  // for 12 to 20 bits
   const float none = off(with({}, false)), one = off(with(std::span(low).first(layer), false)),
               three = off(with(std::span(low).first(3 * layer), false));
   CHECK(one < 0.6f * none);
   CHECK(three < 0.6f * one);
-  // Without one of the first layer its vertices stay where they were.
+  // If one chunk of the first layer is missing, its vertices keep their positions.
   CHECK(off(with(std::span(low).subspan(1), false)) <= none);
   CHECK(off(with(std::span(low).subspan(1), false)) > 0.5f * none);
 }
@@ -330,7 +330,7 @@ TEST_CASE("rejects pieces that do not belong together") {
   CHECK(held.length() == tail.size());
   CHECK(!held.take());
   Bytes other = pieces[0];
-  other[4] = std::byte{1};  // of a tail of another length
+  other[4] = std::byte{1};  // for a tail of another length
   CHECK(!held.add(other));
   other = pieces[0];
   other[0] = std::byte{1};  // overlaps the second
@@ -340,7 +340,7 @@ TEST_CASE("rejects pieces that do not belong together") {
   CHECK(!held.add(other));
   other = pieces[1];
   other.back() = std::byte{4};
-  CHECK(!held.add(other));  // there already, but otherwise
+  CHECK(!held.add(other));  // received already with other bytes
   CHECK(held.add(pieces[1]));
   CHECK(held.come() == 16384);
   REQUIRE(held.add(pieces[2]));
@@ -386,7 +386,7 @@ TEST_CASE("encodes a mesh to the same exact stream on any number of threads, aft
   CHECK(carries(row_of(Payload::packed), ChunkType::exact));
   CHECK(!carries(row_of(Payload::packed), ChunkType::cover));
   CHECK(!carries(row_of(Payload::records), ChunkType::exact));
-  // In a stream of another payload it is refused.
+  // A stream of another payload rejects it.
   const TriangleSource source = source_of(s.source.triangles);
   const auto packed = row_of(Payload::packed).encode(std::cref(source), {}, nullptr);
   StreamDecoder decoder;

@@ -19,7 +19,7 @@ std::vector<Source> all_sources() {
   return all;
 }
 
-// FORMAT.md, "Exact tail": a mesh, whatever the bytes were.
+// Checks FORMAT.md, "Exact tail": a valid mesh for any bytes.
 void check_sound(const ExactMesh& mesh, std::size_t bytes) {
   REQUIRE_EACH(mesh.triangles.size() <= 64 * bytes);
   REQUIRE_EACH(mesh.twins.size() == 3 * mesh.triangles.size());
@@ -64,7 +64,7 @@ TEST_CASE("keeps the shared vertices of a mesh") {
   const ExactMesh mesh = mesh_of(displaced::torus(30, 16), 11, false);
   const auto decoded = decode_tail(encode_tail(mesh), kMost);
   REQUIRE(decoded);
-  CHECK(decoded->vertices.size() == 480);  // 30 * 16: no vertex is there twice
+  CHECK(decoded->vertices.size() == 480);  // 30 * 16: no vertex is repeated
   CHECK(std::count(decoded->twins.begin(), decoded->twins.end(), displaced::kNone) == 0);
 }
 
@@ -75,7 +75,7 @@ TEST_CASE("creases a mesh where the normals of its corners differ") {
   const ExactMesh creased = mesh_of(cube, 11, false);
   CHECK(creased.crease_angle < 90);
   CHECK(decode_tail(encode_tail(creased), kMost)->crease_angle == creased.crease_angle);
-  CHECK(mesh_of(displaced::ball(8), 11, false).crease_angle > 90);  // normals of its vertices
+  CHECK(mesh_of(displaced::ball(8), 11, false).crease_angle > 90);  // vertex normals
 }
 
 TEST_CASE("encodes a smooth mesh in under two bytes per vertex") {
@@ -88,7 +88,7 @@ TEST_CASE("rejects prefixes of a tail, and decodes mutations to a mesh or reject
   for (const Source& s : all_sources()) {
     INFO(s.name);
     const Bytes tail = encode_tail(mesh_of(s.triangles, 10, s.colored));
-    // Zeros may be left out at its end.
+    // Zeros at the end may be omitted.
     const std::size_t prefixes = std::max<std::size_t>(1, tail.size() / 40) * watched_step(4);
     for (std::size_t length = 0; length + 8 < tail.size(); length += prefixes)
       REQUIRE_EACH(!decode_tail(std::span(tail).first(length), kMost));
@@ -96,7 +96,7 @@ TEST_CASE("rejects prefixes of a tail, and decodes mutations to a mesh or reject
     for (std::size_t round = 0; round < 100; round += watched_step(7)) {
       Bytes mutated = tail;
       for (std::size_t i = 0; i <= round % 4; ++i) {
-        const std::size_t from = round % 3 == 0 ? 0 : 107;  // the header too, or not
+        const std::size_t from = round % 3 == 0 ? 0 : 107;  // changes the header in a third of the rounds
         mutated[from + random() % (mutated.size() - from)] = static_cast<std::byte>(random());
       }
       const auto decoded = decode_tail(mutated, kMost);
@@ -134,7 +134,7 @@ TEST_CASE("rejects a tail that promises too much") {
   CHECK(!decode_tail(with(1, {21}), kMost));
   CHECK(!decode_tail(with(2, {181}), kMost));                 // crease angle
   CHECK(!decode_tail(with(3, {255, 255, 255, 255}), kMost));  // vertices
-  CHECK(!decode_tail(with(7, {255, 255, 255, 127}), ~0u));    // triangles, more than 64 a byte
+  CHECK(!decode_tail(with(7, {255, 255, 255, 127}), ~0u));    // triangles, over 64 per byte
   CHECK(!decode_tail(with(7, {0, 0, 0, 0}), kMost));
   CHECK(!tail_size(std::span(tail).first(100)));
 }

@@ -21,9 +21,8 @@
 
 namespace gs::qnv::exact::vectors_test {
 
-// tests/qnv/vectors/v1/displaced_exact.qnv, _shaded and _small are streams as encode_displaced wrote them once; the
-// .txt beside them is what tests/qnv/vectors/displaced.py, written from FORMAT.md alone, made of them. None may ever be
-// made again.
+// encode_displaced once wrote tests/qnv/vectors/v1/displaced_exact.qnv, _shaded and _small.
+// tests/qnv/vectors/displaced.py, written from FORMAT.md alone, made the .txt files. Never regenerate any.
 TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
   for (const std::string name : {"displaced_exact", "displaced_shaded", "displaced_small"}) {
     INFO(name);
@@ -184,7 +183,7 @@ TEST_CASE("decodes a textured tail to its pinned corners, normals and texture fi
   std::vector<displaced::Corners> faces;
   std::vector<CornerCoordinates> coordinates;
   std::vector<std::pair<std::size_t, glm::vec3>> normals;
-  std::vector<std::array<std::uint32_t, 3>> files;  // length, enough, checksum
+  std::vector<std::array<std::uint32_t, 3>> files;  // length, bytes that suffice, checksum
   std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_textured.txt");
   for (std::string line; std::getline(in, line);) {
     std::istringstream words(line);
@@ -244,7 +243,7 @@ TEST_CASE("decodes a textured tail to its pinned corners, normals and texture fi
               static_cast<uInt>(cloud.picture->bytes.size())) == files[0][2]);
 }
 
-// The same of displaced_splits, by tests/qnv/vectors/splits.py.
+// Pinned result of displaced_splits, by tests/qnv/vectors/splits.py.
 TEST_CASE("decodes a progressive mesh to its pinned result") {
   ExactMesh wanted;
   std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_splits.txt");

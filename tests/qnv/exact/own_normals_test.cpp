@@ -1,4 +1,4 @@
-// Normals that corners have of their own, where no rule of shading gives them.
+// Tests of normals of corners that no shading rule gives.
 #include "qnv/exact/own_normals.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/encode/surface_tail.h"
@@ -21,7 +21,7 @@ ExactMesh decoded_mesh(const Triangles& triangles) {
   REQUIRE(decoded);
   return *decoded;
 }
-/// Bent by where a vertex is; `apart`: every face by itself besides.
+/// Bends normals by the position of the vertex. `apart` also separates each face.
 std::vector<glm::vec3> bent(const ExactMesh& mesh, bool apart) {
   std::vector<glm::vec3> own = shaded_normals(mesh, kSmooth);
   for (std::size_t c = 0; c < own.size(); ++c) {
@@ -118,7 +118,7 @@ TEST_CASE("encodes the normals of a source only if no shading rule gives them") 
       REQUIRE(decoder.is_mesh());
       const Cloud cloud = decoder.cloud();
       if (!bent_ones) continue;
-      // The nearest vertex of every eleventh triangle's first corner.
+      // The vertex nearest to the first corner of every eleventh triangle.
       double sum = 0, count = 0;
       for (std::size_t t = 0; t < triangles.size(); t += 11) {
         std::size_t nearest = 0;

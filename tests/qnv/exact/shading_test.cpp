@@ -34,12 +34,12 @@ std::vector<glm::vec3> shaded(const SurfaceMesh& mesh, const Shading& shading) {
   return corner_normals({mesh.triangles, twins, faces, mesh.positions.size()}, shading);
 }
 
-/// Triangles round an apex, from one to the next by 40 degrees: of a strip that bends.
+/// Returns a bent strip: triangles around an apex, each 40 degrees from the next.
 SurfaceMesh bent() {
   SurfaceMesh mesh;
   mesh.positions.emplace_back(0.0f);
   for (int i = 0; i < 4; ++i) {
-    // Across x the strip goes on, along y it is seen from the side.
+    // The strip continues across x, and is edge on along y.
     const float turned = static_cast<float>(i) * 40 * std::numbers::pi_v<float> / 180;
     mesh.positions.emplace_back(1.0f, std::cos(turned), std::sin(turned));
   }
@@ -54,7 +54,7 @@ float angle_between(const glm::vec3& a, const glm::vec3& b) {
 
 bool near(const glm::vec3& a, const glm::vec3& b) { return glm::length(a - b) < 1e-5f; }
 
-/// A sheet so rough that some of its edges are creases, shaded by a rule.
+/// Returns a sheet with creases at some rough edges, shaded by a rule.
 Triangles rough(const Shading& shading) {
   Triangles triangles = displaced::sheet(24);
   for (Triangle& t : triangles)
@@ -108,7 +108,8 @@ Cloud shown(const ShadedStream& stream, bool with_shading) {
   return cloud;
 }
 
-/// Mean angle between the normals of a cloud and those of the source's corners at the same place and face, degrees.
+/// Returns the mean angle in degrees between a point set's normals and those of the source's corners at that position
+/// and face.
 double off(const Cloud& cloud, const Triangles& source) {
   double sum = 0;
   std::size_t count = 0;
@@ -142,12 +143,12 @@ TEST_CASE("shades corners by faces of similar direction and by faces that edges 
   REQUIRE(one < two);
   const int between = static_cast<int>((std::max(one, angle_between(faces[1], faces[2])) + two) / 2);
   const glm::vec3 all = glm::normalize(faces[0] + faces[1] + faces[2]);
-  // VRML97 6.23, creaseAngle: the first and the last face are farther apart than the angle.
+  // VRML97 6.23, creaseAngle: the first and the last face differ by more than the angle.
   const auto by_faces = shaded(mesh, {Shading::Rule::faces, between});
   CHECK(near(by_faces[0], glm::normalize(faces[0] + faces[1])));
   CHECK(near(by_faces[3], all));
   CHECK(near(by_faces[6], glm::normalize(faces[1] + faces[2])));
-  // At the second vertex there is one face alone.
+  // The second vertex has only one face.
   CHECK(near(by_faces[1], glm::normalize(faces[0])));
   for (const std::size_t corner : {0u, 3u, 6u}) CHECK(near(shaded(mesh, {Shading::Rule::edges, between})[corner], all));
   for (const auto rule : {Shading::Rule::edges, Shading::Rule::faces}) {
@@ -204,7 +205,7 @@ TEST_CASE("shades an exact stream as its source, whenever the shading chunk is r
   CHECK(late.positions == wanted.positions);
   CHECK(late.normals == wanted.normals);
   CHECK(late.triangles == wanted.triangles);
-  // One that is smooth all over needs to be told nothing.
+  // A smooth mesh needs no shading chunk.
   CHECK(stream_of(displaced::ball(12)).shadings == 0);
 }
 
@@ -219,7 +220,7 @@ TEST_CASE("refuses an invalid shading chunk") {
   (void)decoder.push(stream.head);
   for (const auto& [type, payload] : stream.chunks) decoder.add(type, payload);
   const Cloud before = decoder.cloud();
-  decoder.add(ChunkType::shading, encode_shading({Shading::Rule::faces, 5}));  // says something else
+  decoder.add(ChunkType::shading, encode_shading({Shading::Rule::faces, 5}));  // contradicts the first
   CHECK(decoder.refused_chunks() == 1);
   CHECK(decoder.cloud().normals == before.normals);
 }

@@ -26,7 +26,7 @@ using Bytes = std::vector<std::byte>;
 
 constexpr std::size_t kMost = std::size_t{1} << 20;
 
-/// Ranks as they come, so that a mesh grows here and there.
+/// Returns mixed ranks, so that a mesh grows in several areas.
 TailRanks some_ranks() {
   TailRanks ranks{3, std::vector<std::uint8_t>(512)};
   std::mt19937 random(5);
@@ -42,7 +42,7 @@ Triangles bumpy_ball() {
   return ball;
 }
 
-/// As it is encoded where nothing is said of it: in pieces, with low bits and parity.
+/// Returns a stream of default options: in pieces, with low bits and parity.
 const Bytes& stream() {
   static const Bytes bytes = [] {
     EncodeOptions options;
@@ -58,7 +58,7 @@ struct Chunk {
   ChunkType type = ChunkType::displaced;
   Bytes payload;
 };
-/// Those of the stream, those in pieces as they were before they were cut.
+/// Returns the chunks of the stream, with pieces joined.
 std::vector<Chunk> chunks_whole() {
   std::vector<Chunk> chunks;
   std::map<int, PieceGroup> groups;
@@ -82,7 +82,7 @@ std::size_t header_bytes() {
   return header;
 }
 
-/// Whether the line from a place to another one meets a triangle.
+/// Reports whether the segment between two points meets a triangle.
 bool meets(const Cloud& cloud, const glm::vec3& from, const glm::vec3& to) {
   const glm::vec3 d = to - from;
   for (std::size_t i = 0; i < cloud.triangles.size(); i += 3) {
@@ -110,7 +110,7 @@ TEST_CASE("decodes a prefix of a tail to its first triangles, wherever it is cut
       const auto whole = decode_tail(tail, kMost);
       REQUIRE(whole);
       CHECK(triangles_in(*whole) == triangles_in(mesh));
-      // The order is that in which it is read.
+      // Triangles come in reading order.
       REQUIRE(order.triangles.size() == whole->triangles.size());
       for (std::size_t t = 0; t < order.triangles.size(); ++t) {
         const displaced::Corners& now = whole->triangles[t];
@@ -144,7 +144,7 @@ TEST_CASE("grows a mesh first in the cells of the highest ranks") {
   for (std::size_t cell = 0; cell < 32; ++cell) ranks.of[cell] = 1;  // the lower half
   const auto whole = decode_tail(encode_tail(mesh, false, &ranks), kMost);
   REQUIRE(whole);
-  // All of one half, but for what lies between, before the other.
+  // One half comes before the other, except for cells between them.
   std::size_t low = 0;
   const std::size_t half = whole->triangles.size() / 2;
   for (std::size_t t = 0; t < half; ++t) low += whole->vertices[whole->triangles[t][0]].z < 2048 ? 1 : 0;
@@ -188,8 +188,8 @@ TEST_CASE("restores a table of covered patches, and rejects invalid ones") {
   };
   CHECK(!with(0, 16));
   CHECK(!with(1, 0));
-  CHECK(!with(1, 19));  // fewer parts than are told
-  CHECK(!with(5, 1));   // more patches than there may be
+  CHECK(!with(1, 19));  // fewer parts than stated
+  CHECK(!with(5, 1));   // more patches than the limit
   for (std::size_t round = 0; round < 200; round += watched_step(10)) {
     Bytes mutated = bytes;
     mutated[10 + random() % (mutated.size() - 10)] = static_cast<std::byte>(random());
@@ -216,7 +216,7 @@ TEST_CASE("replaces patches by the received part of the mesh without holes while
     REQUIRE(cloud.normals.size() == cloud.size());
     for (const float w : cloud.weights) REQUIRE_EACH(w > 0);
     for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
-    // Fewer and fewer patches.
+    // The number of patches falls.
     const std::size_t patches = cloud.triangles.size() / 3 - decoder.exact().triangles();
     CHECK((mixed == 1 || patches <= last));
     last = patches;
@@ -273,7 +273,7 @@ TEST_CASE("ends a surface with the mesh if that pays and restores the mesh after
     lossy.finish();
     CHECK(lossy.exact().whole());
   }
-  // One that may not take so much has none.
+  // A stream of smaller limit has no table.
   EncodeOptions options;
   options.exact_bits = kExactWherePays;
   options.max_bytes = 1700;

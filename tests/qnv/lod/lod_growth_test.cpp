@@ -2,7 +2,7 @@
 
 #include <random>
 
-// Streams of which chunks are still to come.
+// Tests of partly received streams.
 namespace gs::qnv {
 namespace {
 
@@ -55,7 +55,7 @@ TEST_CASE("draws every prefix of a pushed stream as a complete picture") {
     most = count(pieces);
     REQUIRE((most == 0 || area(pieces) == Approx(kSphereArea).epsilon(0.07)));
     REQUIRE(lod->complete());
-    // Nothing else remembers how it came to be.
+    // The result does not depend on the order of receipt.
     if (at % 50 == 0) {
       const auto fresh = taken(LodStream::begin(parts.front(at)));
       CHECK(places(fresh->cut(everything())) == places(pieces));
@@ -82,7 +82,7 @@ TEST_CASE("leaves no hole when chunks are added in any order") {
       const std::uint64_t before = lod->revision();
       REQUIRE(lod->add(parts.entries[i].offset, parts.chunk(i)));
       CHECK(lod->revision() != before);
-      CHECK(lod->add(parts.entries[i].offset, parts.chunk(i)));  // again
+      CHECK(lod->add(parts.entries[i].offset, parts.chunk(i)));  // repeated
       CHECK(lod->clusters() == ++came);
       const auto pieces = lod->cut(everything());
       REQUIRE(count(pieces) >= most);
@@ -105,7 +105,7 @@ TEST_CASE("lists the missing chunks of a view by importance", "[optimised]") {
   view.budget = 30'000;
   const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
   CHECK(lod->cut(view).empty());
-  CHECK(lod->wanted().empty());  // nobody knows what there is
+  CHECK(lod->wanted().empty());  // the contents are unknown
   REQUIRE(lod->set_directory(parts.directory()));
   CHECK(lod->cut(view).empty());
   CHECK_FALSE(lod->complete());
@@ -149,7 +149,7 @@ TEST_CASE("lists the missing chunks of several viewports in turn without duplica
   REQUIRE(of_left != of_right);
   CHECK(lod->views() == std::vector<LodView>{left, right});
   auto all = lod->wanted_by_all();
-  // The first of each stand before the second of any that only one wants.
+  // The first chunk of each view precedes the second one of any single view.
   CHECK(all[0] == of_left[0]);
   const auto place = [&](const ChunkRange& range) { return std::find(all.begin(), all.end(), range) - all.begin(); };
   for (std::size_t i = 0; i < 10; ++i) {
@@ -202,12 +202,12 @@ TEST_CASE("ignores invalid chunks and reports them") {
   CHECK_FALSE(lod->set_directory({}));
   CHECK(lod->problems().size() == 4);
   REQUIRE(lod->set_directory(parts.directory()));
-  // A sound chunk at the place of another.
+  // A valid chunk at the offset of another.
   CHECK_FALSE(lod->add(parts.entries[2].offset, parts.chunk(1)));
   for (std::size_t i = 0; i < parts.entries.size(); ++i)
     if (i != 2) CHECK(lod->add(parts.entries[i].offset, parts.chunk(i)));
   CHECK(area(lod->cut(everything())) == Approx(kSphereArea).epsilon(0.07));
-  // Of a stream that lies still nothing is taken.
+  // A stream in a file accepts no chunks.
   const auto still = opened(parts.stream.bytes);
   CHECK_FALSE(still->add(parts.entries[1].offset, parts.chunk(1)));
   CHECK_FALSE(still->push(parts.chunk(1)));

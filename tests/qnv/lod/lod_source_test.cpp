@@ -6,11 +6,11 @@
 #include <functional>
 #include <random>
 
-// Streams that are read where they lie, and what a directory may say wrongly.
+// Tests of streams that are read in place, with wrong directories.
 namespace gs::qnv {
 namespace {
 
-/// Counts what is read, and ends early when it is told to.
+/// Counts reads, and can end early.
 class WatchedSource : public ChunkSource {
  public:
   explicit WatchedSource(std::vector<std::byte> bytes) : bytes_(memory_source(std::move(bytes))) {}
@@ -33,7 +33,7 @@ std::vector<DirectoryEntry> entries_of(const EncodedStream& stream) {
   return read_directory(*memory_source(stream.bytes), stream.header);
 }
 
-/// The same stream with another directory.
+/// Returns the stream with another directory.
 std::vector<std::byte> with_directory(const EncodedStream& stream, std::span<const DirectoryEntry> entries) {
   std::vector<std::byte> bytes(stream.bytes.begin(),
                                stream.bytes.begin() + static_cast<std::ptrdiff_t>(stream.header.directory));
@@ -59,7 +59,7 @@ TEST_CASE("reads from a remote stream only the chunks that a view needs", "[opti
   const auto source = std::make_shared<WatchedSource>(stream.bytes);
   const auto lod = taken(LodStream::open(source));
   const std::size_t directory = stream.bytes.size() - static_cast<std::size_t>(stream.header.directory);
-  // A few chunks are looked at, to see whether the directory is theirs.
+  // Reads some chunks to check that the directory matches.
   CHECK(source->done < 4096 + directory + 12 * 1400);
   CHECK(lod->clusters() == stream.header.chunks);
   CHECK(lod->problems().empty());
@@ -89,7 +89,7 @@ TEST_CASE("reads the whole stream if it has no valid directory") {
     CHECK(lod->clusters() == stream.header.chunks);
     CHECK(places(lod->cut(everything())) == expected);
   }
-  // With another stream's directory, or numbers in another order.
+  // With the directory of another stream, or numbers in another order.
   std::vector<DirectoryEntry> entries = entries_of(stream);
   std::swap(entries[3], entries[entries.size() / 2]);
   std::swap(entries[1], entries[entries.size() - 1]);
@@ -148,7 +148,7 @@ TEST_CASE("loses at most one cluster to a wrong entry of the directory") {
   REQUIRE(sound.size() == stream.header.chunks);
   REQUIRE(sound.size() > 25);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));
-  // Not one of those that are looked at when the stream is opened.
+  // Not one of the chunks that are checked at opening.
   const std::size_t which = sound.size() / 8 + 1;
   const auto changes = std::vector<std::function<void(DirectoryEntry&)>>{
       [&](DirectoryEntry& e) { e.parent = static_cast<std::uint32_t>(which); },
@@ -176,7 +176,7 @@ TEST_CASE("loses at most one cluster to a wrong entry of the directory") {
     const auto lod = opened_there(with_directory(stream, entries));
     CHECK(lod->problems().size() <= 1);
     check_sound(*lod, full);
-    // Of those below it as well, where they do not fit any more.
+    // Its descendants can fail, too, if they no longer fit.
     CHECK(lod->problems().size() >= 1);
     CHECK(lod->problems().size() <= 2);
     CHECK(count(lod->cut(everything())) > full / 4);

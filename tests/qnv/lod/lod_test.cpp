@@ -61,8 +61,8 @@ TEST_CASE("neither refines nor draws clusters outside of the view") {
   const std::size_t all = count(lod->cut(view));
   view.planes[0] = {1, 0, 0, -0.5f};  // x > 0.5
   const auto pieces = lod->cut(view);
-  CHECK(count(pieces) < all * 3 / 4);  // clusters are large beside so small a sphere
-  // A quarter of a sphere's area lies there: all of it must be drawn.
+  CHECK(count(pieces) < all * 3 / 4);  // clusters are large relative to a small sphere
+  // A quarter of the sphere's area is visible, and must be drawn.
   double inside = 0;
   for (const Piece& piece : pieces)
     for (std::size_t i = piece.first; i < piece.first + piece.count; ++i)
@@ -76,7 +76,7 @@ TEST_CASE("makes the same cuts with a small cache, and keeps it small", "[optimi
   const auto large = opened_there(stream.bytes), small = opened_there(stream.bytes, kSmall);
   std::size_t most_bytes = 0;
   for (int i = 0; i < 24; ++i) {
-    // Two that look by turns.
+    // Two alternating views.
     const float angle = 0.5f * static_cast<float>(i / 2) + 3.0f * static_cast<float>(i % 2);
     LodView view = from(glm::vec3(std::sin(angle), 0, std::cos(angle)) * 1.05f, 2000);
     view.budget = 20'000;
@@ -84,8 +84,8 @@ TEST_CASE("makes the same cuts with a small cache, and keeps it small", "[optimi
     CHECK(places(small->cut(view)) == places(large->cut(view)));
     CHECK(small->complete());
     most_bytes = std::max(most_bytes, small->cached_bytes());
-    // Beside the discs of both cuts, of 36 bytes, and those of their neighbours in the same clouds; and the voxels that
-    // they were made of, of 12 bytes and a third more.
+    // Plus splats of both cuts (36 bytes each) with their neighbours in the same point sets, and their source voxels
+    // (12 bytes and a third more).
     CHECK(small->cached_bytes() < kSmall + 2 * 20'000 * (2 * 36 + 16));
   }
   CHECK(large->cached_bytes() > 1.5 * most_bytes);

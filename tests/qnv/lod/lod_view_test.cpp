@@ -58,13 +58,13 @@ TEST_CASE("reports level, chunk and age of each piece of a cut") {
     const float edge = stream.header.cube.edge / static_cast<float>(1 << piece.level);
     for (std::size_t i = piece.first; i < piece.first + piece.count; ++i)
       REQUIRE(piece.cloud->cells[i].edge == Approx(edge));
-    // In our streams chunks are numbered as they come.
+    // The encoder numbers chunks in order.
     CHECK(piece.age == Approx(static_cast<double>(piece.chunk) / (stream.header.chunks - 1)));
     CHECK(piece.chunk < stream.header.chunks);
   }
   CHECK(chunks.size() > 20);
   CHECK(levels.size() > 1);
-  // Together they are the same, in fewer pieces.
+  // In joined pieces the content is equal.
   view.each_chunk = false;
   const auto joined = lod->cut(view);
   CHECK(places(joined) == places(apart));
@@ -97,7 +97,7 @@ TEST_CASE("decodes at most the allowed vectors per cut until the view is complet
   CHECK(steps < 60);
   CHECK(places(step_by_step->cut(view)) == whole);
   CHECK(step_by_step->decoded() == 0);
-  // However little is allowed, one cluster is decoded.
+  // Each cut decodes at least one cluster.
   const auto slow = opened_there(stream.bytes);
   view.most_decoded = 1;
   before = 0;
@@ -128,7 +128,7 @@ TEST_CASE("fills a tight budget, and keeps the cut of an unchanged view") {
     CHECK(discs > 9000);
     const auto last = places(lod->cut(view));
     CHECK(places(lod->cut(view)) == last);
-    // Others that look do not take anything away.
+    // Other views take nothing away.
     LodView other = from({0, -1.3f, 0}, 5000);
     other.budget = 10'000;
     other.viewport = 7;
@@ -149,7 +149,7 @@ TEST_CASE("keeps existing detail until it is clearly too fine", "[optimised]") {
   CHECK(fresh(view) < further.size());
   view.eye.z = 3;
   CHECK(places(lod->cut(view)) == at_three);
-  // Half as large: nobody needs it any more.
+  // At half the size no view needs it.
   view.eye.z = 8;
   CHECK(count(lod->cut(view)) == fresh(view));
   // A viewport does not see the kept detail of another one.
@@ -158,7 +158,7 @@ TEST_CASE("keeps existing detail until it is clearly too fine", "[optimised]") {
   (void)lod->cut(from({0, 0, 3}, 300));
   CHECK(count(lod->cut(kept)) == at_three.size());
   CHECK(count(lod->cut(other)) == fresh(other));
-  // Nor does it keep it for ever.
+  // Nor is it kept after the viewport closes.
   lod->forget(0);
   CHECK(count(lod->cut(kept)) == fresh(kept));
   (void)lod->cut(from({0, 0, 3}, 300));
@@ -187,8 +187,8 @@ TEST_CASE("leaves out only clusters that face away", "[optimised]") {
     left += count(fronts);
     discs += count(everywhere);
   }
-  CHECK(left < discs * 9 / 10);  // clusters are large beside so small an object
-  // Seen from both sides, everything stays.
+  CHECK(left < discs * 9 / 10);  // clusters are large relative to a small object
+  // A two-sided sheet keeps everything.
   const EncodedStream sheet = stream_of({triangle_of({0, 0, 0}, {1, 0, 0}, {0, 1, 0})}, 5000, true);
   const auto both = opened_there(sheet.bytes);
   LodView behind = everything();

@@ -64,7 +64,7 @@ glm::vec3 cross(const glm::vec3& a, const glm::vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// A vector for each triangle of an ASCII PLY file.
+// Returns a vector per triangle of an ASCII PLY file.
 Vectors triangles_of(const char* path) {
   Vectors result;
   std::ifstream in(path);
@@ -90,7 +90,7 @@ Vectors triangles_of(const char* path) {
   return result;
 }
 
-// How far from the nearest of the first `count` some place of the surface is.
+// Returns the largest distance of a surface point from the nearest of the first `count` vectors.
 double largest_hole(const Vectors& v, const std::vector<std::uint32_t>& order, std::size_t count) {
   double worst = 0;
   const std::size_t step = std::max<std::size_t>(1, v.positions.size() / 5000);
@@ -106,7 +106,8 @@ double largest_hole(const Vectors& v, const std::vector<std::uint32_t>& order, s
   return std::sqrt(worst);
 }
 
-// That of `count` vectors in a triangular grid: no other is smaller. Area each: 3 sqrt(3) / 2 * hole^2.
+// Returns the hole of `count` vectors in a triangular grid, the smallest possible. Area per vector: 3 sqrt(3) / 2 *
+// hole^2.
 double ideal_hole(double area, std::size_t count) {
   return std::sqrt(2 * area / static_cast<double>(count) / (3 * std::sqrt(3.0)));
 }
@@ -174,7 +175,7 @@ TEST_CASE("makes an order that depends on the seed only", "[optimised]") {
 }
 
 TEST_CASE("orders a few vectors by farthest-point sampling") {
-  // Of points on a line, from the one that the seed picks.
+  // Points on a line, from the one that the seed selects.
   Vectors v;
   for (const float x : {0.0f, 1.0f, 2.0f, 4.0f, 8.0f, 16.0f}) v.add({x, 0, 0}, {0, 0, 1}, 1);
   const std::vector<std::uint32_t> order = order_of(v);
@@ -194,7 +195,7 @@ TEST_CASE("orders a few vectors by farthest-point sampling") {
 }
 
 TEST_CASE("makes the pinned order with any compiler") {
-  // Exact numbers, so that no library's rounding is in it: 40,000 points of a bent sheet.
+  // Exact numbers, independent of library rounding: 40,000 points of a bent sheet.
   Vectors v;
   for (int x = 0; x < 200; ++x)
     for (int y = 0; y < 200; ++y) {
@@ -220,9 +221,9 @@ TEST_CASE("orders empty, single, coincident and NaN vectors") {
     v.add({1, 2, 3}, {0, 0, 1}, 1);
     CHECK(is_permutation(order_of(v, 1, 1, kind), 1));
     for (int i = 0; i < 20'000; ++i) v.add({1, 2, 3}, {0, 0, i % 2 ? 1.0f : -1.0f}, 1);
-    CHECK(is_permutation(order_of(v, 1, 2, kind), v.positions.size()));  // all at one place
+    CHECK(is_permutation(order_of(v, 1, 2, kind), v.positions.size()));  // all coincident
     for (int i = 0; i < 5000; ++i) v.add({1 + 1e-7f * random_float(random), 2, 3}, {0, 0, 1}, 0);
-    v.add({1e30f, -1e30f, 5}, {0, 0, 1}, 1e30f);  // all but one at one place
+    v.add({1e30f, -1e30f, 5}, {0, 0, 1}, 1e30f);  // all but one coincident
     CHECK(is_permutation(order_of(v, 1, 2, kind), v.positions.size()));
     v.add({nan, infinity, -infinity}, {nan, nan, nan}, nan);
     v.add({3e38f, -3e38f, 3e38f}, {1e30f, -1e30f, 0}, -infinity);
@@ -262,7 +263,7 @@ TEST_CASE("covers both sides of a thin sheet") {
 }
 
 TEST_CASE("takes more vectors at curved parts of a surface") {
-  // A flat square, and beside it one with steep waves, as large when seen from above.
+  // A flat square beside one with steep waves, of equal size seen from above.
   Vectors v;
   for (int x = 0; x < 200; ++x)
     for (int y = 0; y < 100; ++y) {
@@ -292,7 +293,7 @@ TEST_CASE("takes vectors of a volume in proportion to their magnitude") {
     for (std::size_t i = 0; i < count; ++i) strong += v.positions[order[i]].x < 20;
     INFO(strong << " of " << count);
     CHECK(strong > count * 3 / 4);     // a factor of eight in density would be 8/9
-    CHECK(strong < count * 97 / 100);  // and nothing is left out
+    CHECK(strong < count * 97 / 100);  // and omits nothing
   }
 }
 

@@ -10,7 +10,7 @@
 namespace gs::qnv {
 namespace {
 
-// A polygon of rings in the plane z = 0.
+// Polygon of rings in the plane z = 0.
 struct Rings {
   std::vector<glm::vec3> positions;
   std::vector<std::uint32_t> ends;
@@ -34,7 +34,7 @@ double turn(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return (double{b.x} - a.x) * (double{c.y} - a.y) - (double{b.y} - a.y) * (double{c.x} - a.x);
 }
 
-// Every corner is there, the area is that of the polygon, and no two edges cross.
+// Checks that every corner occurs, that the area is the polygon's, and that no two edges cross.
 void require_simple(const Rings& rings, double area) {
   const auto indices = bridged_ring(rings.view());
   REQUIRE(indices.size() == rings.positions.size() + 2 * (rings.ends.size() - 1));

@@ -29,7 +29,8 @@ std::vector<OutlineAppearance> two_looks() {
   return all;
 }
 
-/// Two appearances, one with texture coordinates, holes, groups with inner polygons and without; some five chunks.
+/// Returns two appearances, one with texture coordinates, holes, and groups with and without inner polygons, in about
+/// five chunks.
 OutlineGroups example_groups() {
   OutlineGroups groups = shapes::sphere(6, 8, 4, 2);
   for (OutlineGroup& group : groups.groups) {
@@ -107,7 +108,7 @@ TEST_CASE("accepts outline chunks in any order, any subset and repeated") {
   for (int turn = 0; turn < 50; ++turn) {
     std::shuffle(chunks.begin(), chunks.end(), random);
     OutlineDecoder decoder;
-    decoder.add(chunks[0].type, chunks[0].payload);  // before the header: for nothing
+    decoder.add(chunks[0].type, chunks[0].payload);  // before the header: ignored
     REQUIRE(decoder.push(header_of(stream.bytes)));
     const std::size_t count = 1 + random() % chunks.size();
     std::size_t polygons = 0;
@@ -167,7 +168,7 @@ TEST_CASE("loses at most one chunk to a flipped bit elsewhere, and invents nothi
       decoder.finish();
       const std::vector<One> all = sorted(take(decoder));
       REQUIRE(holds(whole, all));
-      // In the checksum itself it costs nothing.
+      // A flipped bit of the checksum itself loses nothing.
       const bool sum = bit >= head - 32 && bit < head;
       REQUIRE(whole.size() - all.size() == (directory || sum ? 0 : begins.size() - 1));
       REQUIRE_FALSE(decoder.problems().empty());
@@ -224,7 +225,7 @@ TEST_CASE("returns at most the requested number of polygons") {
   CHECK(take(decoder).size() == 60);
   CHECK(decoder.outline_polygons() + decoder.inner_polygons() == 60);
   CHECK(decoder.refused_records() + 60 == decode_all(stream.bytes).size());
-  // Nor more than eight times as many corners: the outlines have about 20.
+  // Nor over eight times as many corners: the outlines have about 20.
   OutlineDecoder few(7);
   REQUIRE(few.push(stream.bytes));
   std::size_t corners = 0;
@@ -241,7 +242,7 @@ TEST_CASE("rejects chunks of other payloads, in both directions") {
   decoder.add(ChunkType::outlines, {});
   CHECK(decoder.refused_chunks() == 2);
   const std::vector<ChunkAt> chunks = chunks_of(stream.bytes);
-  decoder.add(ChunkType::inner, chunks[0].payload);  // its head says outlines
+  decoder.add(ChunkType::inner, chunks[0].payload);  // its header says outlines
   CHECK(decoder.refused_chunks() == 3);
   CHECK(take(decoder).empty());
 

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-// The bytes themselves, as FORMAT.md says.
+// Tests of single bytes of the format (FORMAT.md).
 namespace gs::qnv::outline {
 namespace {
 
@@ -24,7 +24,8 @@ Bytes bytes_of(std::initializer_list<unsigned> values) {
   return bytes;
 }
 
-/// A square that stays, and a triangle that is its own inner polygon, on a lattice of 5 x 5 x 2 points with step 1.
+/// Returns a square that remains, and a triangle that is its own inner polygon, on a lattice of 5 x 5 x 2 points with
+/// step 1.
 OutlineGroups tiny() {
   OutlineGroups groups;
   groups.groups.push_back(shapes::flat_group({shapes::square({0, 0, 1}, 4)}));
@@ -94,7 +95,7 @@ TEST_CASE("restores numbers of any width, and reports truncated ones") {
   std::mt19937_64 random(1);
   struct Number {
     std::uint64_t value;
-    int width, order;  // of width < 0: a code
+    int width, order;  // width < 0 means a code
   };
   std::vector<Number> numbers;
   Bytes bytes;

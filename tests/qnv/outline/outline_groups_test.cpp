@@ -17,7 +17,7 @@ namespace {
 using PlaceKey = std::tuple<float, float, float>;
 PlaceKey place_key(const glm::vec3& p) { return {p.x, p.y, p.z}; }
 
-// How often outlines run along each directed edge.
+// Counts of outlines along each directed edge.
 std::map<std::pair<PlaceKey, PlaceKey>, int> outline_edges(const OutlineGroups& made) {
   std::map<std::pair<PlaceKey, PlaceKey>, int> edges;
   for (const OutlineGroup& group : made.groups)
@@ -78,7 +78,7 @@ TEST_CASE("groups a cube of twelve triangles into six squares", "[outline]") {
       REQUIRE(group.outline[0].ring(0).size() == 4);
       CHECK(vector_area(group.outline[0].ring(0)) == glm::dvec3(group.normal));
       CHECK(group.offset ==
-            std::max({group.normal.x, group.normal.y, group.normal.z}));  // of the sides at 1: 1; at 0: 0
+            std::max({group.normal.x, group.normal.y, group.normal.z}));  // on the sides at 1: 1; at 0: 0
       normals.insert(place_key(group.normal + 0.0f));
     }
     CHECK(normals.size() == 6);
@@ -111,14 +111,14 @@ TEST_CASE("splits an open sheet with one bend into two groups", "[outline]") {
   const OutlineGroups made = groups_of(model, options);
   REQUIRE(made.groups.size() == 2);
   for (const OutlineGroup& group : made.groups) CHECK(group.area == 4.0);
-  CHECK(made.counts.border_edges == 12);  // of each half a long side and two short ones
+  CHECK(made.counts.border_edges == 12);  // per half, a long side and two short ones
 }
 
 TEST_CASE("groups coplanar polygons across an edge that a third polygon shares", "[outline]") {
   PolygonModel model;
   add_square(model, 0, 0);
   add_square(model, -1, 0);
-  add_polygon(model, {{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}});  // stands on the edge of the two
+  add_polygon(model, {{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}});  // perpendicular, on the common edge
   const OutlineGroups made = groups_of(model);
   REQUIRE(made.groups.size() == 2);
   CHECK(made.groups[0].area == 2.0);
@@ -135,7 +135,7 @@ TEST_CASE("cuts a Moebius strip where its sides turn over", "[outline]") {
     return glm::vec3(radius * std::cos(turn), radius * std::sin(turn), side * std::sin(twist));
   };
   for (int i = 0; i < kCount; ++i) {
-    const bool last = i + 1 == kCount;  // there the two sides change places
+    const bool last = i + 1 == kCount;  // the two sides swap here
     add_polygon(model, {at(i, -1), at(i, 1), at(last ? 0 : i + 1, last ? -1 : 1), at(last ? 0 : i + 1, last ? 1 : -1)});
   }
   OutlineOptions options;
@@ -174,7 +174,7 @@ TEST_CASE("keeps groups of a sphere within the tolerances", "[outline]") {
   options.groups = GENERATE(std::size_t{0}, std::size_t{300});
   const OutlineGroups made = groups_of(model, options);
   CHECK(made.counts.polygons == 8 * 24 * 24);
-  // A cap of height 0.04 holds 0.02 of the sphere: there cannot be fewer than 50.
+  // A cap of height 0.04 covers 0.02 of the sphere, so there are at least 50.
   CHECK(made.groups.size() >= 50);
   CHECK(made.groups.size() < 200 + options.groups);
   if (options.groups > 0) CHECK(made.groups.size() == 300);

@@ -11,7 +11,7 @@
 namespace gs::qnv {
 namespace {
 
-OutlineOptions dropping() {  // straight vertices go where merging has a tolerance
+OutlineOptions dropping() {  // a tolerance of merging drops straight vertices
   OutlineOptions options;
   options.merge_tolerance = 1e-6;
   return options;
@@ -93,7 +93,7 @@ TEST_CASE("keeps an island in a hole as its own polygon", "[outline]") {
 }
 
 TEST_CASE("splits a ring that touches itself into rings that touch", "[outline]") {
-  PolygonModel model;  // three by three without the middle and a corner, which touch
+  PolygonModel model;  // three by three without the centre and a corner, which touch
   for (int x = 0; x < 3; ++x)
     for (int y = 0; y < 3; ++y)
       if (!(x == 1 && y == 1) && !(x == 2 && y == 2)) add_square(model, static_cast<float>(x), static_cast<float>(y));
@@ -113,7 +113,7 @@ TEST_CASE("splits a ring that touches itself into rings that touch", "[outline]"
 }
 
 TEST_CASE("does not merge polygons that overlap", "[outline]") {
-  PolygonModel model;  // a flat spiral of nine triangles around one corner: once around and a quarter
+  PolygonModel model;  // a flat spiral of nine triangles around one corner: one turn and a quarter
   const auto at = [](int i) {
     const double angle = i * 50 * std::numbers::pi / 180;
     return glm::vec3(std::cos(angle), std::sin(angle), 0);
@@ -127,7 +127,7 @@ TEST_CASE("does not merge polygons that overlap", "[outline]") {
 
 TEST_CASE("removes a straight vertex only if all rings can lose it", "[outline]") {
   const glm::vec3 middle(1, 1, 0);
-  PolygonModel model;  // below two squares of one appearance, above a bar of another one with the same vertex
+  PolygonModel model;  // a bar of one appearance above two squares of another, with a common vertex
   add_square(model, 0, 0, 1);
   add_square(model, 1, 0, 1);
   add_polygon(model, {{0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {2, 2, 0}, {0, 2, 0}}, 2);
@@ -142,7 +142,7 @@ TEST_CASE("removes a straight vertex only if all rings can lose it", "[outline]"
   CHECK(!passes(made, 2));
   CHECK(groups_of(model).groups[0].outline.positions.size() == 6);
 
-  // A wall that ends there: now three edges meet.
+  // With a wall at that point, three edges meet.
   add_polygon(model, {{1, 1, 0}, {1, 1, 1}, {1, 0.5f, 1}}, 3);
   made = groups_of(model, dropping());
   CHECK(passes(made, 1));
@@ -151,7 +151,7 @@ TEST_CASE("removes a straight vertex only if all rings can lose it", "[outline]"
 }
 
 TEST_CASE("makes no T-junction, and mends none by guessing", "[outline]") {
-  PolygonModel model;  // the long edge of the bar has no vertex where the two squares below meet
+  PolygonModel model;  // the long edge of the bar lacks the vertex between the two squares below
   add_square(model, 0, 0, 1);
   add_square(model, 1, 0, 2);
   add_polygon(model, {{0, 1, 0}, {2, 1, 0}, {2, 2, 0}, {0, 2, 0}}, 3);
@@ -220,7 +220,7 @@ TEST_CASE("keeps texture coordinates, and merges polygons with one common mappin
   REQUIRE(quad.texture_coordinates.size() == 4);
   for (std::size_t i = 0; i < 4; ++i)
     CHECK(quad.texture_coordinates[i] == glm::vec2(quad.positions[i].x / 2, quad.positions[i].y));
-  model.texture_coordinates[5] = {0, 0.5f};  // another map
+  model.texture_coordinates[5] = {0, 0.5f};  // another mapping
   OutlineOptions options;
   options.tolerance = 0.1;
   made = groups_of(model, options);

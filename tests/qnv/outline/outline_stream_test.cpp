@@ -42,8 +42,8 @@ std::vector<OutlineAppearance> looks(std::size_t count) {
   return all;
 }
 
-/// Squares with holes and texture coordinates, every number a multiple of 1/8; groups of several outlines, with inner
-/// polygons that have texture coordinates where the outline has none.
+/// Returns squares with holes and texture coordinates, all multiples of 1/8. Groups have several outlines, with
+/// textured inner polygons in untextured outlines.
 OutlineGroups mixed() {
   OutlineGroups groups;
   groups.groups.push_back(flat_group({square({-4, 2, 1.5f}, 10),
@@ -76,7 +76,7 @@ TEST_CASE("restores positions on a lattice exactly") {
   CHECK(stream.header.outlines.positions.exponent == -3);  // coarser than 16 bits would be
   const std::vector<One> all = sorted(decode_all(stream.bytes));
   CHECK((all == expected(groups, stream.header.outlines)));
-  // Not only at the lattice's points: at the numbers that were given.
+  // Given numbers outside the lattice are rounded to it.
   const auto first = std::find_if(all.begin(), all.end(), [](const One& one) { return one.group == 0; });
   CHECK(first->rings[0] == std::vector<Point>{{-4, 2, 1.5f}, {6, 2, 1.5f}, {6, 12, 1.5f}, {-4, 12, 1.5f}});
   CHECK(first->rings[2][3] == Point{1.125f, 4, 1.5f});
@@ -137,7 +137,7 @@ TEST_CASE("rounds every position to the nearest lattice point, for any number of
     CHECK(lattice.step() <= std::ldexp(2.0, 1 - bits) * 2);
     for (const std::uint32_t size : lattice.size) CHECK(size < std::uint32_t{1} << bits);
     CHECK((sorted(decode_all(stream.bytes)) == expected(sphere, stream.header.outlines)));
-    // A step an axis at most: half of one, and what rounding to f32 adds.
+    // At most a step per axis: half a step, plus f32 rounding.
     for (const One& one : decode_all(stream.bytes))
       for (const auto& ring : one.rings)
         for (const Point& p : ring)
@@ -189,7 +189,7 @@ TEST_CASE("sorts outlines by the area of their groups, before the inner polygons
   for (std::size_t i = 0; i < all.size(); ++i) REQUIRE(all[i].inner == (i >= 20));
   for (std::size_t i = 1; i < all.size(); ++i) {
     if (i != 20) REQUIRE(all[i].group >= all[i - 1].group);
-    // Largest first, in a group.
+    // Largest first within a group.
     if (all[i].inner && all[i].group == all[i - 1].group && all[i - 1].inner) {
       const auto area = [](const One& one) {
         std::vector<shapes::Ring> rings(1);
@@ -215,7 +215,7 @@ TEST_CASE("sorts chunks of several appearances by their largest polygon, and kee
     const std::vector<One> all = take(decoder);
     REQUIRE_FALSE(all.empty());
     if (!std::exchange(inner, all[0].inner) && inner) before = std::numeric_limits<double>::infinity();
-    REQUIRE(all[0].inner == inner);  // never back again
+    REQUIRE(all[0].inner == inner);  // never returns to outlines
     REQUIRE(sphere.groups[all[0].group].area <= before);
     before = sphere.groups[all[0].group].area;
   }
@@ -250,7 +250,7 @@ TEST_CASE("leaves out polygons without area on the lattice and counts them") {
   REQUIRE(all.size() == 4);
   CHECK(all[0].count == 0);
   CHECK(all[1].count == 1);
-  CHECK(all[2].count == 0);  // nothing takes its place: it stays
+  CHECK(all[2].count == 0);  // nothing replaces it: it remains
   CHECK(all[3].inner);
 }
 
@@ -314,7 +314,7 @@ TEST_CASE("fits the longest uncut polygons into a chunk, whatever their corners 
       std::vector<glm::vec2> coordinates;
       const std::size_t size = bits == 16 ? 4000 : 2700;
       for (std::size_t corner = 0; corner < size; ++corner) {
-        // Even ones, and such that few differences are large.
+        // Uniform scales, and scales with few large differences.
         const float scale = i < 2 || random() % 50 == 0 ? 1000.0f : 1.0f;
         const auto number = [&] { return scale * static_cast<float>(random() % 1000003) / 1000003; };
         ring.emplace_back(number(), number(), number());
@@ -324,7 +324,7 @@ TEST_CASE("fits the longest uncut polygons into a chunk, whatever their corners 
     }
     const EncodedStream stream = encoded(groups, looks(2), {.position_bits = bits});
     CHECK((sorted(decode_all(stream.bytes)) == expected(groups, stream.header.outlines)));
-    // Twice as many cannot be cut: its edges cross everywhere.
+    // Twice as many corners cannot be cut, since edges cross everywhere.
     OutlinePolygons& polygons = groups.groups[0].outline;
     const shapes::Ring ring = polygons.positions;
     polygons = {};
@@ -351,7 +351,7 @@ TEST_CASE("reports why outlines cannot be encoded") {
   CHECK(error_of(groups, looks(3)) == "group 2 has not one texture coordinate a position");
   CHECK(error_of(mixed(), looks(65536)) == "65536 appearances; expected at most 65535");
   CHECK(error_of(mixed(), looks(60000)).find("bytes; expected at most 1048576") != std::string::npos);
-  // A plane of x = 1e30 with sides of 1: its lattice would be 2^84 steps from the origin.
+  // A plane of x = 1e30 with sides of 1: its lattice is 2^84 steps from the origin.
   groups.groups = {flat_group({{{1e30f, 0, 0}, {1e30f, 1.1f, 0}, {1e30f, 0, 1.1f}}})};
   CHECK(error_of(groups) == "no polygon that is finite and not too far from the origin for the model's size");
   groups.groups = {flat_group({{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}})};

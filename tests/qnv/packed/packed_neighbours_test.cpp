@@ -43,7 +43,7 @@ TEST_CASE("finds the neighbours in a block across each face") {
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   PackedVoxels voxels = voxels_at(keys);
   for (std::size_t i = 0; i < voxels.size(); i += 7) voxels.state[i] = kDouble;
-  // A run of them, as a cluster divides it; all voxels may be neighbours.
+  // A run of voxels, as a cluster divides it; all may be neighbours.
   const std::size_t first = voxels.size() / 3, count = voxels.size() / 2;
   std::size_t done = 0, blocks = 0, found = 0;
   for (; done < count; ++blocks) {
@@ -76,7 +76,7 @@ TEST_CASE("finds the neighbours in a block across each face") {
 }
 
 TEST_CASE("predicts a plane exactly that continues into its neighbours") {
-  // Through the voxel's centre, and so through those of the voxels beside it where its normal is +z.
+  // Through the centres of the voxel and of its neighbours, with normal +z.
   const std::array<std::uint32_t, 7> flat{bits_of(0, 0, 4), bits_of(0, 0, 4), bits_of(0, 0, 4), bits_of(0, 0, 4), 0, 0,
                                           bits_of(0, 0, 4)};
   const FaceChanges changes = face_changes(0, 0, 4, flat);
@@ -90,19 +90,19 @@ TEST_CASE("predicts a plane exactly that continues into its neighbours") {
 }
 
 TEST_CASE("predicts turning normals as by hand") {
-  // u rises by 160 along x: a child is a quarter of a voxel away, 40; here 3/16 of what is on its side and 1/16 of what
-  // is on the other, each 160: 40.
+  // u rises by 160 along x. A child is a quarter of a voxel away: 40, as 3/16 of the slope on its side and 1/16 of the
+  // other, each 160.
   const std::array<std::uint32_t, 7> bent{bits_of(-60, 0, 0), bits_of(260, 0, 0), 0, 0, 0, 0, bits_of(100, 0, 0)};
   const FaceChanges changes = face_changes(100, 0, 0, bent);
   CHECK(predicted_plane(100, 0, 0, changes, 0, true, false).u == 60);
   CHECK(predicted_plane(100, 0, 0, changes, 1, true, false).u == 140);
-  // Without normals or offsets it is the parent's plane alone.
+  // Without normals or offsets the parent's plane decides alone.
   CHECK(predicted_plane(100, 0, 0, changes, 1, false, false).u == 100);
   CHECK(predicted_plane(100, 0, 0, changes, 1, true, false).offset ==
         predicted_offset(along(octahedral_normal(100, 0), 1), 0));
   // Offset of +x: 2 (0 - 0) + (260 >> 3) = 32, of -x: (60 >> 3) = 7, a quarter of each.
   CHECK(changes.offset == std::array<int, 6>{7, 32, 0, 0, 0, 0});
-  // Around the edge of the square: (1010, -20) is (1038, 20) as well, 38 away, not 10 and 40.
+  // Around the edge of the square, (1010, -20) equals (1038, 20): 38 away, not 10 and 40.
   const std::array<std::uint32_t, 7> edge{0, bits_of(1010, -20, 0), 0, 0, 0, 0, bits_of(1000, 20, 0)};
   CHECK(face_changes(1000, 20, 0, edge).u[1] == 3 * 38);
   CHECK(face_changes(1000, 20, 0, edge).v[1] == 0);

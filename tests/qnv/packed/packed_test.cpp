@@ -26,7 +26,7 @@ Cluster decoded(std::span<const std::byte> payload, const Cluster* parent) {
   return std::get<Cluster>(std::move(result));
 }
 
-/// A shape, encoded and decoded again: all clusters by their numbers, and the true voxels of every level.
+/// Encoded and decoded shape: all clusters by number, and the true voxels of every level.
 struct Packed {
   Cube cube;
   int level;
@@ -49,7 +49,7 @@ struct Packed {
       for (const Voxel& voxel : voxels) truth[l][voxel.key] = voxel.moments;
   }
 
-  /// The discs of all voxels of one level.
+  /// Returns the splats of all voxels of one level.
   [[nodiscard]] Cloud discs(int at) const {
     Cloud cloud;
     for (const Cluster& cluster : clusters)
@@ -89,13 +89,13 @@ void check_promises(const Packed& packed) {
     // Only the first cluster may have coarser steps.
     REQUIRE_EACH(p.normal_shift <= packed.options.normal_shift + (c == 0 ? 2 : 0));
     REQUIRE_EACH(p.offset_shift <= packed.options.offset_shift + (c == 0 ? 1 : 0));
-    // Half a step in both octahedral coordinates, in the middle of an octant, where they turn most:
-    // sqrt(1 + 1 + 4) * (1/2 step) * sqrt(3).
+    // Half a step in both octahedral coordinates, in the middle of an octant where they turn most: sqrt(1 + 1 + 4) *
+    // (1/2 step) * sqrt(3).
     const double step = std::ldexp(1.0, p.normal_shift) / kOctahedral;
     REQUIRE_EACH(worst_turn < std::sqrt(6) * std::sqrt(3) * step / 2);
     REQUIRE_EACH(worst_offset <= std::ldexp(0.5, p.offset_shift) / kOffsetUnits + 1e-4);
   }
-  // Every true voxel of the levels behind the first cluster is there once.
+  // Each true voxel of the levels after the first cluster occurs once.
   for (std::size_t l = static_cast<std::size_t>(packed.clusters.front().level()); l < seen.size(); ++l)
     CHECK(seen[l] == packed.truth[l].size());
 }
@@ -159,7 +159,7 @@ TEST_CASE("keeps both sides of a thin sheet") {
 }
 
 TEST_CASE("shows a thin plate as a sheet on coarse levels and as two faces on fine levels") {
-  // At level 4 most voxels hold both faces, at level 8 each has its own.
+  // At level 4 most voxels contain both faces, at level 8 one each.
   Triangles plate = two_sided_sheet();
   for (Triangle& t : plate) {
     const glm::vec3 out =
@@ -216,7 +216,7 @@ TEST_CASE("restores colours within half a step") {
 }
 
 TEST_CASE("encodes wires, dust and surfaces without area") {
-  // Nothing fills a voxel by even a thirtieth.
+  // No voxel is filled by even a thirtieth.
   Triangles dust;
   std::mt19937 random(3);
   const auto number = [&random] { return static_cast<float>(random() % 1000) / 1000; };
@@ -320,7 +320,7 @@ TEST_CASE("rejects every prefix and every extension of a cluster") {
     const std::vector<std::byte>& payload = packed.encoded[which].payload;
     const Cluster* parent = which == 0 ? nullptr : &packed.clusters[packed.encoded[which].header.parent];
     for (std::size_t size = 0; size < payload.size(); ++size) {
-      // A copy of its own, so that reading behind its end is noticed.
+      // A copy, so that reads beyond its end are detected.
       const std::vector<std::byte> prefix(payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(size));
       REQUIRE(std::holds_alternative<PackedError>(decode_cluster(prefix, parent)));
     }
@@ -395,7 +395,7 @@ TEST_CASE("rejects impossible headers") {
         "a cluster of 400 bytes divides 65535 voxels; expected 25600 at most");
   CHECK(refusal(header_bytes(good, 400), nullptr) == "a cluster without its parent");
   CHECK(refusal(header_bytes(good, 21), &parent) == "a cluster of 21 bytes; expected 22 at least");
-  // Colours need those of the parent.
+  // Colours require the parent's colours.
   std::vector<std::byte> colored = header_bytes(good, 400);
   colored[14] |= std::byte{16};
   CHECK(refusal(colored, &parent) == "a coloured cluster under one without colours");
@@ -445,7 +445,7 @@ TEST_CASE("uses the tables of FORMAT.md") {
     }
     CHECK(next == 4096);
   }
-  // Worked out by hand from the rule: weights 2^24, then times 4/256 at every odd symbol, 30 of them.
+  // Computed by hand from the rule: weights 2^24, then times 4/256 at each of 30 odd symbols.
   const auto& narrow = residual_models()[0].interval;
   CHECK(narrow[0].frequency == 3943);
   CHECK(narrow[1].frequency == 62);
@@ -469,7 +469,7 @@ TEST_CASE("encodes octahedral normals with their opposites, wraps and plane area
       const auto m = octahedral_normal(fu, fv);
       REQUIRE((m[0] == -n[0] && m[1] == -n[1] && m[2] == -n[2]));
     }
-  // Over the right edge and back in, mirrored: the same normal seen from the other side of the seam.
+  // Across the right edge and mirrored back: the same normal from the other side of the seam.
   int u = 1030, v = 100;
   wrap_octahedral(u, v);
   CHECK((u == 1018 && v == -100));

@@ -36,7 +36,7 @@ void check_sound(const ExactMesh& mesh) {
   }
 }
 
-/// One that is read, of which so many segments have come.
+/// Decodes the first segments of a progressive mesh.
 ProgressiveMesh read(const ProgressiveBytes& bytes, std::size_t segments) {
   ProgressiveMesh mesh;
   REQUIRE(mesh.begin(bytes.front, kMost));
@@ -86,7 +86,7 @@ TEST_CASE("approaches the mesh with every prefix of its segments, in any order")
   for (std::size_t i = bytes->segments.size(); i-- > 0;) {
     CHECK(!backwards.whole());
     CHECK(backwards.add(bytes->segments[i]));
-    CHECK(backwards.add(bytes->segments[i]));  // twice
+    CHECK(backwards.add(bytes->segments[i]));  // repeated
   }
   CHECK(backwards.whole());
   CHECK(backwards.mesh().triangles == read(*bytes, bytes->segments.size()).mesh().triangles);

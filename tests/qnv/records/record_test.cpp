@@ -103,7 +103,7 @@ TEST_CASE("decodes pinned records to their pinned numbers") {
     CHECK(v.position == expected.position);
     CHECK(v.weight == expected.weight);
     CHECK(v.color == expected.color);
-    // The numbers were worked out with another library's sine: its last bit may be another.
+    // Another library's sine gave these numbers: the last bit may differ.
     for (int axis = 0; axis < 3; ++axis) CHECK(std::abs(v.normal[axis] - expected.normal[axis]) < 6e-8f);
   }
 }
@@ -136,7 +136,7 @@ TEST_CASE("encodes a direction to the nearest code, within the proved bound") {
     worst = std::max(worst, angle(d, normal_of(normal_code(d))));
   }
   CHECK(worst <= kLargestNormalError + 1e-7);
-  CHECK(worst > 0.9 * kLargestNormalError);  // the bound is not idle
+  CHECK(worst > 0.9 * kLargestNormalError);  // the bound is nearly reached
   CHECK(kLargestNormalError >= 2 * std::asin(std::sqrt(2) * std::sin(std::numbers::pi / 128)));
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("restores positions and weights within half a step") {
       REQUIRE(weight_error <= frame.weight_step * (v.weight < frame.weight_step / 2 ? 1 : 0.5) + v.weight * 1.2e-7);
       REQUIRE(back.color == v.color);
       REQUIRE(split_fields(bits).weight >= 1);
-      REQUIRE(pack_record(back, frame) == bits);  // packing what was unpacked changes nothing
+      REQUIRE(pack_record(back, frame) == bits);  // repacking changes nothing
     }
   }
 }
@@ -232,7 +232,7 @@ TEST_CASE("rejects frames that decode to invalid numbers") {
 
 namespace {
 
-// Arrays with a guard on both sides, that begin `offset` numbers behind a line of memory.
+// Arrays with guards on both sides, starting `offset` numbers after a cache line.
 struct Guarded {
   Guarded(std::size_t count, std::size_t offset)
       : position_floats(3 * count + 64, -1),
@@ -298,7 +298,7 @@ TEST_CASE("computes the same bits on all code paths, without writes elsewhere") 
 }
 
 TEST_CASE("unpacks a large array like a small one") {
-  const std::size_t count = (1 << 19) + 77;  // beyond the caches, so that it is streamed
+  const std::size_t count = (1 << 19) + 77;  // exceeds the caches, so that it is streamed
   std::vector<std::byte> records(kRecordBytes * count);
   std::mt19937_64 random(6);
   for (std::size_t i = 0; i < count; ++i) {

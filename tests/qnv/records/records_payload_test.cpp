@@ -27,7 +27,7 @@
 namespace gs::qnv {
 namespace {
 
-// A dented ball with colours, and weights that differ.
+// Returns a dented ball with colours and different weights.
 Cloud ball(std::size_t count, Kind kind = Kind::surface) {
   Cloud cloud;
   cloud.description.kind = kind;
@@ -57,7 +57,7 @@ RecordsPatch decoded(const RecordsChunk& chunk) {
   return std::get<RecordsPatch>(std::move(result));
 }
 
-// The entries of a patch for which keep(i).
+// Keeps the entries of a patch with keep(i).
 template <class Keep>
 RecordsPatch part_of(const RecordsPatch& patch, const Keep& keep) {
   RecordsPatch part;
@@ -79,7 +79,7 @@ double sum_of(const std::vector<float>& weights) {
   return sum;
 }
 
-// Which octant of the box a position is in.
+// Returns the octant of the box that contains a position.
 unsigned octant(const Box& box, const glm::vec3& p) {
   const float half = std::max({box.size().x, box.size().y, box.size().z}) / 2;
   return (p.x >= box.lower.x + half) | (p.y >= box.lower.y + half) << 1 | (p.z >= box.lower.z + half) << 2;
@@ -108,7 +108,7 @@ TEST_CASE("decodes a pinned chunk to its vectors") {
   CHECK(patch.header.frame.weight_step == 0.01f);
   CHECK(patch.header.cell_weight == 123.5f);
   REQUIRE(patch.size() == 12);
-  // Two lines of records.txt, the numbers of which were not made with this code.
+  // Two lines of records.txt, computed by other code.
   CHECK(patch.positions[2] == glm::vec3(-1.49707031f, 0.108057357f, 1000.25513f));
   CHECK(patch.weights[2] == 0.0599999987f);
   CHECK(patch.colors[2] == 7);
@@ -157,7 +157,7 @@ TEST_CASE("encodes each vector in one chunk, within half a step of its position"
   const std::vector<std::uint32_t> order = progressive_order(cloud.positions, cloud.normals, cloud.weights, {});
   std::vector<std::size_t> rank(cloud.size());
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
-  // Find each record's vector: the nearest of those of its layer, by a grid of the positions.
+  // Finds each record's vector: the nearest one of its layer, by a grid of positions.
   std::map<std::tuple<int, int, int>, std::vector<std::uint32_t>> grid;
   const auto cell_of = [](const glm::vec3& p) {
     return std::tuple(static_cast<int>(std::floor(p.x * 50)), static_cast<int>(std::floor(p.y * 50)),
@@ -173,7 +173,7 @@ TEST_CASE("encodes each vector in one chunk, within half a step of its position"
     REQUIRE(patch.size() == chunk.header.count);
     REQUIRE(patch.header == chunk.header);
     REQUIRE(patch.size() <= 1000);
-    REQUIRE(patch.header.layer >= layer);  // coarse ones first
+    REQUIRE(patch.header.layer >= layer);  // coarse chunks first
     if (patch.header.layer > layer) last_first_rank = 0;
     layer = patch.header.layer;
     REQUIRE(layer < 4);
@@ -253,7 +253,7 @@ TEST_CASE("makes chunks that do not depend on threads, within seeds and limits")
     if (chunk.header.layer == 0) weight = chunk.header.cell_weight;
   }
   CHECK(count == 5000);
-  CHECK(weight == Approx(cloud.description.total).epsilon(1e-6));  // of all, sent or not
+  CHECK(weight == Approx(cloud.description.total).epsilon(1e-6));  // of all vectors, sent or not
 }
 
 TEST_CASE("encodes point sets with invalid or coincident vectors") {
@@ -267,7 +267,7 @@ TEST_CASE("encodes point sets with invalid or coincident vectors") {
   std::size_t count = 0;
   for (const RecordsChunk& chunk : encode_records(cloud, {})) count += decoded(chunk).size();
   CHECK(count == 496);
-  Cloud same;  // all at one place
+  Cloud same;  // all coincident
   for (int i = 0; i < 3000; ++i) {
     same.positions.push_back({1, 2, 3});
     same.normals.push_back({0, 1, 0});
@@ -377,7 +377,7 @@ TEST_CASE("keeps the weight of the whole and of its octants in every prefix of t
       REQUIRE(weights.size() == assembly.size());
       REQUIRE(sum_of(weights) == Approx(cloud.description.total).epsilon(1e-5));
       if (assembly.size() < 768) continue;
-      // Of octants only the deeper chunks know: before, they are as even as the order is.
+      // Only deeper chunks know octants. Before them, octants are as even as the order.
       const std::array<double, 8> got = by_octant(box, assembly.positions(), weights);
       for (std::size_t i = 0; i < 8; ++i)
         REQUIRE(got[i] == Approx(source[i]).epsilon(assembly.size() < 4000 ? 0.2 : 0.02));
@@ -402,7 +402,7 @@ TEST_CASE("keeps the weight of every cell, whichever records are lost") {
     for (const RecordsPatch& patch : patches) assembly.add(patch);
     const std::vector<float> weights = assembly.conserved_weights();
     CHECK(sum_of(weights) == Approx(cloud.description.total).epsilon(1e-5));
-    // Each cell of a chunk weighs what its header says, to what its parts' shares of nothing are.
+    // The records of each cell of a chunk sum to the weight in its header, within the shares of empty parts.
     const RecordsCube cube(cloud.description.box);
     std::size_t checked = 0;
     for (const RecordsChunk& chunk : chunks) {
@@ -416,7 +416,7 @@ TEST_CASE("keeps the weight of every cell, whichever records are lost") {
         sum += weights[i];
         ++inside;
       }
-      if (inside < 60) continue;  // there, a record on the border that is counted on the other side shows
+      if (inside < 60) continue;  // in smaller ones, a record on the border that counts on the other side matters
       ++checked;
       INFO("loss " << loss << " depth " << int{cell.depth} << " inside " << inside);
       CHECK(sum == Approx(chunk.header.cell_weight).epsilon(0.03));
@@ -428,17 +428,17 @@ TEST_CASE("keeps the weight of every cell, whichever records are lost") {
 TEST_CASE("limits the size of a vector to twice its cell") {
   const Cloud cloud = ball(30'000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
-  // Of everything, five tiny records of one deep chunk.
+  // Five tiny records of one deep chunk, out of everything.
   RecordsAssembly assembly(cloud.description);
   const RecordsPatch few = part_of(decoded(chunks.back()), [](std::size_t i) { return i < 5; });
   assembly.add(few);
-  // The root, of which the stream's header tells, stands; the cell has too few.
+  // The root keeps its weight from the stream's header; the cell has too few records.
   CHECK(sum_of(assembly.conserved_weights()) == Approx(cloud.description.total).epsilon(1e-5));
-  // With the whole of that chunk, the cell stands: the weight of all the rest does not go to it.
+  // With the whole chunk, the cell keeps its weight, without that of all the rest.
   assembly.add(decoded(chunks.back()));
   CHECK(assembly.size() == chunks.back().header.count);
   CHECK(sum_of(assembly.conserved_weights()) == Approx(2 * chunks.back().header.cell_weight).epsilon(1e-4));
-  // And without a total of the stream, it weighs what its header says.
+  // Without a total in the stream it has the weight of its header.
   Description unknown = cloud.description;
   unknown.total = 0;
   RecordsAssembly alone(unknown);

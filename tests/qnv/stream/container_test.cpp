@@ -137,7 +137,7 @@ TEST_CASE("writes the header as FORMAT.md defines") {
   CHECK(u8(114 + 3) == 2);
 }
 
-// Readers from before know version 1 alone: they refuse what they would put elsewhere.
+// Readers of version 1 reject streams that they would place elsewhere.
 TEST_CASE("writes version 2 for a header with an origin, else version 1") {
   StreamHeader header = example_header();
   const Bytes before = encode_header(header);
@@ -149,7 +149,7 @@ TEST_CASE("writes version 2 for a header with an origin, else version 1") {
   const auto read = decode(bytes);
   REQUIRE(std::holds_alternative<StreamHeader>(read));
   CHECK(std::get<StreamHeader>(read) == header);
-  // In a stream of version 1 the section means nothing; in one of version 2 it must be there.
+  // The section has no meaning in version 1, and is required in version 2.
   const auto refused = [&](Bytes changed) {
     std::fill_n(changed.begin() + 16, 4, std::byte{0});
     const auto sum =
@@ -250,7 +250,7 @@ TEST_CASE("returns whole chunks of any size, however the stream is cut") {
       REQUIRE(read.offsets[i] == e.starts[i]);
     }
   }
-  // The longest there is.
+  // The longest header.
   Bytes bytes = encode_header(plain_header());
   append(bytes, encode_chunk(ChunkType::packed, payload_of(kMostChunkBytes, 5)));
   CHECK(read_all(bytes, 1000).chunks.at(0).second == payload_of(kMostChunkBytes, 5));

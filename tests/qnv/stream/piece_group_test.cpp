@@ -57,11 +57,11 @@ TEST_CASE("restores a group from any pieces, if they are as many as its own") {
       std::shuffle(pieces.begin(), pieces.end(), random);
       const auto first = pieces.begin();
       CHECK(came({first, first + static_cast<std::ptrdiff_t>(cut.data.size())}) == wanted);
-      // With one less there is only what stands at the front.
+      // With one piece fewer, only payloads at the front are restored.
       const std::vector<Bytes> less = came({first, first + static_cast<std::ptrdiff_t>(cut.data.size()) - 1});
       REQUIRE(less.size() < wanted.size());
       CHECK(std::equal(less.begin(), less.end(), wanted.begin()));
-      // More than enough, and all of them twice, bring each payload once.
+      // More pieces than needed, all repeated, restore each payload once.
       std::vector<Bytes> twice = pieces;
       twice.insert(twice.end(), pieces.begin(), pieces.end());
       CHECK(came(twice) == wanted);
@@ -82,7 +82,7 @@ TEST_CASE("returns payloads at the front of a group before the others") {
     (void)group.add(*read_piece_header(piece), piece);
     taken += group.take().size();
     bytes += piece.size() - 7;
-    // A length is two bytes here.
+    // A length has two bytes here.
     std::size_t at = 0;
     for (whole = 0; whole < wanted.size() && at + 2 + wanted[whole].size() <= bytes; ++whole)
       at += (wanted[whole].size() < 128 ? 1 : 2) + wanted[whole].size();
@@ -113,17 +113,17 @@ TEST_CASE("refuses invalid pieces and survives damaged ones") {
     changed[at] = static_cast<std::byte>(value);
     return read_piece_header(changed);
   };
-  CHECK(!with(0, 96));   // a group that is none
+  CHECK(!with(0, 96));   // an invalid group
   CHECK(!with(1, 0));    // no pieces
   CHECK(!with(1, 129));  // too many
-  CHECK(!with(6, 255));  // a length that its pieces cannot have
-  // A piece of another group's cut is refused, and changes nothing.
+  CHECK(!with(6, 255));  // an impossible length for its pieces
+  // A piece of a different division is rejected without effect.
   PieceGroup group;
   CHECK(group.add(*read_piece_header(cut.data[0]), cut.data[0]));
   const CutGroup other = cut_group(2, some_payloads(9, 1000, 4), 1, 0);
   CHECK(!group.add(*read_piece_header(other.data[1]), other.data[1]));
   for (std::size_t i = 1; i < cut.data.size(); ++i) CHECK(group.add(*read_piece_header(cut.data[i]), cut.data[i]));
-  // Bytes at random, of all sizes: whatever comes out is no longer than what came.
+  // Random bytes of any size: the output is never longer than the input.
   std::mt19937 random(9);
   for (int round = 0; round < 300; ++round) {
     std::vector<PieceGroup> groups(1);

@@ -24,7 +24,7 @@ struct Made {
   std::vector<std::byte> payload;
 };
 
-/// All numbers of a surface, in clusters of some patches, in any order.
+/// Returns all numbers of a surface, in clusters of a few patches, in any order.
 std::vector<Made> clusters_of(Surface& surface, bool colored) {
   std::vector<Made> made;
   ClusterHeader header;

@@ -35,7 +35,7 @@ Columns columns_of(const std::vector<glm::vec3>& all) {
   return out;
 }
 
-/// Some of them at the same place, or with no length.
+/// Returns vectors, some coincident or of length 0.
 std::vector<glm::vec3> any_vectors(std::size_t count, std::uint32_t seed, bool units = false) {
   std::mt19937 random(seed);
   std::vector<glm::vec3> out(count);
@@ -144,7 +144,7 @@ TEST_CASE("packs directions like pack_direction, and replaces invalid positions 
               same(at.at(i), i == 7 || i == 8 ? lower : lower + places[i] * 7.5f);
     CHECK(right);
   }
-  // As rounding has it.
+  // Rounding may go either way.
   const auto low = [](float v) { return static_cast<std::int32_t>(pack_direction({v, 0, 0}) << 21) >> 21; };
   for (int i = -5000; i <= 5000; ++i) {
     const float v = static_cast<float>(i) / 4711;

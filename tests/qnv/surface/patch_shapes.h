@@ -11,10 +11,11 @@
 #include <memory>
 #include <random>
 
-// Displaced surfaces with numbers in all places, for the tests of how they are cut and drawn.
+// Displaced surfaces with random numbers, for tests of cuts and drawing.
 namespace gs::qnv {
 
-/// Rough surfaces of a mesh's triangles, `depth` levels deep; creases where `every` divides an edge's number (0: none).
+/// Returns a rough surface of a mesh's triangles, `depth` levels deep, with creases at edges with numbers that `every`
+/// divides (0: none).
 inline displaced::Surface rough_surface(const displaced::SurfaceMesh& mesh, int depth, std::size_t every = 0,
                                         bool colored = false) {
   displaced::StageHeader stage;

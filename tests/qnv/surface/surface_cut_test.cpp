@@ -31,7 +31,7 @@ using displaced::torus;
 
 using Place = std::tuple<float, float, float>;
 
-/// All triangles of a cut, with vertices at one place as one.
+/// Triangles of a cut, with vertices merged by position.
 struct Drawn {
   std::vector<glm::vec3> places;
   std::map<Place, std::uint32_t> numbers;
@@ -146,7 +146,7 @@ TEST_CASE("changes a surface without jumps through every level as patches come n
     before = std::move(now);
   }
   CHECK(before.triangles.size() > 20 * first);
-  CHECK(triangles > 1.05);  // levels did change at once
+  CHECK(triangles > 1.05);  // levels changed at once
   const double whole = std::abs(before.area() - drawn_at(600).area()) / before.area();
   CHECK(whole > 0.02);
   CHECK(greatest < whole / 50);
@@ -170,7 +170,7 @@ TEST_CASE("keeps the budget of a cut, and omits patches outside the view or faci
   view.leave_backs = true;
   const SurfaceCut fronts = cut_surface(surface, view);
   CHECK(fronts.patches.size() < all.patches.size());
-  // Nothing that is left out shows its front.
+  // No omitted triangle faces the viewer.
   std::set<std::uint32_t> taken;
   for (const PatchCut& one : fronts.patches) taken.insert(one.patch);
   PatchMesh mesh;
@@ -214,7 +214,7 @@ TEST_CASE("draws every prefix of a stream as it is decoded") {
     CHECK(drawn.triangles.size() == whole.triangles.size() / 3);
     std::size_t found = 0;
     for (const glm::vec3& p : whole.positions) found += drawn.numbers.contains(Place(p.x, p.y, p.z)) ? 1 : 0;
-    // Sums of normals have another order, so that rounding differs.
+    // The order of summing normals differs, and with it the rounding.
     CHECK(found > 0);
     for (std::size_t i = 0; i < whole.size(); ++i) {
       const auto near = drawn.numbers.lower_bound(Place(whole.positions[i].x - 1e-5f, -9.0f, -9.0f));

@@ -28,7 +28,7 @@ namespace volume_voxels_test {
 
 using Bytes = std::vector<std::byte>;
 
-/// All clusters of a stream; a parent has the index that is its number.
+/// All clusters of a stream; a parent's index is its number.
 struct Decoded {
   VoxelLattice lattice;
   std::vector<Bytes> payloads;
@@ -51,7 +51,7 @@ struct Decoded {
 
 std::uint64_t key_of(const VolumeVoxels& v, std::size_t i) { return morton_encode(v.x[i], v.y[i], v.z[i]); }
 
-/// The vectors of a cloud by their voxels.
+/// vectors of the point set by voxel
 std::map<std::uint64_t, std::size_t> places_of(const SoftBall& ball) {
   const VolumeLayout& layout = ball.source.layout;
   const glm::dmat3 inverse = glm::inverse(glm::dmat3(layout.axes[0], layout.axes[1], layout.axes[2]));
@@ -82,9 +82,9 @@ TEST_CASE("restores a volume's vectors at their voxels, with small errors") {
       const std::size_t k = found->second;
       REQUIRE_EACH(glm::distance(cloud.positions[i], ball.cloud.positions[k]) < 1e-4f);
       REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
-      // Less than 0.62 of a step of 16 is left out, and half a unit by rounding.
+      // Encoding omits under 0.62 of a step of 16, plus half a unit of rounding.
       REQUIRE_EACH(std::abs(cloud.classes[i] - ball.cloud.classes[k]) <= 10);
-      // Less than 0.75 of a step of an octave and a half.
+      // Under 0.75 of a step of an octave and a half.
       const float octaves = std::log2(cloud.weights[i] / ball.cloud.weights[k]);
       REQUIRE_EACH(std::abs(octaves) <= 1.13f);
       const float cosine = glm::dot(cloud.normals[i], ball.cloud.normals[k]);
@@ -93,7 +93,7 @@ TEST_CASE("restores a volume's vectors at their voxels, with small errors") {
     }
   }
   CHECK(seen.size() == truth.size());
-  CHECK(turned / static_cast<double>(seen.size()) < 0.2);  // radians, where most of it is curved
+  CHECK(turned / static_cast<double>(seen.size()) < 0.2);  // radians, at the strongest curvature
 }
 
 TEST_CASE("gives a coarse voxel a value between its children's, and their mean if they are fine") {

@@ -34,7 +34,7 @@ TEST_CASE("simplifies a closed surface to the requested count, and keeps it clos
     CHECK(small.triangles.size() >= wanted - 2);
     CHECK(rims_of(small.triangles) == 0);
     CHECK(euler_characteristic(small.triangles) == 2);
-    // Of triangles of area a = 4 pi / n the sagitta is a / 6 or so.
+    // The sagitta of triangles of area a = 4 pi / n is about a / 6.
     for (const glm::vec3& p : small.positions)
       CHECK(glm::length(p) == Approx(1).margin(12.0 / static_cast<double>(wanted)));
   }
@@ -69,7 +69,7 @@ TEST_CASE("keeps every component, however few triangles are requested") {
   CHECK(components_of(small.triangles) == 13);
   CHECK(small.triangles.size() >= 12 * 4 + 1);
   CHECK(small.triangles.size() < 12 * 30);
-  // A tetrahedron each but the last.
+  // All parts but the last become tetrahedra.
   CHECK(euler_characteristic(small.triangles) == 12 * 2 + 1);
 }
 
@@ -85,7 +85,7 @@ TEST_CASE("simplifies a mesh in parts without cracks on any number of threads") 
       CHECK(components_of(thin.triangles) == 1);
       CHECK((rims_of(thin.triangles) == 0) == (rims_of(mesh.triangles) == 0));
       CHECK(thin.triangles.size() < mesh.triangles.size() * 3 / 4);
-      CHECK(thin.triangles.size() > 750);  // four times as many as are wanted, but for rounding
+      CHECK(thin.triangles.size() > 750);  // four times the requested number, within rounding
     }
 }
 

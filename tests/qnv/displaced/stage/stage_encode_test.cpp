@@ -12,7 +12,7 @@
 namespace gs::qnv::displaced::stage_encode_test {
 namespace {
 
-/// A ball in the middle of the box.
+/// Returns a ball in the middle of the box.
 SurfaceMesh ball_at(float radius, const glm::vec3& center, int n) {
   SurfaceMesh mesh = mesh_of(ball(n));
   for (glm::vec3& p : mesh.positions) p = center + radius * p;
@@ -44,7 +44,7 @@ TEST_CASE("omits the finest levels only of a stage that another one certainly fo
   options.triangles = 20;
   options.layers = 1;
   options.threads = 2;
-  // Of the target a part lies where the stage has nothing.
+  // Part of the target is where the stage has no surface.
   const Target target(both, neighbours_of(both.triangles), 2), alone(large, neighbours_of(large.triangles), 2);
   const float error = 0.045f * target.edge();
   const EncodedStage whole = encode_stage_of(target, coarse, options, nullptr);
@@ -64,7 +64,7 @@ TEST_CASE("omits the finest levels only of a stage that another one certainly fo
       return other.header.level == cluster.header.level && other.payload == cluster.payload;
     });
   CHECK(same == shorter.clusters.size());
-  // Its error is too large to be trusted; it follows the target; nothing would be left for the next one.
+  // Its error is too large; it follows the target; the next stage would have nothing left.
   options.trusted_error = error;
   CHECK(finest_of(encode_stage_of(target, coarse, options, nullptr)) == whole.header.depth);
   options.trusted_error = 1;
