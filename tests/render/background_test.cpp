@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kHalfTurn = 3.14159265f;  // radians
 
-/// A camera at the origin that looks `angle` radians above the horizon.
+/// Returns a camera at the origin that looks `angle` radians above the horizon.
 Camera looking_up(float angle) {
   Camera camera;
   const float c = std::cos(angle), s = std::sin(angle);
@@ -19,11 +19,11 @@ Camera looking_up(float angle) {
   return camera;
 }
 
-/// The colour in the direction `from_zenith` radians from straight up.
+/// Returns the colour in the direction `from_zenith` radians from the zenith.
 glm::vec3 color_at(Drawing& drawing, const Background& background, float from_zenith) {
   RenderList list;
   list.background = background;
-  drawing.options.width = drawing.options.height = 65;  // odd: the middle of a pixel is the middle of the view
+  drawing.options.width = drawing.options.height = 65;  // odd, so that the centre of a pixel is the centre of the view
   return pixel(drawing.draw(list, looking_up(kHalfTurn / 2 - from_zenith)), 32, 32);
 }
 
@@ -38,7 +38,7 @@ const Look kLooks[] = {{Background::front, {0, 0, -1}, {0, 1, 0}}, {Background::
                        {Background::right, {1, 0, 0}, {0, 1, 0}},  {Background::left, {-1, 0, 0}, {0, 1, 0}},
                        {Background::top, {0, 1, 0}, {0, 0, 1}},    {Background::bottom, {0, -1, 0}, {0, 0, -1}}};
 
-/// A camera that sees one face of the panorama and nothing else.
+/// Returns a camera that sees exactly one face of the panorama.
 Camera looking(const Look& look, const glm::vec3& eye = glm::vec3(0)) {
   Camera camera;
   camera.field_of_view = kHalfTurn / 2;
@@ -49,13 +49,13 @@ Camera looking(const Look& look, const glm::vec3& eye = glm::vec3(0)) {
   return camera;
 }
 
-/// Two pixels wide and high: of the face in red, and of the corner in green and blue.
+/// Makes an image of two by two pixels: red for the face, green and blue for the corner.
 std::shared_ptr<const Image> face_picture(std::size_t face) {
   const auto red = static_cast<std::uint8_t>(40 * face);
   return std::make_shared<const Image>(Image{2, 2, 3, {red, 0, 0, red, 255, 0, red, 0, 255, red, 255, 255}});
 }
 
-/// That the picture is the face's, upright and not mirrored.
+/// Checks that the image is the face's, upright and not mirrored.
 void check_face(const Image& drawn, std::size_t face) {
   const float red = 40 * static_cast<float>(face) / 255;
   check_color(pixel(drawn, 15, 15), {red, 0, 0}, 9);
@@ -116,7 +116,7 @@ TEST_CASE("turns the background with its node, and replaces it by one chosen col
   Background background;
   background.sky_colors = {{1, 0, 0}, {0, 0, 1}};
   background.sky_angles = {kHalfTurn};
-  // Half a turn about X: the zenith of the background is the nadir of the world.
+  // Half a turn about X: the background's zenith is the world's nadir.
   background.world_from_background = glm::mat3(1, 0, 0, 0, -1, 0, 0, 0, -1);
   check_color(color_at(drawing, background, kHalfTurn * 0.25f), {0.25f, 0, 0.75f});
   drawing.options.background = glm::vec3(0, 1, 0);
@@ -176,7 +176,7 @@ TEST_CASE("turns the background with its transformation, without moving or scali
   list.background = with_panorama();
   const Look& front = kLooks[0];
   check_face(drawing.draw(list, looking(front, {500, -30, 1e6f})), Background::front);
-  // A quarter turn about Y takes the front to where the left was.
+  // A quarter turn about Y moves the front to the left.
   list.background.world_from_background = glm::mat3(0, 0, -1, 0, 1, 0, 1, 0, 0);
   check_face(drawing.draw(list, looking(kLooks[3], {0, 1, 2})), Background::front);
 }

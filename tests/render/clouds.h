@@ -20,7 +20,7 @@ namespace gs::test {
 inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A view of 90 degrees from the origin along -z.
+/// Returns a view of 90 degrees from the origin along -z.
 inline render::SplatView straight_view(int width, int height) {
   render::SplatView view;
   view.tangents = {static_cast<float>(width) / static_cast<float>(height), 1.0f};
@@ -30,7 +30,7 @@ inline render::SplatView straight_view(int width, int height) {
   return view;
 }
 
-/// From `eye` towards the origin, 53 degrees high.
+/// Returns a view from `eye` to the origin, 53 degrees high.
 inline render::SplatView view_from(const glm::vec3& eye, int width, int height) {
   render::SplatView view;
   view.camera_from_node = glm::lookAt(eye, glm::vec3(0), glm::vec3(0.1f, 1, 0.05f));
@@ -85,7 +85,7 @@ inline void add(qnv::Cloud& cloud, const glm::vec3& position, const glm::vec3& n
   cloud.classes.push_back(value);
 }
 
-/// A thick shell of radius about 1 of vectors of all magnitudes and classes.
+/// Returns a thick shell of radius about 1, with vectors of all magnitudes and classes.
 inline qnv::Cloud random_volume(std::size_t count, unsigned seed, float spacing) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> part(0, 1);

@@ -13,7 +13,7 @@
 
 namespace gs::render::testing {
 
-/// A square of side 2 * `half` in the plane z = 0 that faces +Z, s and t from 0 to 1.
+/// Returns a square of side 2 * `half` in the plane z = 0 that faces +Z, with s and t from 0 to 1.
 inline std::shared_ptr<vrml::Mesh> square(float half = 1) {
   auto mesh = std::make_shared<vrml::Mesh>();
   for (const auto& [x, y] : {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
@@ -46,7 +46,7 @@ inline DrawItem unlit(std::shared_ptr<const vrml::Mesh> mesh, const glm::mat4& w
   return item;
 }
 
-/// A lit item that shows `color` whatever the light.
+/// Returns a lit item that shows `color` in any light.
 inline DrawItem glowing(std::shared_ptr<const vrml::Mesh> mesh, const glm::vec3& color,
                         const glm::mat4& world_from_node = glm::mat4(1.0f)) {
   DrawItem item;
@@ -73,7 +73,7 @@ inline Camera camera_at(const glm::vec3& eye) {
   return camera;
 }
 
-/// A renderer on OSMesa, which GhostSpace requires: without it, the test fails.
+/// Renderer on OSMesa, which GhostSpace requires. Without it, the test fails.
 class Drawing {
  public:
   Drawing() {
@@ -102,13 +102,13 @@ class Drawing {
   std::unique_ptr<Renderer> renderer_;
 };
 
-/// 0..255, row 0 at the top.
+/// Returns a pixel in 0..255, with row 0 at the top.
 inline glm::vec3 pixel(const Image& image, std::uint32_t x, std::uint32_t y) {
   const std::uint8_t* p = image.pixels.data() + (std::size_t{y} * image.width + x) * image.components;
   return {p[0], p[1], p[2]};
 }
 
-/// Within `tolerance` steps of 1/255 of a colour of 0..1.
+/// Checks that a pixel is within `tolerance` steps of 1/255 of a colour in 0..1.
 inline void check_color(const glm::vec3& drawn, const glm::vec3& expected, float tolerance = 1.01f) {
   const glm::vec3 wanted = glm::clamp(expected, 0.0f, 1.0f) * 255.0f;
   INFO("drawn " << drawn.x << " " << drawn.y << " " << drawn.z << ", expected " << wanted.x << " " << wanted.y << " "

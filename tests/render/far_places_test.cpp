@@ -1,4 +1,4 @@
-// Pairs that must look alike: a cloud at the origin, and the same 4,500 km away with the viewer moved along.
+// Pairs of equal pictures: a point set at the origin, and 4,500 km away together with the viewer.
 
 #include "render/scene/collector.h"
 #include "tests/render/clouds.h"
@@ -13,10 +13,10 @@ namespace gs::render::far_places_test {
 using namespace gs::render::testing;
 namespace {
 
-// Each a float32, for the Transform.
+// Representable as float32 for the Transform.
 const glm::dvec3 kFar{4'500'000.5, -4'500'000.5, 3'200'000.25};
 
-/// A world of one QNV node below a Transform, with the vectors of `cloud`.
+/// World of one QNV node below a Transform, with the vectors of `cloud`.
 struct CloudWorld {
   CloudWorld(const qnv::Cloud& cloud, const glm::dvec3& origin, const glm::dvec3& translation)
       : scene(std::make_unique<vrml::SceneGraph>("far.wrl")) {
@@ -38,7 +38,7 @@ struct CloudWorld {
     camera.world_from_camera[3] += glm::dvec4(place, 0);
     const glm::dvec3 eye(camera.world_from_camera[3]);
     const RenderList list = collect(*scene, {}, meshes, eye, clouds);
-    // The box in world space is as exact.
+    // The box in world space is equally exact.
     CHECK(glm::length(list.bounds.center() - place) < 0.06);
     return drawing.draw(list, camera);
   }
@@ -47,7 +47,7 @@ struct CloudWorld {
   Clouds clouds;
 };
 
-/// Pixels that differ by more than `most` in any colour.
+/// Counts pixels that differ by more than `most` in any colour.
 std::size_t others(const Image& a, const Image& b, int most) {
   REQUIRE(a.pixels.size() == b.pixels.size());
   std::size_t count = 0;
@@ -61,11 +61,11 @@ void check_alike_far(const qnv::Cloud& cloud, SplatPath path) {
   drawing.options.splats = path;
   const Image near = CloudWorld(cloud, {}, {}).draw(drawing, {});
   CHECK(std::count_if(near.pixels.begin(), near.pixels.end(), [](std::uint8_t c) { return c > 40; }) > 3000);
-  // By its own origin, by a Transform above it, and by something of both.
+  // Moved by its origin, by a Transform, and by both.
   CHECK(others(near, CloudWorld(cloud, kFar, {}).draw(drawing, kFar), 3) <= 6);
   CHECK(others(near, CloudWorld(cloud, {}, kFar).draw(drawing, kFar), 3) <= 6);
   CHECK(others(near, CloudWorld(cloud, kFar, kFar).draw(drawing, kFar * 2.0), 3) <= 6);
-  // The test can tell: half a centimetre beside it is another picture.
+  // A shift of half a centimetre changes the picture.
   CHECK(others(near, CloudWorld(cloud, kFar + glm::dvec3(0.005, 0, 0), {}).draw(drawing, kFar), 3) > 60);
 }
 

@@ -13,7 +13,7 @@ namespace gs::render::fog_test {
 using namespace gs::render::testing;
 namespace {
 
-/// f0 by VRML97 Table 4.8.
+/// Returns f0 of VRML97 Table 4.8.
 double table_4_8(bool exponential, double distance, double visibility) {
   if (visibility <= 0) return 1;
   if (distance >= visibility) return 0;
@@ -33,7 +33,7 @@ RenderList parsed(const std::string& body) {
   REQUIRE(diagnostics.errors() == 0);
   MeshCache meshes;
   RenderList list = collect(scene, {}, meshes);
-  list.viewpoints.clear();  // they point into the scene
+  list.viewpoints.clear();  // lines of sight into the scene
   return list;
 }
 
@@ -76,14 +76,14 @@ TEST_CASE("measures visibilityRange in the Fog's coordinate system (VRML97 6.19)
   CHECK_FALSE(parsed("Fog { fogType \"exponential\" }").fog.exponential);
   CHECK(interpolant(fog, {0, 3, -4}) == Approx(0.5));
   CHECK(interpolant("Transform { scale 2 2 2 children " + fog + " }", {0, 3, -4}) == Approx(0.75));
-  // Neither turned nor moved.
+  // Neither rotated nor moved.
   CHECK(interpolant("Transform { translation 50 6 7 rotation 1 2 3 0.7 children " + fog + " }", {0, 3, -4}) ==
         Approx(0.5));
-  // Along y, the Fog's space is stretched.
+  // The Fog's coordinate system is stretched along y.
   const std::string stretched = "Transform { scale 1 4 1 children " + fog + " }";
   CHECK(interpolant(stretched, {0, 0, -5}) == Approx(0.5));
   CHECK(interpolant(stretched, {0, 5, 0}) == Approx(0.875));
-  // The first one is bound (4.6.10); one in which nothing is left of an axis is none.
+  // The first Fog is bound (4.6.10). A Fog with a singular coordinate system is ignored.
   CHECK(interpolant("Fog { visibilityRange 20 } " + fog, {0, 0, -5}) == Approx(0.75));
   CHECK(interpolant("Shape { }", {0, 0, -500}) == 1);
 }
@@ -132,7 +132,7 @@ TEST_CASE("fades surfaces, lines and points into the fog, but not the background
       }
     CHECK(checked > 400);
     check_color(pixel(image, 2, 60), {0.1f, 0.2f, 0.3f});  // the background
-    // The line and the point, wherever their pixels are.
+    // Finds line and point among the pixels.
     std::size_t line_pixels = 0, point_pixels = 0;
     for (std::uint32_t y = 0; y < 64; ++y)
       for (std::uint32_t x = 0; x < 64; ++x) {
@@ -183,7 +183,7 @@ TEST_CASE("fades transparent surfaces and keeps them transparent") {
   DrawItem item = glowing(square(), {0, 1, 0});
   item.material.transparency = 0.5f;
   add(list, item);
-  // f0 is 0.5, so is the alpha.
+  // f0 and alpha are both 0.5.
   check_color(pixel(drawing.draw(list), 32, 32), {0.25f, 0.25f, 0.5f}, 2.1f);
 }
 
@@ -193,7 +193,7 @@ TEST_CASE("fades splats and volumes like surfaces, on both paths") {
       INFO((volume ? "volume " : "surface ") << (path == SplatPath::cpu ? "cpu" : "gl"));
       Drawing drawing;
       drawing.options.splats = path;
-      // A wall of discs in the plane z = 0.
+      // A wall of splats in the plane z = 0.
       auto cloud = std::make_shared<qnv::Cloud>();
       cloud->description.kind = volume ? qnv::Kind::volume : qnv::Kind::surface;
       for (int y = -20; y <= 20; ++y)

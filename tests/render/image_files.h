@@ -16,7 +16,7 @@
 #include <jpeglib.h>
 #include <png.h>
 
-/// Pictures, and files of them, made for tests.
+/// Images, and image files, for tests.
 namespace gs::test {
 
 using gs::render::decode_image;
@@ -51,7 +51,7 @@ struct PngOptions {
   std::vector<png_byte> transparency;
 };
 
-/// A PNG of any kind, written with libpng; `rows` holds height rows as PNG packs them.
+/// Writes a PNG of any kind with libpng. `rows` holds height rows in PNG's packing.
 inline Bytes png_of(std::uint32_t width, std::uint32_t height, const PngOptions& options, std::vector<png_byte> rows) {
   Bytes out;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -152,7 +152,7 @@ inline Bytes gif_of(const GifOptions& options) {
   for (int row = 0; row < 4; ++row)
     for (const std::uint64_t pair : {0, 2}) {
       code(4);
-      // The first row of the file is row 0 either way; the others are turned to tell them apart.
+      // The first row of the file is row 0 in both orders; the others are rotated to differ.
       code((pair + static_cast<std::uint64_t>(row)) & 3);
       code((pair + 1 + static_cast<std::uint64_t>(row)) & 3);
     }

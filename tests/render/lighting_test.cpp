@@ -11,7 +11,7 @@ using namespace gs::render::testing;
 
 namespace {
 
-/// VRML97 4.14.4, written down a second time, in world space and in double.
+/// Evaluates VRML97 4.14.4 independently, in world space and in double.
 glm::dvec3 equation(const Material& m, const glm::dvec3& diffuse_color, const std::vector<Light>& lights,
                     const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& viewer) {
   glm::dvec3 sum(m.emissive);
@@ -75,7 +75,7 @@ void check_against_equation(const Material& material, std::vector<Light> lights,
     if (lights[i].kind == Light::Kind::directional) item.directional_lights.push_back(static_cast<std::uint16_t>(i));
   add(list, item);
   const Image image = drawing.draw(list);
-  if (headlight) lights.push_back({});  // the defaults of Light: white, along -Z, as the camera looks
+  if (headlight) lights.push_back({});  // the defaults of Light: white, along the camera's -Z
   for (std::uint32_t y = 1; y < 64; y += 9)
     for (std::uint32_t x = 2; x < 64; x += 7)
       check_color(pixel(image, x, y),
@@ -145,7 +145,7 @@ TEST_CASE("applies a directional light only to the items that name it (VRML97 6.
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;
-  list.lights.push_back({});  // white, straight down -Z
+  list.lights.push_back({});  // white, straight along -Z
   DrawItem item;
   item.mesh = square(1);
   item.material.diffuse = glm::vec3(0.5f);
@@ -168,7 +168,7 @@ TEST_CASE("applies a thousand lights to an item, and of more the strongest", "[o
     Light light;
     light.kind = Light::Kind::point;
     light.location = {0, 0, 5};
-    light.radius = i == 33 ? 100.0f : 4.0f;  // the others end before the square
+    light.radius = i == 33 ? 100.0f : 4.0f;  // the others do not reach the square
     list.lights.push_back(light);
   }
   DrawItem item;
@@ -328,7 +328,7 @@ TEST_CASE("keeps normals perpendicular under uneven, mirroring, flattening and t
   Light light;
   light.direction = glm::normalize(glm::vec3(0, -1, -1));
   drawing.options.headlight = false;
-  // A square that leans back by 45 degrees after the scale: its normal must be (0, 1, 1) / sqrt 2.
+  // A square that leans back by 45 degrees after scaling: its normal must be (0, 1, 1) / sqrt 2.
   auto mesh = std::make_shared<vrml::Mesh>();
   for (const auto& [x, y] : {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
     mesh->positions.push_back({x, y, -2 * y});

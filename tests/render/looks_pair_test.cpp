@@ -1,4 +1,4 @@
-// Pairs of worlds that must look alike: what one says with a field of Text, Fog or Background, the other says without.
+// Pairs of worlds with equal pictures: one uses a field of Text, Fog or Background, the other does without.
 
 #include "render/scene/render_scene.h"
 #include "tests/render/drawing.h"
@@ -28,7 +28,7 @@ struct ParsedWorld {
   MeshCache meshes;
 };
 
-/// How many pixels differ by more than rounding, of a thousand.
+/// Returns the pixels, in thousandths, that differ by more than rounding.
 double difference(const Image& a, const Image& b) {
   REQUIRE(a.pixels.size() == b.pixels.size());
   std::size_t others = 0;
@@ -73,17 +73,17 @@ TEST_CASE("draws Text like its written-out form") {
               text(word + " fontStyle FontStyle { family \"SERIF\" style \"PLAIN\" justify [ \"BEGIN\" "
                           "\"FIRST\" ] size 1 spacing 1 horizontal TRUE leftToRight TRUE topToBottom TRUE }"));
   check_alike(text(word + " fontStyle FontStyle { family [ ] style \"\" justify \"\" }"), text(word));
-  // Size is scale.
+  // size acts like scale.
   check_alike(text(word + " fontStyle FontStyle { size 2 }"), text(word, "scale 2 2 2"));
   // Lines are size * spacing apart.
   check_alike(text("string [ \"Sea\" \"shore\" ] fontStyle FontStyle { spacing 1.5 }"),
               text("string \"Sea\"") + text("string \"shore\"", "translation 0 -1.5 0"));
   check_alike(text("string [ \"Sea\" \"\" \"shore\" ] fontStyle FontStyle { topToBottom FALSE }"),
               text("string \"Sea\"") + text("string \"shore\"", "translation 0 2 0"));
-  // maxExtent of one string is length, where it is too long, and nothing where it is not.
+  // maxExtent of one string acts like length if the string is too long.
   check_alike(text(word + " maxExtent 1.5"), text(word + " length 1.5"));
   check_alike(text(word + " maxExtent 50"), text(word));
-  // Columns follow each other as lines do.
+  // Columns follow each other like lines.
   const std::string vertical = " fontStyle DEF F FontStyle { horizontal FALSE justify \"MIDDLE\" }",
                     again = " fontStyle USE F";
   check_alike(text("string [ \"Sea\" \"tide\" ]" + vertical),
@@ -159,7 +159,7 @@ TEST_CASE("draws small texts in one batch as one by one") {
       Camera camera = camera_at({0, 0, 10});
       camera.field_of_view = 0.3f;
       const Image merged = drawing.draw(list, camera);
-      // A point light is not the same for all pixels of a text.
+      // A point light differs between the pixels of a text.
       CHECK((drawing.statistics.draw_calls == 1) == (about.find("Point") == std::string::npos));
       CHECK(drawing.statistics.items == 6);
       // A slightly specular item gets a colour per pixel.

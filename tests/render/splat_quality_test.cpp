@@ -26,7 +26,7 @@ RenderList bumpy_list(std::shared_ptr<const qnv::Cloud> cloud) {
   return list;
 }
 
-/// White, whatever the light.
+/// Returns a white item in any light.
 RenderList white(std::shared_ptr<const qnv::Cloud> cloud) {
   RenderList list = bumpy_list(std::move(cloud));
   list.splats[0].material.diffuse = glm::vec3(0);
@@ -34,7 +34,7 @@ RenderList white(std::shared_ptr<const qnv::Cloud> cloud) {
   return list;
 }
 
-/// From `eye` towards the origin, 53 degrees high.
+/// Returns a view from `eye` to the origin, 53 degrees high.
 Camera narrow_camera(const glm::vec3& eye) {
   Camera camera;
   camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0.1f, 1, 0.05f)));
@@ -71,7 +71,7 @@ double decibels(double sum_of_squares, std::size_t count) {
   return 10 * std::log10(255.0 * 255.0 * static_cast<double>(count) / std::max(sum_of_squares, 1e-9));
 }
 
-/// PSNR of each picture against the mean of those before and after it, the lowest of all.
+/// Returns the lowest PSNR of any picture against the mean of its neighbours.
 double steadiness(const std::vector<Image>& frames) {
   double worst = 1000;
   for (std::size_t i = 1; i + 1 < frames.size(); ++i) {
@@ -98,14 +98,14 @@ TEST_CASE("draws a closed surface without holes at any distance and budget", "[o
     int samples = 1;
     for (const std::size_t budget : {1000u, 4000u, 20000u, 100000u, 1000000u})
       for (const float distance : {1.25f, 1.7f, 2.5f, 4.0f, 8.0f, 20.0f, 60.0f}) {
-        samples = 5 - samples;  // 4 and 1 by turns: the other half is drawn by the case below
+        samples = 5 - samples;  // alternates 4 and 1; the case below covers the other half
         drawing.options.budget = budget;
         drawing.options.samples = samples;
         const Holes holes = holes_in(drawing, list, distance, 0.9f);
         INFO((path == SplatPath::gl ? "gl" : "cpu") << ", budget " << budget << ", distance " << distance << ", "
                                                     << samples << " samples, " << holes.pixels << " pixels");
         CHECK(holes.pixels > 0);
-        // A hundred discs for all of it leave gaps wider than the half voxel that is closed.
+        // A hundred splats for the whole surface leave gaps wider than the closed half voxel.
         CHECK(holes.open <= (budget == 1000 ? holes.pixels / 1000 : 0));
       }
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Clouds that the tests of the splatters share, and a bare context.
+// Point sets for tests of splatting, and a bare context.
 
 #include "qnv/base/cloud.h"
 #include "qnv/decode/decoder.h"
@@ -23,7 +23,7 @@ namespace gs::render::testing {
 
 inline constexpr float kPi = 3.14159265f;
 
-/// Discs of equal area on a sphere of radius 1, along a spiral.
+/// Returns splats of equal area along a spiral on a unit sphere.
 inline std::shared_ptr<qnv::Cloud> sphere(std::size_t count, bool colored = false) {
   auto cloud = std::make_shared<qnv::Cloud>();
   for (std::size_t i = 0; i < count; ++i) {
@@ -40,7 +40,7 @@ inline std::shared_ptr<qnv::Cloud> sphere(std::size_t count, bool colored = fals
   return cloud;
 }
 
-/// The sphere as a packed stream has it: discs cut from the cubes of an octree.
+/// Returns the sphere as an octree stream, with splats clipped to its cubes.
 inline std::shared_ptr<const qnv::Cloud> octree_sphere(std::size_t vectors) {
   const auto on_sphere = [](int row, int column) {
     const float theta = kPi * static_cast<float>(row) / 24, phi = kPi * static_cast<float>(column) / 24;
@@ -72,8 +72,7 @@ inline std::shared_ptr<const qnv::Cloud> octree_sphere(std::size_t vectors) {
   return std::make_shared<const qnv::Cloud>(decoder.cloud());
 }
 
-/// A closed surface full of bumps about the sphere of radius 1, at least 0.94 and at most 1.06 from the middle, as a
-/// packed stream of which views take their cuts.
+/// Returns a closed, bumpy surface at 0.94 to 1.06 from the origin, as an octree stream with levels.
 inline std::shared_ptr<const qnv::Cloud> bumpy_stream(std::size_t vectors) {
   constexpr int kRows = 160;
   const auto on_surface = [](int row, int column) {
@@ -108,7 +107,7 @@ inline std::shared_ptr<const qnv::Cloud> bumpy_stream(std::size_t vectors) {
   return cloud;
 }
 
-/// On OSMesa.
+/// OpenGL context on OSMesa.
 struct OpenContext {
   OpenContext() {
     auto opened = open_headless_context("osmesa");

@@ -1,4 +1,4 @@
-// Clouds in worlds: pairs of worlds that must look alike, one with the feature and one without it, on both paths.
+// Pairs of worlds with equal pictures, with and without a feature, on both paths.
 
 #include "tests/render/drawing.h"
 #include "tests/render/splat_scenes.h"
@@ -17,7 +17,7 @@ namespace {
 
 using NamedClouds = std::map<std::string, std::shared_ptr<const qnv::Cloud>>;
 
-/// QNV nodes show the cloud that the first string of their url names.
+/// World with QNV nodes that show the point set of their first url.
 struct CloudWorld {
   CloudWorld(const std::string& body, const NamedClouds& named)
       : scene(std::make_unique<vrml::SceneGraph>("test.wrl")) {
@@ -64,7 +64,7 @@ double psnr(const Image& a, const Image& b) {
   return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.pixels.size()) / std::max(sum, 1e-9));
 }
 
-/// Draws both on both paths. Both must show something.
+/// Draws both worlds on both paths. Neither may be empty.
 void check_alike(const std::string& world, const std::string& same, const NamedClouds& clouds, double least,
                  const glm::vec3& eye = {0, 0.5f, 6}) {
   static Drawing drawing;
@@ -83,7 +83,7 @@ void check_alike(const std::string& world, const std::string& same, const NamedC
   }
 }
 
-/// The same discs after `matrix`; their areas are those of the ellipses.
+/// Returns the splats after `matrix`, with the areas of their ellipses.
 std::shared_ptr<const qnv::Cloud> moved(const qnv::Cloud& cloud, const glm::mat4& matrix) {
   auto result = std::make_shared<qnv::Cloud>(cloud);
   const glm::mat3 linear(matrix), normals = glm::transpose(glm::inverse(linear)) * glm::determinant(linear);
@@ -98,7 +98,7 @@ std::shared_ptr<const qnv::Cloud> moved(const qnv::Cloud& cloud, const glm::mat4
   return result;
 }
 
-/// Painted red on the side that looks to +Z, green to +X.
+/// Returns a sphere that is red towards +Z and green towards +X.
 std::shared_ptr<const qnv::Cloud> painted() {
   auto cloud = sphere(3000);
   for (const glm::vec3& p : cloud->positions)
@@ -117,7 +117,7 @@ TEST_CASE("draws a point set under Transforms like one that was moved before") {
   check_alike(
       "Transform { translation 0.7 -0.3 0.5 rotation 0 0 1 0.8 scale 1.4 1.4 1.4 children " + shape("ball") + "}",
       shape("moved"), {{"ball", ball}, {"moved", moved(*ball, rigid)}}, 50);
-  // Not the same in all directions; turned first, so that it is sheared.
+  // Non-uniform after a rotation, so that it shears.
   glm::mat4 shear = glm::scale(glm::mat4(1), glm::vec3(1.7f, 0.7f, 1.1f));
   shear = glm::rotate(shear, 0.6f, glm::vec3(0, 0, 1));
   check_alike("Transform { scale 1.7 0.7 1.1 children Transform { rotation 0 0 1 0.6 children " + shape("ball") + "} }",
@@ -141,7 +141,7 @@ TEST_CASE("hides point sets and polygons behind each other like polygons") {
   const std::string sphere_shape = "Shape { " + kPaint + " geometry Sphere { radius 1 } }\n";
   check_alike(board + shape("ball"), board + sphere_shape, {{"ball", ball}}, 40);
   check_alike(shape("ball") + board, board + sphere_shape, {{"ball", ball}}, 40);
-  // Glass in front and behind.
+  // Glass before and behind.
   const auto glass = [](const std::string& z) {
     return "Transform { translation 0 0 " + z +
            " children Shape { appearance Appearance { material Material { emissiveColor 0.2 0.2 0.9 diffuseColor 0 0 0 "
@@ -182,7 +182,7 @@ TEST_CASE("chooses among point sets by Switch and LOD") {
 
 TEST_CASE("turns the point set of a Billboard to the viewer") {
   const NamedClouds clouds{{"painted", painted()}};
-  // Seen from +X: what looks to +Z turns there, as by a quarter about Y.
+  // Seen from +X, the side of +Z turns to the viewer, as by a quarter turn about Y.
   check_alike("Billboard { children " + shape("painted") + "}",
               "Transform { rotation 0 1 0 1.5707963 children " + shape("painted") + "}", clouds, 50, {6, 0, 0});
   check_alike("Billboard { children " + shape("painted") + "}", shape("painted"), clouds, 60, {0, 0, 6});
@@ -198,7 +198,7 @@ TEST_CASE("places instances of a PROTO with a point set") {
               "Transform { translation -1.2 0 0 children " + shape("painted") +
                   "} Transform { translation 1.2 0.3 0 scale 0.5 1 0.8 children " + shape("painted") + "}",
               clouds, 100);
-  // USE, and a stream that is seen twice.
+  // USE, and a stream at two instances.
   const NamedClouds stream{{"stream", bumpy_stream(5000)}};
   check_alike("Transform { translation -1.2 0 0 children DEF S " + shape("stream") +
                   "} Transform { translation 1.2 0 -6 children USE S }",
@@ -265,9 +265,9 @@ TEST_CASE("draws colours that distinguish vectors with any material") {
       return pixel(drawing.draw(list, upright_camera({0, 0, 4})), 32, 32);
     };
     CHECK(middle(ColorBy::own) == glm::vec3(0));
-    // Towards the viewer: +Z, blue; and the headlight falls on it straight.
+    // Faces the viewer along +Z: blue, and lit head-on by the headlight.
     check_color(middle(ColorBy::normal), {0.5f, 0.5f, 1}, 6);
-    // The middle of the spiral's first discs, which look to +Z: the oldest.
+    // The first splats of the spiral face +Z and are the oldest.
     check_color(middle(ColorBy::age), {0, 0, 1}, 6);
     check_color(middle(ColorBy::level), {0, 0, 1}, 6);
     check_color(middle(ColorBy::chunk), {1, 0, 0}, 6);

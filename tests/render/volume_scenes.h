@@ -65,7 +65,7 @@ inline render::RayImage exact_volumes(std::span<const render::VolumeItem> items,
         if (-v.place.z > stop) break;
         const glm::dvec3 away = ray * -v.place.z - v.place;
         const double exponent = glm::dot(away, away) / v.area;
-        if (exponent > 60) continue;  // less than 1e-26: nothing that a float could tell
+        if (exponent > 60) continue;  // below 1e-26, beyond float precision
         const double alpha = v.alpha * std::exp(-exponent);
         color += v.color * (alpha * clear);
         clear *= 1 - alpha;
@@ -75,7 +75,7 @@ inline render::RayImage exact_volumes(std::span<const render::VolumeItem> items,
   return image;
 }
 
-/// Of red, green and blue: a picture and an exact one laid over `under` (0..255; one pixel, or all).
+/// Returns the PSNR of red, green and blue against an exact picture over `under` (0..255; one pixel, or all).
 inline double psnr_over(const Pixels& drawn, const render::RayImage& exact, const Pixels& under) {
   REQUIRE(drawn.size() == 4 * exact.color.size());
   Psnr psnr;
@@ -96,7 +96,7 @@ inline double psnr_of(const Pixels& a, const Pixels& b) {
   return psnr.decibels();
 }
 
-/// A framebuffer of a known colour and depth, and a pass that draws into it. The camera stands at z = 3.
+/// Framebuffer of known colour and depth, with a pass that draws into it from z = 3.
 class VolumePicture {
  public:
   explicit VolumePicture(render::VolumeSort sort = render::VolumeSort::automatic, int width = 80, int height = 60,
@@ -119,7 +119,7 @@ class VolumePicture {
     options.height = height;
     options.splats = render::SplatPath::cpu;
   }
-  // Whatever else has a context.
+  // Makes the context current, whichever was before.
   ~VolumePicture() { context->make_current(); }
   VolumePicture(const VolumePicture&) = delete;
   VolumePicture& operator=(const VolumePicture&) = delete;
@@ -128,7 +128,7 @@ class VolumePicture {
     return render::projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed_);
   }
 
-  /// From now on with depths that fall with the distance. False where OpenGL has no such.
+  /// Switches to reversed depth. Returns false if OpenGL lacks it.
   bool reverse_depth() {
     if (!gl.ClipControl) return false;
     context->make_current();
@@ -147,7 +147,7 @@ class VolumePicture {
     return result;
   }
 
-  /// Colour everywhere, at `depth` (camera units).
+  /// Clears to a colour, at `depth` (camera units).
   void clear(const glm::vec3& color, float depth) {
     context->make_current();
     gl.BindFramebuffer(GL_FRAMEBUFFER, target());
@@ -159,7 +159,7 @@ class VolumePicture {
     gl.ClearBufferfv(GL_DEPTH, 0, &far);
   }
 
-  /// A polygon of four corners in camera space (two triangles of a strip).
+  /// Draws a quadrilateral in camera space, as a strip of two triangles.
   void polygon(const std::array<glm::vec3, 4>& corners, const glm::vec3& color) {
     constexpr char kVertex[] = "uniform vec4 corners[4];\nvoid main() { gl_Position = corners[gl_VertexID]; }\n";
     constexpr char kFragment[] = "uniform vec4 color;\nout vec4 result;\nvoid main() { result = color; }\n";
@@ -181,7 +181,7 @@ class VolumePicture {
     gl.Disable(GL_DEPTH_TEST);
   }
 
-  /// Draws the volumes over what is there.
+  /// Draws the volumes over the current picture.
   void volumes(const render::RenderList& list) {
     context->make_current();
     statistics = {};
@@ -239,7 +239,7 @@ class VolumePicture {
   [[nodiscard]] GLuint target() const { return samples_ > 1 ? drawn_.name() : resolved_.name(); }
 
   int width_, height_, samples_;
-  GLenum depth_format_;  // GL_NONE: none
+  GLenum depth_format_;  // GL_NONE for no depth buffer
   bool reversed_ = false;
   Buffers drawn_buffers_, resolved_buffers_;
   render::Framebuffer drawn_, resolved_;
@@ -255,7 +255,7 @@ inline render::RenderList volume_list(const std::shared_ptr<const qnv::Cloud>& c
   return list;
 }
 
-/// Whether all pixels have this colour, within a step.
+/// Reports whether all pixels have this colour, within a step.
 inline bool plain(const Pixels& pixels, const glm::vec3& color) {
   for (std::size_t i = 0; i < pixels.size(); ++i)
     if (i % 4 < 3 && std::abs(static_cast<float>(pixels[i]) - color[static_cast<int>(i % 4)] * 255) > 1) return false;

@@ -1,4 +1,4 @@
-// Faces in the same place, and textures that are seen small: no stipple in either.
+// Tests of coplanar faces and of minified textures: neither shows a pattern.
 #include "render/gl/texture_store.h"
 #include "tests/render/drawing.h"
 
@@ -15,7 +15,7 @@ TEST_CASE("shows the last of several coplanar faces without artefacts") {
   for (const float angle : {0.0f, 0.4f, 1.1f, -1.3f}) {
     glm::mat4 slanted = glm::rotate(translation({0.3f, 0, 0}), angle, glm::normalize(glm::vec3(0.3f, 1, 0.2f)));
     slanted = glm::scale(slanted, glm::vec3(3, 2, 1));
-    // They are drawn by different programs: with light, without, with a texture.
+    // Different programs draw them: lit, unlit and textured.
     DrawItem lit = glowing(square(), {1, 0, 0}, slanted), plain = unlit(square(), slanted),
              textured = unlit(square(), slanted);
     textured.texture.image = std::make_shared<const Image>(Image{1, 1, 3, {0, 255, 0}});
@@ -72,7 +72,7 @@ TEST_CASE("draws lines and points completely on faces and along their edges") {
   line->primitive = vrml::Mesh::Primitive::lines;
   line->lit = point->lit = false;
   point->primitive = vrml::Mesh::Primitive::points;
-  // A diagonal, an edge, one across; the corners of the last.
+  // A diagonal, an edge and a line across; the corners of the last face.
   line->positions = {{-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {1, 1, 0}, {-0.9f, 0.3f, 0}, {0.8f, -0.7f, 0}};
   point->positions = {line->positions[4], line->positions[5]};
   line->indices = {0, 1, 2, 3, 4, 5};
@@ -86,7 +86,7 @@ TEST_CASE("draws lines and points completely on faces and along their edges") {
       add(alone, unlit(marks, slanted));
       add(both, unlit(marks, slanted));
       add(both, glowing(square(), {1, 0, 0}, slanted));
-      // A face behind that another face hides stays hidden.
+      // A face hidden by a nearer face stays hidden.
       add(both, glowing(square(), {0, 0, 1}, glm::translate(slanted, {0, 0, -0.05f})));
       const Image wanted = drawing.draw(alone), image = drawing.draw(both);
       std::size_t marked = 0, hidden = 0;
@@ -104,7 +104,7 @@ TEST_CASE("draws lines and points completely on faces and along their edges") {
 }
 
 TEST_CASE("draws a fine checker on a slanted plane in its mean grey, without moire") {
-  // 128 x 128 cells on a plane that recedes to where a pixel has some twenty of them.
+  // 128 x 128 cells on a receding plane, up to about twenty per pixel.
   constexpr std::uint32_t kCells = 128;
   Image checker{kCells, kCells, 3, {}};
   for (std::uint32_t i = 0; i < kCells * kCells; ++i)
@@ -120,13 +120,13 @@ TEST_CASE("draws a fine checker on a slanted plane in its mean grey, without moi
     drawing.options.width = drawing.options.height = 128;
     drawing.options.samples = samples;
     const Image image = drawing.draw(list, camera_at({0, 0, 0}));
-    // One cell is kHalf * 2 / (kRepeats * kCells) m wide; the row y below the horizon is 2 / slope away.
+    // A cell is kHalf * 2 / (kRepeats * kCells) m wide; row y below the horizon is 2 / slope away.
     const float cell = kHalf * 2 / (kRepeats * kCells), pixel_angle = 2 * std::tan(0.785398f / 2) / 128;
     std::size_t looked_at = 0;
     double worst = 0, sum = 0;
     for (std::uint32_t y = 65; y < 128; ++y) {
       const float slope = (static_cast<float>(y) + 0.5f - 64) * pixel_angle, distance = 2 / slope;
-      const float wide = distance * pixel_angle / cell;  // cells in a pixel, across
+      const float wide = distance * pixel_angle / cell;  // cells across a pixel
       // A pixel of two cells or more is grey on average, except at the edges of the square.
       if (wide < 2 || distance > 2 * kHalf - 2) continue;
       for (std::uint32_t x = 32; x < 96; ++x) {
@@ -138,7 +138,7 @@ TEST_CASE("draws a fine checker on a slanted plane in its mean grey, without moi
     }
     INFO("samples " << samples << ", pixels " << looked_at << ", mean " << sum / static_cast<double>(looked_at));
     REQUIRE(looked_at > 500);
-    // A box filter of as many cells leaves at most half a cell's share of them.
+    // A box filter over that many cells is off by at most half a cell.
     CHECK(worst <= 255.0 / 8);
     CHECK(sum / static_cast<double>(looked_at) < 8);
   }
@@ -169,7 +169,7 @@ TEST_CASE("filters textures anisotropically where the driver can") {
   CHECK(anisotropy >= std::min(gl.max_anisotropy, 4.0f));
 }
 
-// llvmpipe's filter along the slant takes all texels that a pixel has, and would be at it for hours.
+// llvmpipe's anisotropic filter reads all texels of a pixel, which would take hours.
 TEST_CASE("draws the mean of a texture that repeats a million times on a slanted plane") {
   Image checker{2, 2, 3, {}};
   for (const std::uint8_t value : {255, 0, 0, 255}) checker.pixels.insert(checker.pixels.end(), 3, value);

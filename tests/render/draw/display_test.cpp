@@ -10,7 +10,7 @@
 #include <memory>
 #include <variant>
 
-// Faces that are not merely filled, the backdrop, and lines that help to see where things are.
+// Tests of display modes, the backdrop and guides.
 namespace gs::render::display_test {
 
 using namespace gs::render::testing;
@@ -56,7 +56,7 @@ TEST_CASE("draws a square filled, with edges, as wireframe or as points") {
       darker += now.x < before.x;
       as_before += before.x > 0 && now.x == before.x;
     }
-  CHECK(darker > 31 * 3);  // the diagonal, and the sides as far as they lie in the square's own pixels
+  CHECK(darker > 31 * 3);  // the diagonal, and the part of the sides in the square's own pixels
   CHECK(darker < 250);
   CHECK(as_before > 700);
   const Image wire = picture(DisplayMode::wireframe);
@@ -66,7 +66,7 @@ TEST_CASE("draws a square filled, with edges, as wireframe or as points") {
   const Image points = picture(DisplayMode::points);
   CHECK(lit_pixels(points) >= 4);
   CHECK(lit_pixels(points) <= 4 * 16);
-  // Nothing of it stays for the next picture.
+  // The next picture shows nothing of it.
   CHECK(picture(DisplayMode::surface).pixels == filled.pixels);
 }
 

@@ -1,4 +1,4 @@
-// Pictures that are given up, and coarse ones, in a rectangle of the framebuffer that is bound.
+// Tests of abandoned and coarse pictures, in a rectangle of the bound framebuffer.
 #include "tests/render/drawing.h"
 
 #include "render/gl/gpu.h"
@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-/// A framebuffer that stands for the window's.
+/// Framebuffer instead of the window's.
 class Screen {
  public:
   Screen(GlContext& context, int side) : gl_(std::get<Gl>(Gl::load(context))), side_(side) {
@@ -42,7 +42,7 @@ class Screen {
   Framebuffer framebuffer_;
 };
 
-/// So many squares over one another that the picture is cut into slices, all of one colour, before a blue sky.
+/// Returns enough overlapping squares of one colour to draw in slices, before a blue sky.
 RenderList squares(const glm::vec3& color) {
   RenderList list;
   list.background.sky_colors = {glm::vec3(0, 0, 1)};
@@ -71,12 +71,12 @@ TEST_CASE("keeps the last complete picture of a viewport after an abandoned one"
   REQUIRE(draw(squares({0, 1, 0})).given_up);
   for (const int at : {17, 32, 46}) CHECK(screen.at(at, at) == glm::vec3(255, 0, 0));
   CHECK(screen.at(4, 4) == glm::vec3(0));
-  // Stretched, where the viewport has another size by now.
+  // Stretches it if the viewport has another size now.
   drawing.options.width = 40;
   REQUIRE(draw(squares({0, 1, 0})).given_up);
   CHECK(screen.at(54, 32) == glm::vec3(255, 0, 0));
   drawing.options.width = 32;
-  // Another viewport has none yet.
+  // Another viewport has no picture yet.
   drawing.options.viewport = 1;
   REQUIRE(draw(squares({0, 1, 0})).given_up);
   CHECK(screen.at(32, 32) != glm::vec3(255, 0, 0));
@@ -114,7 +114,7 @@ TEST_CASE("shows the last complete picture of a viewport again without drawing, 
 TEST_CASE("draws large meshes in a later frame if the caller does not wait for their upload") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 32;
-  // Each of more bytes than are uploaded without asking.
+  // Each mesh exceeds the bytes that are uploaded without a question.
   RenderList list;
   constexpr int kMeshes = 3;
   for (int i = 0; i < kMeshes; ++i) {

@@ -12,14 +12,14 @@
 #include <utility>
 #include <variant>
 
-// Parallel rays: what is drawn by them, beside the same seen from far away with a narrow lens.
+// Tests of parallel projection, compared with a distant camera with a narrow lens.
 namespace gs::render::orthographic_test {
 
 using namespace gs::render::testing;
 
 namespace {
 
-constexpr double kFar = 400;  // how far away the narrow lens is
+constexpr double kFar = 400;  // distance of the narrow lens
 
 Camera parallel_at(const glm::vec3& eye, double height) {
   Camera camera = camera_at(eye);
@@ -27,7 +27,7 @@ Camera parallel_at(const glm::vec3& eye, double height) {
   return camera;
 }
 
-/// Sees about the same as a parallel one at z = 0.
+/// Returns a lens that sees about as much as a parallel one at z = 0.
 Camera narrow(double height) {
   Camera camera = camera_at({0, 0, static_cast<float>(kFar)});
   camera.field_of_view = static_cast<float>(2 * std::atan(height / 2 / kFar));
@@ -93,7 +93,7 @@ TEST_CASE("keeps sizes at any distance in parallel projection, also behind the v
 
 TEST_CASE("resolves depth in parallel projection however close meshes are") {
   Drawing drawing;
-  // A picture of two metres of a scene of thousands: a camera that is merely far away could not tell these apart.
+  // A view of two metres in a scene of thousands of metres. A distant perspective camera could not resolve these.
   RenderList list;
   add(list, glowing(square(), {0, 1, 0}, translation({0, 0, 0.02f})));
   add(list, glowing(square(), {1, 0, 0}));
@@ -102,7 +102,7 @@ TEST_CASE("resolves depth in parallel projection however close meshes are") {
   const Image image = drawing.draw(list, parallel_at({0, 0, 10}, 2));
   CHECK(pixel(image, 32, 32) == glm::vec3(0, 255, 0));
   CHECK(pixel(image, 60, 3) == glm::vec3(255));
-  // Out of sight, at the side: nothing.
+  // Outside the view at the side: invisible.
   CHECK(lit_pixels(drawing.draw(list, parallel_at({5, 0, 10}, 2))) == 0);
 }
 

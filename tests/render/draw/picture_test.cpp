@@ -13,7 +13,7 @@ using namespace gs::render::testing;
 namespace gs::render::picture_test {
 namespace {
 
-/// Two squares, one before the other, a line, and a sky of two colours.
+/// Returns two squares at different depths, a line, and a sky of two colours.
 RenderList small_world() {
   RenderList list;
   list.background.sky_colors = {{0.1f, 0.2f, 0.9f}, {0.9f, 0.8f, 0.3f}};
@@ -43,7 +43,7 @@ PictureOptions sized(int width, int height) {
   return options;
 }
 
-/// In tiles of 48 pixels and at once.
+/// Compares a picture in tiles of 48 pixels with the whole one.
 ImageDifference tiled_against_whole(const RenderList& list, PictureOptions options) {
   Drawing drawing;
   const Image at_once = whole(drawing, list, options);
@@ -73,7 +73,7 @@ TEST_CASE("cuts the matrix of a tile out of the matrix of the whole picture") {
   camera.near_plane = 1;
   camera.far_plane = 100;
   const Projection all = projection(camera, 400, 200);
-  camera.part = {0, -0.5, 0.5, 1};  // to the right of the middle
+  camera.part = {0, -0.5, 0.5, 1};  // right of the centre
   const Projection part = projection(camera, 100, 150);
   CHECK(whole_size(camera, {100, 150}) == glm::vec2(400, 200));
   for (const glm::vec4& point : {glm::vec4(1, 0.5f, -10, 1), glm::vec4(2, -0.7f, -30, 1)}) {
@@ -110,7 +110,7 @@ TEST_CASE("keeps colours on a transparent background, and blends glass by half")
   REQUIRE(image.components == 4);
   const auto at = [&](std::uint32_t x, std::uint32_t y) { return image.pixels.data() + 4 * (y * 64 + x); };
   CHECK(at(1, 1)[3] == 0);
-  // The square at -1.3, 0.9, which is 9 away, where 32 pixels are 9 tan(pi / 8).
+  // The square at -1.3, 0.9 and distance 9, where 32 pixels are 9 tan(pi / 8).
   const auto pixel_of = [](float x, float y, float away) {
     const float scale = 32 / (away * std::tan(0.785398f / 2));
     return std::pair{static_cast<std::uint32_t>(32 + x * scale), static_cast<std::uint32_t>(32 - y * scale)};
@@ -176,7 +176,7 @@ TEST_CASE("draws stereo pictures side by side or as red-cyan anaglyph") {
     return sum / count;
   };
   const Image halves = whole(drawing, list, options);
-  // tangents of -e/10 + e/5 = 0.1 are so many pixels; what is before the screen is farther right for the left eye.
+  // The tangents differ by -e/10 + e/5 = 0.1. Points before the screen are farther right for the left eye.
   const double pixels = 0.1 / 2 / std::tan(0.785398 / 2) * 50;
   CHECK(middle_of(halves, 0, 100, 0) == Approx(50 + pixels).margin(0.6));
   CHECK(middle_of(halves, 100, 200, 0) == Approx(50 - pixels).margin(0.6));

@@ -13,7 +13,7 @@ std::shared_ptr<const Image> picture(std::uint32_t width, std::uint32_t height, 
   return std::make_shared<const Image>(Image{width, height, components, std::move(pixels)});
 }
 
-/// A row or grid of plain fields, each so large that filtering does not reach its middle.
+/// Returns a row or grid of plain fields, each too large for filtering to reach its centre.
 std::shared_ptr<const Image> fields(std::uint32_t across, std::uint32_t down, std::uint32_t components,
                                     const std::vector<std::uint8_t>& colors) {
   constexpr std::uint32_t kSide = 32;
@@ -31,7 +31,7 @@ std::shared_ptr<const Image> plain_picture(std::uint32_t components, std::vector
   return picture(4, 4, components, pixels);
 }
 
-/// The middle pixel of one square that fills the view, lit head-on by the headlight alone.
+/// Returns the centre pixel of one square that fills the view, lit head-on by the headlight alone.
 glm::vec3 middle(Drawing& drawing, const DrawItem& item) {
   RenderList list;
   list.background.sky_colors = {glm::vec3(0, 0, 1)};
@@ -100,7 +100,7 @@ TEST_CASE("combines textures and colours to the diffuse colour of VRML97 Table 4
 
 TEST_CASE("puts the first row of an image at the top of its texture, with s to the right") {
   Drawing drawing;
-  DrawItem item = unlit(square(4.1421356f));  // exactly the view
+  DrawItem item = unlit(square(4.1421356f));  // exactly as large as the view
   item.texture.image = fields(2, 2, 3, {255, 0, 0, /**/ 0, 255, 0, /**/ 0, 0, 255, /**/ 255, 255, 0});
   RenderList list;
   add(list, item);
@@ -115,7 +115,7 @@ TEST_CASE("applies texture transforms and repeat flags") {
   Drawing drawing;
   DrawItem item = unlit(square(4.1421356f));
   item.texture.image = fields(2, 1, 3, {255, 0, 0, 0, 0, 255});
-  item.texture.transform[0][0] = 2;  // s twice as fast: the picture twice
+  item.texture.transform[0][0] = 2;  // s runs twice as fast, so the image repeats
   RenderList list;
   add(list, item);
   Image image = drawing.draw(list);
@@ -188,8 +188,8 @@ TEST_CASE("culls back faces of solid shapes, also under a mirroring transformati
   CHECK(seen(true, glm::mat4(1.0f)));
   CHECK_FALSE(seen(true, turned));
   CHECK(seen(false, turned));
-  CHECK(seen(true, scale({-1, 1, 1})));        // a mirror keeps the front in front
-  CHECK_FALSE(seen(true, scale({1, 1, -1})));  // and the back at the back
+  CHECK(seen(true, scale({-1, 1, 1})));        // a mirror keeps the front
+  CHECK_FALSE(seen(true, scale({1, 1, -1})));  // and the back
   CHECK(seen(false, scale({1, 1, -1})));
 }
 
@@ -344,7 +344,7 @@ TEST_CASE("checks size limits and samples of pictures, and draws one background 
   drawing.options.background = glm::vec3(0.2f, 0.4f, 0.6f);
   drawing.options.width = 37;
   drawing.options.height = 5;
-  drawing.options.samples = 64;  // lowered to what there is
+  drawing.options.samples = 64;  // lowered to the maximum
   const Image image = drawing.draw(list);
   CHECK(image.width == 37);
   CHECK(image.height == 5);

@@ -59,7 +59,7 @@ TEST_CASE("assumes a GPU unless all devices are known to be something else") {
   for (const char* name : {"null", "tty63", "ttyS0", "loop-control", "vcsa1", "net/tun", "shm/x", "cpu/0/msr"})
     plain.write(name, "");
   CHECK_FALSE(may_have_gpu(plain.path("")));
-  // Mesa, WSL, NVIDIA and its Tegras, Mali, PowerVR, Adreno, VideoCore, Vivante, and what nobody has heard of yet.
+  // Mesa, WSL, NVIDIA and Tegra, Mali, PowerVR, Adreno, VideoCore, Vivante, and unknown devices.
   for (const char* name : {"dri/renderD128", "dxg", "nvidia0", "nvidiactl", "nvmap", "nvhost-gpu", "mali0", "pvrsrvkm",
                            "kgsl-3d0", "vchiq", "galcore", "kfd", "unheard-of7"}) {
     const ScratchFolder other;

@@ -1,4 +1,4 @@
-// Smaller copies of textures, against a box filter that is evaluated on its own.
+// Tests of mipmaps against an independent box filter.
 #include "render/gl/texture_store.h"
 
 #include "render/gl/context.h"
@@ -27,13 +27,13 @@ Image random_image(std::uint32_t width, std::uint32_t height, std::uint32_t comp
   return image;
 }
 
-/// How much of the pixels from 0 to `from` lies in each part of as many as `to`, all of the same size.
+/// Returns the overlap of a pixel range with one of `to` equal parts.
 double overlap(std::uint32_t pixel, std::uint32_t part, std::uint32_t from, std::uint32_t to) {
   const double begin = static_cast<double>(part) * from / to, end = static_cast<double>(part + 1) * from / to;
   return std::max(0.0, std::min<double>(pixel + 1, end) - std::max<double>(pixel, begin));
 }
 
-/// The mean of what the pixel (x, y) of a picture of `width` x `height` covers of the image.
+/// Returns the mean of the image area under pixel (x, y) of a picture of `width` x `height`.
 double mean_of(const Image& image, std::uint32_t width, std::uint32_t height, std::uint32_t x, std::uint32_t y,
                std::uint32_t component) {
   double sum = 0, area = 0;
@@ -58,7 +58,7 @@ TEST_CASE("filters each mipmap level from the one before by a box filter, for an
   auto loaded = Gl::load(context);
   REQUIRE(std::holds_alternative<Gl>(loaded));
   const Gl& gl = std::get<Gl>(loaded);
-  REQUIRE(gl.software);  // drivers with a GPU filter by themselves
+  REQUIRE(gl.software);  // drivers with a GPU filter on their own
   const auto get_image = reinterpret_cast<GetTexImage>(context.proc_address("glGetTexImage"));
   REQUIRE(get_image);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -76,7 +76,7 @@ TEST_CASE("filters each mipmap level from the one before by a box filter, for an
       Image before = *image;
       GLint level = 0;
       for (;; ++level) {
-        // OpenGL 3.3 core profile, 3.8.14: each is half as large, rounded down, until there is one pixel.
+        // OpenGL 3.3 core profile, 3.8.14: each level has half the size, rounded down, until one pixel.
         const std::uint32_t wide = std::max(width >> level, 1u), high = std::max(height >> level, 1u);
         Image stored{wide, high, components, std::vector<std::uint8_t>(std::size_t{wide} * high * components)};
         get_image(GL_TEXTURE_2D, level, kFormats[components - 1], GL_UNSIGNED_BYTE, stored.pixels.data());

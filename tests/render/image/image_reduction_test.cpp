@@ -22,7 +22,7 @@ Image reduced(const Bytes& bytes, std::size_t kept_pixels) {
   return image;
 }
 
-/// Left half dark, right half light, from the top to the bottom lighter.
+/// Returns an image that is dark on the left, light on the right, and lighter towards the bottom.
 Image shaded(std::uint32_t width, std::uint32_t height) {
   Image image{width, height, 3, {}};
   for (std::uint32_t y = 0; y < height; ++y)
@@ -36,7 +36,7 @@ void check_shaded(const Image& image, int margin) {
   for (std::uint32_t y = 0; y < image.height; ++y)
     for (std::uint32_t x = 0; x < image.width; ++x)
       for (std::uint32_t c = 0; c < 3; ++c) {
-        if (x + 1 >= image.width / 2 && x <= image.width / 2 + 1) continue;  // of both halves
+        if (x + 1 >= image.width / 2 && x <= image.width / 2 + 1) continue;  // across both halves
         const int expected = (x < image.width / 2 ? 20 : 180) + static_cast<int>(60 * y / image.height);
         REQUIRE(std::abs(image.pixels[(y * image.width + x) * 3 + c] - expected) <= margin);
       }
@@ -108,7 +108,7 @@ TEST_CASE("keeps one component for a grey palette and three for a CMYK picture")
 
 TEST_CASE("keeps the received rows of a truncated picture that is reduced") {
   Image image = shaded(256, 256);
-  std::uint32_t noise = 1;  // so that a packed picture is of many pieces
+  std::uint32_t noise = 1;  // noise makes a compressed image of many pieces
   for (std::uint8_t& value : image.pixels)
     value = static_cast<std::uint8_t>(value + ((noise = noise * 1664525 + 1013904223) >> 29));
   Bytes png = encode_png(image);
@@ -128,7 +128,7 @@ TEST_CASE("skips a progressive JPEG with coefficients beyond the memory limit") 
   CHECK(message_of(bytes, {.working_bytes = 100'000}).find("progressive JPEG image of 256x256 pixels") !=
         std::string::npos);
   CHECK(std::holds_alternative<Image>(decode_image(bytes, {.working_bytes = 256 * 256 * 6})));
-  // One that is not progressive takes a few rows.
+  // A baseline JPEG needs only a few rows.
   CHECK(std::holds_alternative<Image>(
       decode_image(jpeg_of(shaded(256, 256), JCS_RGB, JCS_YCbCr), {.working_bytes = 100'000})));
 }

@@ -25,7 +25,7 @@ std::string message_of(const Bytes& bytes, std::size_t max_pixels = std::size_t{
   return std::get<ImageError>(result).message;
 }
 
-/// Any answer is right that keeps the promises of Image.
+/// Accepts any result that keeps the promises of Image.
 void check_consistent(std::span<const std::byte> bytes) {
   const auto result = decode_image(bytes, {.file_pixels = 1 << 16});
   if (const auto* error = std::get_if<ImageError>(&result)) {
@@ -41,7 +41,7 @@ void check_consistent(std::span<const std::byte> bytes) {
 
 void check_prefixes_and_flips(const Bytes& bytes) {
   for (std::size_t n = 0; n <= bytes.size(); ++n) {
-    // A copy of exactly this size, so that reading past the end is seen.
+    // A copy of exactly this size, so that reads beyond its end are detected.
     const Bytes prefix(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n));
     check_consistent(prefix);
   }
@@ -75,9 +75,9 @@ TEST_CASE("reads a PNG in bands of rows, and reports its printed size (PNG 11.3.
   }
   const Bytes bytes = writer.finish();
   CHECK(decoded(bytes).pixels == image.pixels);
-  // 300 dots an inch are 11811 a metre.
+  // 300 dots per inch are 11811 per metre.
   static constexpr unsigned char kChunk[] = {0, 0, 0, 9, 'p', 'H', 'Y', 's', 0, 0, 0x2e, 0x23, 0, 0, 0x2e, 0x23, 1};
-  CHECK(std::memcmp(bytes.data() + 33, kChunk, sizeof kChunk) == 0);  // behind the signature and IHDR
+  CHECK(std::memcmp(bytes.data() + 33, kChunk, sizeof kChunk) == 0);  // after the signature and IHDR
   gs::render::PngWriter incomplete(5, 150, 3);
   incomplete.add({5, 1, 3, std::vector<std::uint8_t>(15)});
   CHECK(incomplete.finish().empty());
@@ -209,7 +209,7 @@ TEST_CASE("keeps the rows of a truncated JPEG, and fills the others black") {
   CHECK(row_of(part, 15) == row_of(all, 15));
   CHECK(row_of(part, 127) == std::vector<std::uint8_t>(64, 0));
 
-  // Without its end marker a JPEG is still whole.
+  // A JPEG without its end marker is complete.
   const Bytes unfinished(whole.begin(), whole.end() - 2);
   CHECK(decoded(unfinished).pixels == all.pixels);
   CHECK(message_of(Bytes(whole.begin(), whole.begin() + 300)).find("broken JPEG") == 0);
@@ -270,7 +270,7 @@ TEST_CASE("keeps the rows of a truncated GIF") {
   GifOptions options;
   options.grey = true;
   const Bytes whole = gif_of(options);
-  // Two bytes of end, then codes of 18 bits a row: without three bytes of codes row 3 is gone.
+  // Two end bytes, then codes of 18 bits per row: without three bytes of codes, row 3 is missing.
   const Image part = decoded(Bytes(whole.begin(), whole.end() - 5));
   CHECK(row_of(part, 2) == std::vector<std::uint8_t>{170, 255, 0, 85});
   CHECK(row_of(part, 3) == std::vector<std::uint8_t>{0, 0, 0, 0});
@@ -415,7 +415,7 @@ TEST_CASE("refuses a bitmap without pixels") {
     const std::string text((std::istreambuf_iterator<char>(file)), {});
     REQUIRE(text.size() == 118);
     std::string message;
-    // A new thread: the decoder keeps the reason of an earlier failure of the same thread.
+    // Uses a new thread, since the decoder keeps the reason of an earlier failure per thread.
     std::thread([&] {
       const auto decoded = gs::render::decode_image(std::as_bytes(std::span(text)));
       if (const auto* error = std::get_if<gs::render::ImageError>(&decoded)) message = error->message;

@@ -1,4 +1,4 @@
-// Movies of 48 x 32 pixels and six pictures: three with a red and a blue half, three that are green.
+// Movies of 48 x 32 pixels and six frames: three red and blue ones, three green ones.
 #include "render/image/movie.h"
 
 #include "render/media/sample_reader.h"
@@ -31,7 +31,7 @@ Bytes movie(const std::string& name) {
   return bytes;
 }
 
-/// Within what these codecs lose of plain colours.
+/// Reports whether colours agree within the loss of these codecs.
 bool is_near(const Image& image, std::uint32_t x, std::uint32_t y, int red, int green, int blue) {
   const std::uint8_t* pixel = image.pixels.data() + (std::size_t{y} * image.width + x) * image.components;
   const auto near = [](int a, int b) { return std::abs(a - b) <= 40; };
@@ -76,7 +76,7 @@ TEST_CASE("returns the pictures of a movie in sequence, with their times") {
       if (count == 0) check_first(frame->image);
       if (count == 0) CHECK(frame->time == Approx(0).margin(0.05));
       green = is_near(frame->image, 24, 16, 0, 255, 0);
-      // The pictures may be fewer than the steps of time: what stays the same is left out by some.
+      // Fewer frames than time steps are possible, since some codecs omit repeated ones.
       CHECK(frame->time >= before);
       CHECK(frame->time < 0.3);
       before = frame->time;
@@ -90,17 +90,17 @@ TEST_CASE("returns the pictures of a movie in sequence, with their times") {
     const auto info = examine_media(bytes);
     REQUIRE(info.index() == 0);
     CHECK(std::get<0>(info).pictures);
-    // Of Ogg, without the pictures at the end that repeat the one before.
+    // Ogg omits repeated frames at the end.
     CHECK(std::get<0>(info).duration == Approx(6 / 25.0).margin(name.find(".ogv") != std::string::npos ? 0.09 : 0.05));
   }
 }
 
-// 64 x 32 pixels, picture i of 50 a second's 25th later than the one before: grey of 20 + 4 i.
+// Frames of 64 x 32 pixels, each 1/25 s after the one before, with a grey of 20 + 4 i.
 int number_of(const Movie::Frame& frame) {
   const Image& image = frame.image;
   const double grey =
       image.pixels[(std::size_t{image.width} * (image.height / 2) + image.width / 2) * image.components];
-  // Of the range of films, 16 to 235.
+  // Converts from the range of films, 16 to 235.
   return static_cast<int>(std::lround((grey / 255 * 219 + 16 - 20) / 4));
 }
 

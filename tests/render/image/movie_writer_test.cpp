@@ -12,7 +12,7 @@
 namespace gs::render::movie_writer_test {
 namespace {
 
-/// Picture `i` of 40 x 30: one colour on the left, another on the right.
+/// Returns frame `i` of 40 x 30: one colour on the left, another on the right.
 Image shaded(int i, std::uint32_t components) {
   Image image{40, 30, components, {}};
   for (std::uint32_t y = 0; y < 30; ++y)

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// Sounds that are made by formula.
+// Sounds made by formulas.
 namespace gs::media {
 
 using Bytes = std::vector<std::byte>;
@@ -24,7 +24,7 @@ inline void put(std::string& text, std::uint64_t value, int count) {
   for (int i = 0; i < count; ++i) text += static_cast<char>(value >> (8 * i) & 0xff);
 }
 
-/// A WAV of 16 bits: `sample(i, channel)` from -1 to 1.
+/// Returns a WAV of 16 bits, with `sample(i, channel)` from -1 to 1.
 template <class Sample>
 std::string wav(int rate, int channels, std::size_t count, Sample sample) {
   std::string data;
@@ -46,20 +46,19 @@ std::string wav(int rate, int channels, std::size_t count, Sample sample) {
   return text + data;
 }
 
-/// A tone of one channel.
+/// Returns a tone of one channel.
 inline std::string tone(double seconds, double frequency = 440, double level = 0.5, int rate = 48000) {
   return wav(rate, 1, static_cast<std::size_t>(std::llround(seconds * rate)), [&](std::size_t i, int) {
     return level * std::sin(6.283185307179586 * frequency * static_cast<double>(i) / rate);
   });
 }
 
-/// The same value all the time: what is heard of it is what it was multiplied with.
+/// Returns a constant signal, which shows the applied gain.
 inline std::string constant(double seconds, double level = 0.5, int rate = 48000) {
   return wav(rate, 1, static_cast<std::size_t>(std::llround(seconds * rate)), [&](std::size_t, int) { return level; });
 }
 
-/// The samples of a WAV of 16 bits and two channels, as numbers from -1 to 1, left and right by turns; empty: it is
-/// none.
+/// Returns the samples of a 16-bit stereo WAV from -1 to 1, left and right in turn, or an empty list for other files.
 inline std::vector<float> samples_of(const std::string& text) {
   if (text.size() < 44 || text.substr(0, 4) != "RIFF" || text.substr(8, 8) != "WAVEfmt ") return {};
   std::vector<float> samples;
@@ -76,7 +75,7 @@ inline std::string file_text(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Two notes, a quarter of 0.5 s each, of a standard MIDI file.
+/// Returns a standard MIDI file of two notes, quarters of 0.5 s each.
 inline std::string midi_song() {
   const char song[] =
       "MThd\0\0\0\6\0\1\0\2\0\x60"

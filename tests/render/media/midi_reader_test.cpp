@@ -21,7 +21,7 @@ MidiSong song_of(const std::string& text) {
   return std::get<MidiSong>(std::move(song));
 }
 
-// A track of these messages, behind a header with 96 ticks a quarter.
+// Returns a track of these messages, with 96 ticks per quarter.
 std::string song_with(const std::string& track, const std::string& division = std::string("\0\x60", 2)) {
   std::string text("MThd\0\0\0\6\0\0\0\1", 12);
   text += division + "MTrk";
@@ -34,7 +34,7 @@ TEST_CASE("computes the times of MIDI notes by the tempo changes") {
   REQUIRE(song.events.size() == 5);
   CHECK(song.events[0].status == 0xc0);
   CHECK(song.events[1].time == 0);
-  CHECK(song.events[2].time == Approx(0.5));  // 96 ticks of a quarter, 120 quarters a minute
+  CHECK(song.events[2].time == Approx(0.5));  // 96 ticks per quarter, 120 quarters per minute
   CHECK(song.events[3].first == 0x48);
   CHECK(song.events[4].time == Approx(1));
   CHECK(song.duration == Approx(1));
@@ -48,7 +48,7 @@ TEST_CASE("computes the times of MIDI notes by the tempo changes") {
   CHECK(faster.events[1].time == Approx(0.75));
   CHECK(faster.events[1].status == 0x90);
   CHECK(faster.events[2].time == Approx(1.25));
-  // 25 frames of 40 ticks a second.
+  // 25 frames per second, 40 ticks each.
   CHECK(song_of(song_with(std::string("\x64\x90\x40\x40\0\xff\x2f\0", 8), "\xe7\x28")).duration == Approx(0.1));
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("decodes the intact part of truncated or damaged MIDI files, or report
        {std::string("MThd\0\0\0\6\0\2\0\1\0\x60", 14), std::string("MThd\0\0\0\6\0\0\0\1\0\0", 14),
         song_with(std::string("\0\xff\x2f\0", 4)), song_with(std::string("\xff\xff\xff\xff\x90", 5))})
     CHECK(read_midi(bytes_of(bad)).index() == 1);
-  // Longer than anyone lives.
+  // Longer than any song.
   std::string endless;
   for (int i = 0; i < 40; ++i) endless += std::string("\xff\xff\xff\x7f\x90\x40\x40", 7);
   CHECK(read_midi(bytes_of(song_with(std::string("\0\xff\x51\3\xff\xff\xff", 7) + endless))).index() == 1);
@@ -72,7 +72,7 @@ TEST_CASE("plays MIDI by FluidSynth if it and a sound font are installed (6.4)")
   const Bytes bytes = bytes_of(media::midi_song());
   auto opened = open_samples(bytes, 44'100);
   if (const auto* wrong = std::get_if<MediaError>(&opened)) {
-    // One line that names what is missing.
+    // A line that names the missing library.
     CHECK(wrong->message.find("MIDI needs FluidSynth and a sound font") != std::string::npos);
     WARN(wrong->message);
     return;
@@ -80,7 +80,7 @@ TEST_CASE("plays MIDI by FluidSynth if it and a sound font are installed (6.4)")
   SampleReader& reader = *std::get<0>(opened);
   CHECK(reader.rate() == 44'100);
   std::vector<float> samples(2 * 60'000);
-  REQUIRE(reader.read(samples) == 44'100);  // a second, as long as the song
+  REQUIRE(reader.read(samples) == 44'100);  // a second, the length of the song
   const auto level = [&](double from, double to) {
     double squares = 0;
     const auto first = static_cast<std::size_t>(from * 44'100), last = static_cast<std::size_t>(to * 44'100);

@@ -33,7 +33,7 @@ std::vector<float> all_of(SampleReader& reader, std::size_t piece = 1000) {
   return samples;
 }
 
-// Left counts up, right down.
+// The left channel rises, the right one falls.
 double ramp(std::size_t i, int channel) { return (channel == 0 ? 1 : -1) * static_cast<double>(i % 30'000) / 32'768; }
 
 TEST_CASE("reads a WAV sample by sample, and seeks to any time") {
@@ -76,7 +76,7 @@ TEST_CASE("reads MP3, Ogg and FLAC with their durations") {
     CHECK(reader->rate() == 22'050);
     const std::vector<float> all = all_of(*reader);
     CHECK(static_cast<double>(all.size()) / 2 == Approx(22'050).margin(2300));
-    // Its level, and how often it goes up through zero.
+    // Level and number of upward zero crossings.
     double squares = 0;
     int crossings = 0;
     for (std::size_t i = 3000; i < 19'000; ++i) {
@@ -85,7 +85,7 @@ TEST_CASE("reads MP3, Ogg and FLAC with their durations") {
     }
     CHECK(std::sqrt(squares / 16'000) == Approx(0.5 / std::sqrt(2.0)).margin(0.02));
     CHECK(crossings == Approx(440 * 16'000 / 22'050.0).margin(2));
-    // The same samples behind a jump, as nearly as the codec has it.
+    // After a jump, the samples are equal within the loss of the codec.
     reader->seek(0.5);
     std::vector<float> some(2 * 2000);
     REQUIRE(reader->read(some) == 2000);
@@ -115,7 +115,7 @@ TEST_CASE("decodes the intact part of truncated or damaged sounds, or reports an
     const auto check = [](const Bytes& some) {
       const auto info = examine_media(some);
       if (const auto* wrong = std::get_if<MediaError>(&info)) CHECK(wrong->message.size() > 10);
-      if (is_midi(some)) return;  // the synthesiser takes its time
+      if (is_midi(some)) return;  // the synthesiser is slow
       const auto result = open_samples(some);
       if (const auto* wrong = std::get_if<MediaError>(&result)) {
         CHECK(wrong->message.size() > 10);

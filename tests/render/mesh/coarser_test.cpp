@@ -1,4 +1,4 @@
-// Primitives that are seen small are drawn with fewer triangles, and look the same.
+// Tests of primitives that are drawn small, with fewer triangles.
 #include "render/scene/shape_resources.h"
 #include "tests/render/drawing.h"
 #include "vrml/syntax/parser.h"
@@ -27,7 +27,7 @@ struct World {
   RenderList list;
 };
 
-// Of a point of the mesh, from the axis or the centre; 1 is the curved surface of each.
+// Returns the distance of a mesh point from axis or centre; 1 is the curved surface.
 float reach(const std::string& geometry, const glm::vec3& p) {
   const float around = std::hypot(p.x, p.z);
   return geometry == "Sphere" ? glm::length(p) : geometry == "Cone" ? around / ((1 - p.y) / 2) : around;
@@ -56,14 +56,14 @@ TEST_CASE("makes a coarser mesh of a primitive within its stated error, with few
       for (std::size_t i = 0; i + 2 < coarser.indices.size(); i += 3) {
         const glm::vec3 a = coarser.positions[coarser.indices[i]], b = coarser.positions[coarser.indices[i + 1]];
         const glm::vec3 middle = (a + b) * 0.5f;
-        // Caps lie within; the sides of a quad are on the surface or cut it. Near the tip a cone has no measure.
+        // Caps are inside; the sides of a quad touch the surface or cut it. Near its tip a cone has no radius.
         if (geometry != "Sphere" &&
             (std::abs(a.y - b.y) > 1e-4f || a.y > 0.9f || std::hypot(a.x, a.z) < 0.5f || std::hypot(b.x, b.z) < 0.5f))
           continue;
         worst = std::max(worst, 1 - reach(geometry, middle));
       }
       CHECK(worst > 0);
-      // A diagonal of a sphere's quad is longer than its sides by the root of two.
+      // The diagonal of a sphere's quad is longer than its sides by the root of two.
       CHECK(worst <= most * (geometry == "Sphere" ? 2.01f : 1.01f));
     }
     CHECK(levels == ShapeResources::kSegments.size() - 1);
@@ -88,7 +88,7 @@ TEST_CASE("draws small items with fewer triangles and without a visible change")
       finest.items[0].mesh = without_coarser(*world.list.items[0].mesh);
       const Image exact = drawing.draw(finest, camera);
       CHECK(drawing.statistics.triangles == finest.items[0].mesh->indices.size() / 3);
-      // No more than the pixels of an outline, of which a half pixel is missing, differ by much.
+      // Only pixels at the outline, which moves by half a pixel, may differ much.
       std::size_t differ = 0, shown = 0;
       for (std::size_t i = 0; i < drawn.pixels.size(); ++i) {
         differ += std::abs(drawn.pixels[i] - exact.pixels[i]) > 24 ? 1 : 0;

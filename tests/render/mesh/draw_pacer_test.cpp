@@ -15,7 +15,7 @@ namespace {
 using namespace render;
 using namespace render::testing;
 
-/// A mesh of many triangles, some behind others; opaque items, transparent ones, lines and points.
+/// Returns a mesh of many overlapping triangles, as opaque and transparent items, lines and points.
 RenderList crowded() {
   RenderList list;
   const auto one = square(1);
@@ -45,7 +45,7 @@ RenderList crowded() {
   return list;
 }
 
-/// A driver that notes what is waited for: syncs are the numbers 1, 2, ...
+/// Fake driver that records waits; its syncs are the numbers 1, 2, ...
 struct Syncs {
   static inline std::uintptr_t made;
   static inline std::vector<std::uintptr_t> waited, deleted;

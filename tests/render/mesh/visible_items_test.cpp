@@ -1,4 +1,4 @@
-// Which items of a large list a view may show, by a tree, beside what each of them says.
+// Tests of the tree that finds the visible items of a large list, against the test of each item.
 #include "render/mesh/visible_items.h"
 
 #include "render/scene/render_scene.h"
@@ -40,7 +40,7 @@ RenderList scattered(std::uint64_t generation, double scale = 1, const glm::dvec
   return list;
 }
 
-/// Whether a corner of the item's box, or a place between two, is in the cone of the view: surely seen.
+/// Reports whether a corner of the item's box, or a point between two, is in the view cone.
 bool surely_seen(const DrawItem& item, const glm::dmat4& camera_from_world, double tangent, double near, double far) {
   for (int k = 0; k < 9; ++k) {
     const glm::dvec3 corner(k == 8 ? 0 : k & 1 ? 1 : -1, k == 8 ? 0 : k & 2 ? 1 : -1, 0);
@@ -65,7 +65,7 @@ TEST_CASE("collects every item in view, and omits most others") {
       const double near = 0.1 * scale, far = 70 * scale;
       const auto* found = visible.find(list, Frustum(camera_from_world, glm::vec2(0.4f), near, far));
       if (turn == 0) {
-        CHECK(found == nullptr);  // one picture is not worth a tree
+        CHECK(found == nullptr);  // one picture does not pay for a tree
         continue;
       }
       REQUIRE(found);
@@ -95,13 +95,13 @@ TEST_CASE("finds moved items, and rebuilds for a list of another generation") {
   list.moved.push_back(77);
   REQUIRE(find());
   CHECK(*find() == std::vector<std::uint32_t>{77});
-  // Half of them: no tree is of use.
+  // If half of the items move, no tree is used.
   for (std::uint32_t i = 0; i < kItems; ++i) list.moved.push_back(i);
   CHECK_FALSE(find());
-  // They rest again.
+  // The items rest again.
   for (int i = 0; i < 40; ++i) (void)find();
   REQUIRE(find());
-  // With what shares its leaf of the tree.
+  // With the items of the same leaf.
   CHECK(find()->size() <= 8);
   CHECK(std::binary_search(find()->begin(), find()->end(), 77u));
   list.generation = 6;
@@ -111,7 +111,7 @@ TEST_CASE("finds moved items, and rebuilds for a list of another generation") {
   CHECK(find()->size() <= 8);
   CHECK(std::binary_search(find()->begin(), find()->end(), 77u));
   CHECK(std::binary_search(find()->begin(), find()->end(), 78u));
-  // Without account, and in small lists, all are looked at.
+  // Lists without generation, and small ones, use no tree.
   list.generation = 0;
   CHECK_FALSE(find());
   CHECK_FALSE(find());
@@ -164,13 +164,13 @@ TEST_CASE("draws many Shapes equally with and without the tree, at rest and whil
     plain.generation = 0;
     CHECK(with.pixels == drawing.draw(plain, camera).pixels);
     CHECK(items > 0);
-    CHECK(items <= drawing.statistics.items);  // boxes miss a view where spheres around them do not
+    CHECK(items <= drawing.statistics.items);  // boxes can miss a view that spheres around them meet
     return with;
   };
   Camera camera = camera_at({0, 5, 10});
   Image before;
   for (int i = 0; i < 3; ++i) before = draw(camera);
-  // Something comes near.
+  // An item comes near.
   const vrml::NodeId moved = names.find("T1975");
   REQUIRE(moved);
   execution.step(1001);
@@ -183,7 +183,7 @@ TEST_CASE("draws many Shapes equally with and without the tree, at rest and whil
   CHECK(draw(camera).pixels != before.pixels);
   camera.world_from_camera = camera.world_from_camera * glm::rotate(glm::dmat4(1.0), 0.5, glm::dvec3(0, 1, 0));
   (void)draw(camera);
-  // Everything anew is another list.
+  // Collecting again makes another list.
   world.gather({}, {0, 5, 10});
   CHECK(generation != world.list().generation);
   CHECK(world.list().moved.empty());

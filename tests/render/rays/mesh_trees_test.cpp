@@ -14,7 +14,7 @@
 namespace gs::render::mesh_trees_test {
 namespace {
 
-/// A level square of side 1 at height `y`, of triangles that are enough for a large mesh.
+/// Returns a horizontal square of side 1 at height `y`, with enough triangles for a large mesh.
 std::shared_ptr<const vrml::Mesh> floor_at(float y) {
   constexpr std::uint32_t kSide = 230;
   auto mesh = std::make_shared<vrml::Mesh>();
@@ -48,7 +48,7 @@ TEST_CASE("makes trees of large meshes only for callers that request them", "[op
   MeshTrees trees;
   const auto first = floor_at(1), second = floor_at(2);
   trees.prepare(first);
-  CHECK_FALSE(trees.find(first) == nullptr);  // it is being made: nobody had asked
+  CHECK_FALSE(trees.find(first) == nullptr);  // it is only being made now, since no caller asked before
   trees.prepare(second);
   const auto tree = trees.find(second);
   CHECK(tree->ready);
@@ -56,7 +56,7 @@ TEST_CASE("makes trees of large meshes only for callers that request them", "[op
   REQUIRE(hit);
   CHECK(hit->distance == Approx(7));
   CHECK(trees.find(second) != tree);  // it belonged to the caller that found it
-  // Those that nobody has asked for lately are not made any more.
+  // Trees without recent requests are no longer made.
   MeshTrees idle;
   idle.ask();
   int made = 0;
@@ -82,7 +82,7 @@ TEST_CASE("finds the same nearest point before and after the tree of a large mes
   prepared.trees()->ask();
   prepared.trees()->prepare(list.items[0].mesh);
   const auto after = prepared.near(list, lower, upper, 10'000);
-  CHECK(prepared.bytes() > 0);  // it was there
+  CHECK(prepared.bytes() > 0);  // it is ready
   REQUIRE(after.size() == before.size());
   const auto sum = [](const auto& triangles) {
     glm::dvec3 all(0);
@@ -104,7 +104,7 @@ TEST_CASE("meets the former mesh of an item until the tree of the new one is rea
   CHECK(bvh.nearest(list, line)->point.y == Approx(0));
   const auto next = floor_at(1);
   list.items[0].mesh = next;
-  // The tree is made meanwhile: one of the two floors is met, with its own point, and in the end the new one.
+  // While the new tree is made, rays hit either floor at its own point, and finally the new one.
   double y = 0;
   for (int i = 0; i < 100'000 && y != 1; ++i) {
     const auto hit = bvh.nearest(list, line);

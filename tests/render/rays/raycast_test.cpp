@@ -18,7 +18,7 @@ using render::VolumeOptions;
 
 namespace {
 
-/// Light that does not depend on directions, so that colours are the transfer function's.
+/// Returns light without direction, so that colours are those of the transfer function.
 VolumeOptions flat() {
   VolumeOptions options;
   options.opacity = 1;
@@ -27,7 +27,7 @@ VolumeOptions flat() {
   return options;
 }
 
-/// Opacity of a vector in its middle, of a layer's opacity (volume_model.h).
+/// Returns the centre opacity of a vector for a layer's opacity (volume_model.h).
 double peak(double opacity) {
   return -std::log(1 - opacity) / (std::numbers::pi * static_cast<double>(render::kVolumeFootprint));
 }
@@ -42,7 +42,7 @@ TEST_CASE("draws one vector of a volume as a Gaussian around its position") {
   add(cloud, {0, 0, -10}, {0, 0, 1}, 3, 128);
   const render::VolumeModel model = render::volume_model(cloud);
   REQUIRE(model.spacing.size() == 1);
-  // A cube of the edge 2 that has one vector: 2 sqrt(3 / 1).
+  // A cube of edge 2 with one vector: 2 sqrt(3 / 1).
   const double s = static_cast<double>(model.spacing[0]);
   CHECK(s == Approx(2 * std::sqrt(3.0)));
   const render::SplatView view = straight_view(101, 101);
@@ -50,7 +50,7 @@ TEST_CASE("draws one vector of a volume as a Gaussian around its position") {
   REQUIRE(image.width == 101);
   const double area = static_cast<double>(render::kVolumeFootprint) * s * s;
   for (const auto& [dx, dy] : {std::pair{0, 0}, std::pair{7, 0}, std::pair{0, -9}, std::pair{12, 5}}) {
-    // A pixel is 2 / 101 at depth 1, so 20 / 101 there.
+    // A pixel is 2 / 101 at depth 1, and 20 / 101 there.
     const double d2 = (dx * dx + dy * dy) * (20.0 / 101) * (20.0 / 101);
     const double alpha = peak(0.5) * std::exp(-d2 / area);
     const glm::vec4 seen = image.color[pixel_index(image, 50 + dx, 50 + dy)];
@@ -195,7 +195,7 @@ TEST_CASE("enlarges footprints as the number of vectors shrinks") {
     std::sort(spacing.begin(), spacing.end());
     return spacing[spacing.size() / 2];
   };
-  // Never too small; somewhat too large where a boundary runs between two cells.
+  // Never too small, but slightly too large where a boundary runs between two cells.
   for (const int step : {1, 2, 4, 8}) {
     const float spacing = lattice(step);
     INFO("every " << step << ": " << spacing);
@@ -220,12 +220,12 @@ TEST_CASE("finds plane, rim and normal of one splat by raycasting") {
   // The plane is x + z = -10, and the ray of column c has x = t z, t = -(c - 200) 2 / 401.
   const double t = 10 * 2 / 401.0;  // ten columns at depth 1, or one at depth 10
   CHECK(static_cast<double>(seen.depth[at(210, 200)]) == Approx(10 / (1 - t)).epsilon(1e-5));
-  // Up and down the rim lies at kDiscCover radii.
+  // Vertically, the rim is at kDiscCover radii.
   const int rim = static_cast<int>(static_cast<double>(render::splat::kDiscCover) / t);
   CHECK(seen.normal[at(200, 200 + rim)].w == 1);
   CHECK(seen.normal[at(200, 200 + rim + 1)].w == 0);
   CHECK(seen.depth[at(200, 200 + rim + 1)] == 0);
-  // Its back is seen only when it has one.
+  // Only a two-sided splat shows its back.
   cloud.normals[0] = -cloud.normals[0];
   CHECK(raycast_surface(cloud, view, false).normal[at(200, 200)].w == 0);
   cloud.description.two_sided = true;
@@ -243,7 +243,7 @@ TEST_CASE("hides a splat behind another, and blends it with its neighbour") {
   REQUIRE(!seen.empty());
   CHECK(seen.color[50 * 101 + 50] == glm::vec4(1, 0, 0, 1));
   CHECK(seen.depth[50 * 101 + 50] == 10);
-  // Side by side in one plane, half way between both.
+  // Side by side in one plane, with the pixel halfway between.
   cloud.positions = {{-0.3f, 0, -10}, {0.3f, 0, -10}};
   seen = raycast_surface(cloud, straight_view(101, 101), false);
   CHECK(seen.color[50 * 101 + 50].x == Approx(0.5f));

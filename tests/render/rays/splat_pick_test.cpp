@@ -26,7 +26,7 @@ using testing::kPi;
 
 constexpr glm::vec3 kUp(0, 0, 1);
 
-/// One disc of radius 1 about `center`, facing +z.
+/// Returns one splat of radius 1 at `center`, facing +z.
 qnv::Cloud disc_at(const glm::vec3& center) {
   qnv::Cloud cloud;
   add(cloud, center, kUp, kPi);
@@ -39,8 +39,8 @@ PickRay down(float x, float y, float z = 5) {
 }
 const glm::mat4 kHere(1);
 
-/// The ray through the middle of a pixel of a view, with its world that of the camera's node, and how much longer it
-/// is than the depth along the axis.
+/// Returns the ray through the centre of a pixel, in the camera's node, and its length relative to the depth along the
+/// axis.
 PickRay through(const SplatView& view, int x, int y, float& slant) {
   const glm::mat4 world_from_camera = glm::inverse(view.camera_from_node);
   const glm::vec3 seen(((static_cast<float>(x) + 0.5f) / static_cast<float>(view.width) * 2 - 1) * view.tangents.x,
@@ -54,8 +54,8 @@ PickRay through(const SplatView& view, int x, int y, float& slant) {
   return ray;
 }
 
-/// Compares all pixels of a view with the exact ray caster; the part that agrees. Not all: the picker measures pixels
-/// along the ray, the ray caster along the axis of the view, so that outlines and margins differ a little.
+/// Returns the share of pixels that agree with the exact ray caster. The picker measures pixels along the ray, the ray
+/// caster along the view axis, so outlines differ slightly.
 double agreement(const qnv::Cloud& cloud, const SplatView& view) {
   const RaySurface picture = raycast_surface(cloud, view, false);
   std::size_t equal = 0, all = 0;
@@ -71,7 +71,7 @@ double agreement(const qnv::Cloud& cloud, const SplatView& view) {
   return static_cast<double>(equal) / static_cast<double>(all);
 }
 
-/// A stream with levels.
+/// Returns a stream with levels.
 std::shared_ptr<const qnv::Cloud> leveled_sphere(std::size_t vectors) {
   qnv::EncodeOptions options;
   options.vectors = vectors;
@@ -126,7 +126,7 @@ TEST_CASE("meets the backs of splats where they are drawn") {
   cloud.description.two_sided = true;
   REQUIRE(pick_surface(cloud, kHere, from_behind));
   CHECK(*pick_surface(cloud, kHere, from_behind) == Approx(3));
-  // Edge on there is nothing to see.
+  // Edge on it is invisible.
   PickRay along = down(-5, 0, 0.001f);
   along.direction = {1, 0, 0};
   CHECK_FALSE(pick_surface(cloud, kHere, along));
@@ -140,12 +140,12 @@ TEST_CASE("returns the colour of a splat that has one") {
   CHECK_FALSE(plain->color);
   cloud.colors = {{1, 2, 3}};
   CHECK(pick_disc(cloud, kHere, down(0, 0))->color == qnv::Rgb8{1, 2, 3});
-  // Of two the one in front.
+  // Of two splats, the nearer one.
   add(cloud, {0, 0, 2}, {0, 0, 1}, 3.14f);
   cloud.colors.push_back({7, 8, 9});
   CHECK(pick_disc(cloud, kHere, down(0, 0))->color == qnv::Rgb8{7, 8, 9});
   cloud.colors.pop_back();
-  CHECK_FALSE(pick_disc(cloud, kHere, down(0, 0))->color);  // arrays that do not fit together
+  CHECK_FALSE(pick_disc(cloud, kHere, down(0, 0))->color);  // arrays of different lengths
 }
 
 TEST_CASE("measures distances in world space under any affine matrix, and splats in node space") {
@@ -174,7 +174,7 @@ TEST_CASE("meets splats of an octree only in their voxel and its margin") {
   PickRay from_behind = down(0.39f, 0, -3);
   from_behind.direction = {0, 0, 1};
   CHECK(pick_surface(cloud, kHere, from_behind));
-  from_behind.origin.x = 0.41f;  // backs are cut shorter
+  from_behind.origin.x = 0.41f;  // backs have a smaller margin
   CHECK_FALSE(pick_surface(cloud, kHere, from_behind));
 }
 
@@ -196,7 +196,7 @@ TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") 
   SECTION("tiny discs far away") {
     CHECK(agreement(test::disc_sphere(200000, 0.9f), test::view_from({1, 2, 30}, 24, 20)) > 0.98);
   }
-  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // cut discs: ragged rims
+  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // cut splats: ragged rims
   SECTION("two-sided") {
     qnv::Cloud half = test::disc_sphere(3000, 0.9f);
     half.positions.resize(1500), half.normals.resize(1500), half.weights.resize(1500), half.colors.resize(1500);
@@ -216,7 +216,7 @@ TEST_CASE("picks the same point with any number of threads and tasks") {
 
 TEST_CASE("picks among the first splats if there are too many") {
   const qnv::Cloud cloud = test::disc_sphere(20000, 1);
-  qnv::Cloud order;  // so that any prefix covers the sphere
+  qnv::Cloud order;  // orders vectors so that any prefix covers the sphere
   std::vector<std::size_t> indices(cloud.size());
   for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = i;
   std::shuffle(indices.begin(), indices.end(), std::mt19937(3));
@@ -239,7 +239,7 @@ TEST_CASE("picks streams with levels at the detail of the picture") {
     CHECK(*hit == Approx(5 - std::sqrt(1 - x * x - 0.01f)).margin(0.01));
   }
   CHECK_FALSE(pick_surface(*cloud, kHere, down(1.2f, 0)));
-  // Clusters beside the ray were left alone.
+  // Clusters beside the ray are not decoded.
   CHECK(cloud->levels->cached_discs() < cloud->levels->whole().size());
   const glm::mat4 place = glm::scale(glm::translate(glm::mat4(1), {0, 0, -10}), {20, 1, 4});
   const auto stretched = pick_surface(*cloud, place, down(10, 0));
@@ -262,7 +262,7 @@ TEST_CASE("ignores splats with invalid numbers") {
   for (std::size_t i = 0; i < cloud.size(); ++i) cloud.cells[i] = {i % 2 == 0 ? kNaN : kInfinity, kInfinity};
   (void)pick_surface(cloud, kHere, down(0, 0));
   cloud.cells.resize(1);
-  CHECK_FALSE(pick_surface(cloud, kHere, down(0, 0)));  // arrays that do not fit together
+  CHECK_FALSE(pick_surface(cloud, kHere, down(0, 0)));  // arrays of different lengths
   cloud.cells.clear();
   cloud.normals.pop_back();
   CHECK_FALSE(pick_surface(cloud, kHere, down(0, 0)));
@@ -283,7 +283,7 @@ TEST_CASE("ignores splats with invalid numbers") {
 
 namespace {
 
-/// `layers` layers of 21 x 21 vectors of spacing 0.1 about the z axis, one below the other from z = 0 on.
+/// Returns layers of 21 x 21 vectors of spacing 0.1 around the z axis, from z = 0 downwards.
 qnv::Cloud layers_of(int layers, float opacity) {
   qnv::Cloud cloud = test::empty_volume(opacity, 0.1f);
   for (int layer = 0; layer < layers; ++layer)

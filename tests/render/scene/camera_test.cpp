@@ -79,7 +79,7 @@ TEST_CASE("reports points beyond a side or behind the camera as out of view") {
   const auto sees = [&](const glm::vec3& lower, const glm::vec3& upper) {
     return has_in_view(camera, box(lower, upper), 200, 100);
   };
-  // At a distance of 10 the picture is 40 metres wide and 20 high.
+  // At a distance of 10 the view is 40 metres wide and 20 high.
   CHECK(sees({-19.9f, -9.9f, -12}, {19.9f, 9.9f, -10}));
   CHECK_FALSE(sees({-20.1f, -1, -10}, {1, 1, -10}));
   CHECK_FALSE(sees({-1, -1, -10}, {20.1f, 1, -10}));
@@ -110,9 +110,9 @@ TEST_CASE("avoids an initial view of flat objects edge on") {
   for (const glm::vec3& size :
        {glm::vec3(1, 1, 1), glm::vec3(3, 1, 2), glm::vec3(9, 9, 0.1f), glm::vec3(9, 0.1f, 0.1f)})
     CHECK(back(size) == glm::vec3(0, 0, 1));
-  CHECK(back({9, 1, 9}).y > 0.5f);  // it lies: from above
+  CHECK(back({9, 1, 9}).y > 0.5f);  // horizontal: seen from above
   CHECK(back({9, 1, 9}).x == 0);
-  CHECK(back({1, 9, 9}).x > 0.5f);  // it stands: from aside
+  CHECK(back({1, 9, 9}).x > 0.5f);  // upright: seen from the side
   CHECK(back({1, 9, 9}).y == 0);
 }
 
@@ -159,7 +159,7 @@ TEST_CASE("maps reversed depth from 1 to 0 by inverse distance, with any near pl
       CHECK(lens.window_depth(static_cast<float>(distance)) == Approx(depth).margin(1e-6));
     }
   }
-  // Of floats, a millionth of the distance is told apart wherever it is.
+  // Floats distinguish a millionth of the distance everywhere.
   const Projection lens = projection(camera, 1, 1, true);
   for (float distance = 1; distance < 9e6f; distance *= 1.7f)
     CHECK(lens.window_depth(distance) > lens.window_depth(distance * 1.000001f));

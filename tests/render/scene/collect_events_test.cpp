@@ -13,7 +13,7 @@ using namespace gs::render;
 
 namespace {
 
-/// A world in which events flow, and what there is to draw of it after them.
+/// Running world with its render list after events.
 class LiveWorld {
  public:
   explicit LiveWorld(const std::string& body) : scene_("live.wrl") {

@@ -15,7 +15,7 @@ using namespace render;
 
 constexpr std::size_t kVisits = vrml::Limits().visits;
 
-/// A parsed world of little memory.
+/// Parsed world with a small memory limit.
 struct SmallWorld {
   SmallWorld(const std::string& body, std::size_t memory)
       : scene(std::make_unique<vrml::SceneGraph>(
@@ -34,7 +34,7 @@ struct SmallWorld {
 
 constexpr std::size_t kMega = std::size_t{1} << 20;
 
-/// 2^levels times `shape`, in as many lines.
+/// Returns nested USEs of 2^levels times `shape`.
 std::string nested_uses(const std::string& shape, int levels) {
   std::string text = "DEF N0 Group { children " + shape + " }\n";
   for (int i = 1; i <= levels; ++i) {
@@ -69,7 +69,7 @@ TEST_CASE("limits the shapes of nested USEs, and names the first one that is lef
   CHECK(list.left_out[0].count > 1000);
   CHECK(list.left_out[0].file == "bomb.wrl");
   CHECK(list.left_out[0].location == vrml::SourceLocation{3, 42});
-  CHECK(world.collect().left_out.size() == 1);  // in every picture
+  CHECK(world.collect().left_out.size() == 1);  // in each picture
 }
 
 TEST_CASE("stops a walk over empty groups at the limit for visits") {
@@ -82,7 +82,7 @@ TEST_CASE("stops a walk over empty groups at the limit for visits") {
 }
 
 TEST_CASE("leaves out Shapes beyond the triangle limit, and shows the others") {
-  // A limit of 1 M triangles; 20,000 in a shape.
+  // A limit of 1 M triangles, with 20,000 per shape.
   const std::string shape =
       "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ " +
       repeated("0 1 2 -1 ", 20'000) + "] } }";
@@ -91,7 +91,7 @@ TEST_CASE("leaves out Shapes beyond the triangle limit, and shows the others") {
   const RenderList list = world.collect();
   CHECK(triangles_of(list) <= kMega);
   CHECK(list.items.size() == 53);
-  CHECK(list.items.back().mesh->indices.size() == 36);  // the box behind them
+  CHECK(list.items.back().mesh->indices.size() == 36);  // the box after them
   REQUIRE(list.left_out.size() == 1);
   CHECK(list.left_out[0].why.find("triangles in a picture") != std::string::npos);
 }
@@ -148,7 +148,7 @@ TEST_CASE("shares one mesh between thousands of spheres, and makes it coarser as
   CHECK(coarse.items[0].mesh == coarse.items[39'999].mesh);
   CHECK(fine.items[0].mesh->indices.size() > coarse.items[0].mesh->indices.size());
   CHECK(triangles_of(coarse) <= std::size_t{1} << 24);
-  CHECK(coarse.items.back().mesh->indices.size() == 36);  // a box has nothing to lose
+  CHECK(coarse.items.back().mesh->indices.size() == 36);  // a box cannot become coarser
   CHECK(coarse.left_out.empty());
   CHECK(many.meshes.meshes.empty());
   CHECK(many.meshes.primitives.size() <= 2 * ShapeResources::kSegments.size());

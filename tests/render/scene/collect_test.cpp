@@ -14,7 +14,7 @@ using namespace gs::render;
 
 namespace {
 
-/// A parsed world and what collect makes of it.
+/// Parsed world with its render list.
 struct World {
   explicit World(const std::string& body, const vrml::Limits& limits = {})
       : scene(std::make_unique<vrml::SceneGraph>("test.wrl", limits)) {
@@ -81,7 +81,7 @@ TEST_CASE("transforms by T * C * R * SR * S * -SR * -C (VRML97 6.52)") {
   check_vector(moved(list.items[0].world_from_node, {2, 0, 0}), {11, 2, 0});
 
   World oriented("Transform { scaleOrientation 0 0 1 0.78539816 scale 3 1 1 children " + kBox + "}");
-  // Stretched along the diagonal (1 1 0).
+  // Scaled along the diagonal (1 1 0).
   check_vector(moved(oriented.collect().items[0].world_from_node, {1, 1, 0}), {3, 3, 0});
   check_vector(moved(oriented.collect().items[0].world_from_node, {1, -1, 0}), {1, -1, 0});
 
@@ -149,7 +149,7 @@ TEST_CASE("turns the Z axis of a Billboard to the viewer about its axis (VRML97 
   check_vector(z_axis("", {5, 0, -5}), {1, 0, 0});
   check_vector(z_axis("", {5, 50, -5}), {1, 0, 0});
   check_vector(z_axis("", {0, 0, -9}), {0, 0, -1});
-  check_vector(z_axis("", {0, 9, -5}), {0, 0, 1});  // on the axis: undefined, left alone
+  check_vector(z_axis("", {0, 9, -5}), {0, 0, 1});  // on the axis: undefined, unchanged
   check_vector(z_axis("axisOfRotation 0 0 0", {3, 4, -5}), {0.6f, 0.8f, 0});
   check_vector(z_axis("axisOfRotation 1 0 0", {7, 2, -5}), {0, 1, 0});
 }
@@ -160,13 +160,13 @@ TEST_CASE("shares meshes by USE, shows children of Anchor, Collision and Group, 
   const RenderList list = world.collect();
   REQUIRE(list.items.size() == 4);
   CHECK(list.items[0].mesh == list.items[1].mesh);
-  CHECK_FALSE(list.items[2].seen);  // the proxy, which is met in place of the box before it
+  CHECK_FALSE(list.items[2].seen);  // the proxy, which is collidable instead of the box
   CHECK(list.items[2].met);
   CHECK(list.items[0].met);
   CHECK_FALSE(list.items[1].met);
   CHECK(list.items[0].mesh == list.items[3].mesh);
   CHECK(list.items[3].seen);
-  CHECK(world.collect().items[0].mesh == list.items[0].mesh);  // and from frame to frame
+  CHECK(world.collect().items[0].mesh == list.items[0].mesh);  // and between frames
   world.meshes.clear();
   CHECK(world.collect().items[0].mesh != list.items[0].mesh);
 }
@@ -184,7 +184,7 @@ TEST_CASE("shares one mesh between primitives of any size, node and PROTO instan
   CHECK(list.items[0].mesh == list.items[2].mesh);
   CHECK(list.items[0].mesh != list.items[4].mesh);
   CHECK(list.items[5].mesh == list.items[6].mesh);
-  CHECK(list.items[5].mesh != list.items[7].mesh);  // which has no side
+  CHECK(list.items[5].mesh != list.items[7].mesh);  // without the side
   check_vector(moved(list.items[2].world_from_node, {1, 1, -1}), {3, 3, -3});
   check_vector(moved(list.items[5].world_from_node, {1, 1, -1}), {2, 1.5f, -2});
   CHECK_FALSE(list.items[0].mesh->texture_coordinates.empty());
@@ -346,7 +346,7 @@ TEST_CASE("makes images of PixelTextures, top row first, until their field chang
   const RenderList after = world.collect();
   REQUIRE(after.items[0].texture.image);
   CHECK(after.items[0].texture.image->pixels == std::vector<std::uint8_t>{0x7F});
-  changed.words = {100, 100, 1, 0x7F};  // says more than it has
+  changed.words = {100, 100, 1, 0x7F};  // claims more pixels than it has
   world.scene->set<vrml::SFImage>(world.find("P"), "image", changed);
   CHECK_FALSE(world.collect().items[0].texture.image);
 }
@@ -362,7 +362,7 @@ TEST_CASE("shows the image that was loaded for an ImageTexture") {
   const RenderList list = world.collect();
   CHECK(list.items[0].texture.image == image);
   CHECK_FALSE(list.items[0].texture.repeat_t);
-  CHECK_FALSE(list.items[0].mesh->texture_coordinates.empty());  // made again once they were needed
+  CHECK_FALSE(list.items[0].mesh->texture_coordinates.empty());  // made again when texture coordinates were needed
   CHECK(list.items[1].mesh == list.items[0].mesh);
 }
 

@@ -48,7 +48,7 @@ class World {
   [[nodiscard]] vrml::SceneGraph& scene() { return *scene_; }
   [[nodiscard]] vrml::NodeId find(const std::string& name) { return names_->find(name); }
 
-  /// That the list is what gathering everything gives, to the bit.
+  /// Checks that the list equals a full collection, bit for bit.
   void check() {
     MeshCache meshes;
     const BoundNodes nodes = bound();
@@ -207,7 +207,7 @@ TEST_CASE("makes a geometry again when one of its nodes changes") {
   CHECK(world.update());
   world.check();
   CHECK(world.gathered() == 1);
-  // One that shows nothing at first.
+  // A Shape that is empty at first.
   World empty("Shape { geometry IndexedFaceSet { coordIndex [ 0 1 2 ] coord DEF Points Coordinate { } } }");
   CHECK(empty.list().items.empty());
   empty.send("Points.point", vrml::MFVec3f{{0, 0, 0}, {5, 0, 0}, {0, 5, 0}});
@@ -351,13 +351,13 @@ TEST_CASE("updates Text after events, and re-tessellates it as the viewer comes 
   CHECK(triangles(0) == coarse);
   CHECK(triangles(1) == middle);
   CHECK_FALSE(world.update());
-  // Moved text counts as near or far where it is now.
+  // The current position decides how near a moved text is.
   world.send<vrml::SFVec3f>("Place.set_translation", {0, 0, -489});
   CHECK(world.update());
   world.check();
   CHECK(triangles(0) > middle);
   CHECK(world.gathered() == 1);
-  // One that showed nothing.
+  // A text that was empty.
   world.send<vrml::MFString>("Later.set_string", {vrml::SFString("now")});
   CHECK(world.update());
   world.check();

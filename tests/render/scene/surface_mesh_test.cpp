@@ -8,7 +8,7 @@
 namespace gs::render::surface_mesh_test {
 namespace {
 
-/// Two triangles, of which the second one shows a picture.
+/// Returns two triangles, the second one textured.
 qnv::Cloud half_pictured() {
   qnv::Cloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 5}, {1, 1, 5}, {0, 1, 5}};

@@ -35,13 +35,13 @@ double mean_square(const Image& a, const Image& b) {
   return sum / static_cast<double>(a.pixels.size());
 }
 
-/// True when OpenGL found no fault with any call since it was last asked.
+/// Reports whether OpenGL found no error since the last call.
 bool faultless(GlContext& context) {
   auto gl = Gl::load(context);
   return !take_errors(std::get<Gl>(gl));
 }
 
-/// Draws with OpenGL and on the processor, at one and at four samples a pixel, and compares. The item must be seen.
+/// Compares OpenGL with the processor, at one and four samples per pixel. The item must be visible.
 void check_same_picture(const RenderList& list, const Camera& camera) {
   static Drawing drawing;
   for (const int samples : {1, 4}) {
@@ -65,7 +65,7 @@ void check_same_picture(const RenderList& list, const Camera& camera) {
   }
 }
 
-/// 3 radii before the sphere, at which it fills the picture.
+/// Returns a view from 3 radii, which the sphere fills.
 SplatView view_of_sphere() {
   SplatView view;
   view.camera_from_node = translation({0, 0, -3});
@@ -76,10 +76,10 @@ SplatView view_of_sphere() {
   return view;
 }
 
-// Parts of the pixels.
+// Shares of the pixels.
 struct LayerDifference {
-  double uncovered = 0;  // that only one of the two has
-  double wrong = 0;      // of those that both have: a normal more than 2 degrees off, or a depth 1/1000, or a colour 3
+  double uncovered = 0;  // covered in only one of the two
+  double wrong = 0;      // of those covered in both: normal off by over 2 degrees, depth by 1/1000, or colour by 3
   std::size_t both = 0;
 };
 
@@ -111,9 +111,9 @@ LayerDifference compare(const SplatLayer& a, const SplatLayer& b) {
 
 TEST_CASE("draws surfaces of splats with OpenGL as on the processor", "[optimised]") {
   check_same_picture(sphere_list(sphere(3000)), camera_at({0, 0, 3.5f}));
-  // Wide discs, between which the normals follow the surface.
+  // Wide splats with interpolated normals between them.
   check_same_picture(sphere_list(sphere(300)), camera_at({0, 0, 3.5f}));
-  // Discs smaller than a sample.
+  // Splats smaller than a sample.
   check_same_picture(sphere_list(sphere(100000)), camera_at({0, 0, 8}));
   check_same_picture(sphere_list(sphere(3000, true)), camera_at({0.5f, 0.3f, 3.5f}));
   check_same_picture(sphere_list(sphere(300, true)), camera_at({0, 0, 3.5f}));
@@ -141,7 +141,7 @@ TEST_CASE("draws surfaces with OpenGL under any scale, and partly behind the vie
                        glm::vec4(0, 0, 0, 1));
   check_same_picture(sphere_list(sphere(3000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(octree_sphere(4000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
-  // Sheared: scaled after it was turned.
+  // Sheared: rotated, then scaled.
   const glm::mat4 shear = scale({2, 0.5f, 1}) * turn;
   check_same_picture(sphere_list(sphere(300), shear), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(octree_sphere(4000), shear), camera_at({0, 0, 4}));
@@ -185,7 +185,7 @@ TEST_CASE("draws packed records like unpacked ones", "[optimised]") {
       SplatRecords records(open.gl, palette, two_sided);
       qnv::Cloud cloud;
       cloud.description.two_sided = two_sided;
-      // Two chunks, the upper and the lower half, each in a frame of its own.
+      // Two chunks, the upper and the lower half, each with its own frame.
       for (std::size_t half = 0; half < 2; ++half) {
         const std::size_t first = half * 2000;
         qnv::Box box;
@@ -289,7 +289,7 @@ TEST_CASE("draws thousands of point sets with a few calls") {
   CHECK(difference.uncovered < 0.005);
   CHECK(difference.wrong < 0.01);
   CHECK(!take_errors(open.gl));
-  // Those that nobody holds any more leave nothing behind.
+  // Pieces without an owner are freed.
   pieces.clear();
   splats.forget_unused();
   CHECK(splats.store().reserved_bytes() == 0);
@@ -314,7 +314,7 @@ TEST_CASE("closes pinholes, but no real openings") {
   close_pinholes(closed, view, 2);
   CHECK(*std::min_element(closed.normals.begin(), closed.normals.end()) > 30000);
   CHECK(std::all_of(closed.depth.begin(), closed.depth.end(), [](float depth) { return depth == 5; }));
-  // Too wide, open to one side, or of a layer that ends before the picture does.
+  // Too wide, open at one side, or in a layer that ends before the picture.
   closed = layer;
   close_pinholes(closed, view, 1);
   CHECK(closed.normals[4 * (3 * 9 + 4) + 3] == 0);
@@ -338,7 +338,7 @@ TEST_CASE("draws pictures too large for OpenGL on the processor") {
   CHECK(!splats.draw(std::span(&whole, 1), view));
   view.width = view.height = std::min(open.gl.max_texture_size, 16384);
   CHECK(!splats.draw(std::span(&whole, 1), view));
-  // Four samples do not fit, one does.
+  // Four samples exceed the maximum size, one does not.
   view.width = open.gl.max_texture_size;
   view.height = 8;
   view.supersample = 2;
@@ -362,7 +362,7 @@ TEST_CASE("joins pieces of point sets to one surface") {
   CHECK(difference.both > 3000);
   CHECK(difference.uncovered < 0.005);
   CHECK(difference.wrong < 0.01);
-  // A piece that the cloud has not is left out.
+  // A piece beyond the point set is skipped.
   const std::array<SharedSplatPiece, 2> hostile{
       {{whole, 3999, 2}, {whole, std::numeric_limits<std::size_t>::max(), 2}}};
   const auto nothing = splats.draw(hostile, view);
@@ -384,7 +384,7 @@ TEST_CASE("survives point sets of any numbers") {
     cloud->description.two_sided = round % 2 == 0;
     cloud->description.box = {{-1, -1, -1}, {1, 1, 1}};
     for (int i = 0; i < 1 + round; ++i) {
-      // Some rounds have finite positions only, so that something is drawn.
+      // Some rounds have only finite positions, so that something is drawn.
       cloud->positions.push_back(round % 3 == 0 ? glm::vec3(0.1f * static_cast<float>(i % 9), 0, 0)
                                                 : glm::vec3(any(), any(), any()));
       cloud->normals.push_back({any(), any(), any()});
@@ -396,7 +396,7 @@ TEST_CASE("survives point sets of any numbers") {
     CHECK(drawing.statistics.splats != std::string("none"));
     CHECK(faultless(drawing.context()));
   }
-  // Arrays of different lengths are not drawn at all.
+  // Arrays of different lengths are not drawn.
   auto torn = sphere(100);
   torn->weights.resize(50);
   for (const SplatPath path : {SplatPath::gl, SplatPath::cpu}) {

@@ -31,7 +31,7 @@ SplatView from(const glm::vec3& eye) {
   return view;
 }
 
-/// A ball of radius 1 at `place`.
+/// Returns a ball of radius 1 at `place`.
 SplatItem ball_at(const glm::vec3& place, std::size_t vectors) {
   SplatItem item;
   item.cloud = sphere(vectors);
@@ -145,7 +145,7 @@ TEST_CASE("cuts a stream for the view at the requested detail") {
     CHECK(colors.size() > 1);
   }
   options.color_by = ColorBy::own;
-  // A little at a time: it says that more is to come until it has what it had at once.
+  // Loads gradually, and reports pending data until the cut is complete.
   const auto again = bumpy_stream(60000);
   options.most_decoded = 2000;
   std::size_t frames = 0, last = 0;
@@ -170,7 +170,7 @@ TEST_CASE("spends the budget in proportion to pixels") {
     CHECK(share_budget({}, view, 100).empty());
   }
   SECTION("Pixels of a ball: its outline, and no more than the picture") {
-    // sin = 1 / 10: the radius of the outline is 200 / 0.5 * tan(asin(0.1)) pixels. The ball is that around the box.
+    // sin = 1 / 10: the outline of the box's ball has a radius of 200 / 0.5 * tan(asin(0.1)) pixels.
     const double radius = 400 * std::tan(std::asin(std::sqrt(3.0) / 10));
     CHECK(pixels_covered(ball_at({0, 0, -10}, 10), view) == Approx(3.14159265 * radius * radius));
     CHECK(pixels_covered(ball_at({0, 0, -1}, 10), view) == 160000);
@@ -184,7 +184,7 @@ TEST_CASE("spends the budget in proportion to pixels") {
     const auto shares = share_budget(items, view, 16000);
     CHECK(sum_of(shares) <= 16000);
     CHECK(sum_of(shares) >= 15990);
-    // A sixteenth of the pixels; and each a sixteenth of the budget before.
+    // A sixteenth of the pixels, and each a sixteenth of the former budget.
     CHECK(static_cast<double>(shares[1]) == Approx(1000 + 14000.0 / 17).epsilon(0.02));
   }
   SECTION("What one cannot use goes to the others") {

@@ -21,7 +21,7 @@ using render::SplatView;
 
 namespace {
 
-/// Of normals, coverage and depth in 0..1, and of colours where both are covered.
+/// Agreement of normals, coverage and depth in 0..1, and of colours where both are covered.
 struct Agreement {
   double normals, coverage, colors, depth;
 };
@@ -56,7 +56,7 @@ void check_agreement(const qnv::Cloud& cloud, const SplatView& view) {
   CHECK(a.depth >= 40);
 }
 
-/// A sphere of radius 1 as an octree of so many discs.
+/// Returns a unit sphere as an octree with about this many splats.
 qnv::Cloud finely_cut_sphere(std::size_t vectors) {
   const qnv::TriangleSource source = [](const qnv::TriangleSink& sink) {
     constexpr int kAround = 128, kDown = 64;
@@ -87,7 +87,7 @@ qnv::Cloud finely_cut_sphere(std::size_t vectors) {
   return decoder.cloud();
 }
 
-/// Discs of all sizes, all directions, colours and cubes that lie anywhere, even around the viewer.
+/// Returns splats of all sizes, directions, colours and cubes at any position, including the viewer's.
 qnv::Cloud random_discs(std::size_t count) {
   std::mt19937 random(12);
   std::uniform_real_distribution<float> part(0, 1);
@@ -207,7 +207,7 @@ TEST_CASE("draws tints of pieces and normal colours instead of stored colours") 
   plain.color = {10, 20, 30};
   SplatView view = view_from({3, 0.2f, 0.1f}, 120, 90);
   const qnv::Rgb8 tint{250, 3, 77};
-  // The colours of the pixels in which a sphere of discs is seen.
+  // Returns the colours of the pixels that a sphere of splats covers.
   const auto colors_of = [&](const qnv::Cloud& cloud, std::optional<qnv::Rgb8> of) {
     const render::SplatPiece piece{&cloud, 0, cloud.size(), 1, of};
     SplatLayer layer = render::rasterize_surface(std::span(&piece, 1), view);
@@ -227,7 +227,7 @@ TEST_CASE("draws tints of pieces and normal colours instead of stored colours") 
     }
     CHECK(wrong == 0);
   }
-  // One tinted half, and one that keeps what it has.
+  // One tinted half, and one with its own colours.
   const std::size_t half = plain.size() / 2;
   const render::SplatPiece halves[] = {{&plain, 0, half, 1, tint}, {&plain, half, plain.size() - half}};
   const SplatLayer two = render::rasterize_surface(halves, view);
@@ -273,7 +273,7 @@ TEST_CASE("thins point sets that cover too much, equally on any number of thread
   view.threads = 1;
   const SplatLayer thin = render::rasterize_surface(pieces, view, kernel, kMost);
   CHECK(thin.discs == kDiscs);
-  // At most one more than there is room for in each of the tasks that discs are prepared by.
+  // Each preparing task may exceed the limit by one.
   CHECK(thin.drawn * 150 * 100 <= kMost + 3 * 150 * 100);
   CHECK(thin.drawn >= kMost / (150 * 100) / 2);
   CHECK(covered_pixels(thin) == 150u * 100);
@@ -307,7 +307,7 @@ TEST_CASE("draws a plane of splats without holes at any distance", "[optimised]"
               glm::mat3(node_from_camera) *
               glm::vec3(((static_cast<float>(x) + 0.5f) / 90 - 1) * 1.5f, (static_cast<float>(y) + 0.5f) / 60 - 1, -1);
           if (!(ray.z < 0)) continue;
-          // Discs that are seen edge on are left out: the horizon.
+          // Skips splats that are edge on, at the horizon.
           if (ray.z * ray.z < 0.03f * 0.03f * glm::dot(ray, ray)) continue;
           const glm::vec3 hit = eye + ray * (-eye.z / ray.z);
           if (std::abs(hit.x) > 59 || std::abs(hit.y) > 59 || -eye.z / ray.z < 0.02f) continue;
@@ -337,7 +337,7 @@ TEST_CASE("keeps the silhouette of an octree sphere within half a voxel") {
         for (int x = 0; x < view.width; ++x) {
           const glm::vec3 ray((static_cast<float>(x) + 0.5f - 120) / 240, (static_cast<float>(y) + 0.5f - 120) / 240,
                               -1);
-          // How near the ray comes to the sphere's centre.
+          // Distance of the ray from the sphere's centre.
           const float along = distance / glm::dot(ray, ray);
           const glm::vec3 nearest = ray * along + glm::vec3(0, 0, distance);
           const float miss = std::sqrt(glm::dot(nearest, nearest));
@@ -351,7 +351,7 @@ TEST_CASE("keeps the silhouette of an octree sphere within half a voxel") {
       INFO(cloud.size() << " discs, voxels of " << edge << ", " << inside << " pixels");
       CHECK(inside > 5000);
       CHECK(beyond == 0);
-      // Here and there the planes of neighbouring cubes that are seen nearly edge on leave a pixel between them.
+      // Planes of neighbouring cubes seen nearly edge on leave a few pixels open.
       CHECK(missing <= inside / 500);
     }
   }

@@ -45,7 +45,7 @@ TEST_CASE("drops a point set with its last owner") {
   REQUIRE(add_cloud(store, second));
   CHECK(store.bytes() == 64000);
   CHECK(store.find(second.get())->ranges.size() == 3);
-  // No room while this frame needs the others; later, the one that was drawn longest ago makes way.
+  // Refuses a third one in this frame. Later it replaces the one that was drawn longest ago.
   CHECK(!add_cloud(store, third));
   CHECK(!store.find(third.get()));
   CHECK(store.bytes() == 64000);
@@ -90,7 +90,7 @@ TEST_CASE("stores small point sets in one buffer and large ones in several") {
     }
   };
   check_all();
-  // Clouds come and go at random; nothing is lost and no byte is left behind.
+  // Adds and drops point sets at random: no byte leaks.
   for (int round = 0; round < 60; ++round) {
     clouds.erase(clouds.begin() + static_cast<std::ptrdiff_t>(random() % clouds.size()));
     store.forget_unused();
@@ -111,13 +111,13 @@ TEST_CASE("stores small point sets in one buffer and large ones in several") {
 TEST_CASE("splits a point set if no slab has enough contiguous space") {
   OpenContext open;
   SplatStore store(open.gl, 16 * 8192, 8192);
-  // 8 of 1024, of which every other one goes.
+  // 8 of 1024, of which every other one is dropped.
   std::vector<std::shared_ptr<const qnv::Cloud>> clouds;
   for (int i = 0; i < 8; ++i) clouds.push_back(sphere(1024));
   REQUIRE(store.add(clouds));
   for (std::ptrdiff_t i = 3; i >= 0; --i) clouds.erase(clouds.begin() + 2 * i);
   store.forget_unused();
-  REQUIRE(store.add(clouds));  // so that this frame needs them
+  REQUIRE(store.add(clouds));  // marks them as used in this frame
   const auto large = sphere(4096);
   REQUIRE(add_cloud(store, large));
   CHECK(store.find(large.get())->ranges.size() == 4);

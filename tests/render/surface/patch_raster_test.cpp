@@ -44,7 +44,7 @@ qnv::SurfaceCut cut_for(const qnv::SurfacePatches& surface, const SplatView& vie
   return qnv::cut_surface(surface, *looked);
 }
 
-/// Of normals and coverage, both 0 to 1.
+/// Agreement of normals and coverage, both 0 to 1.
 double likeness(const SplatLayer& a, const SplatLayer& b) {
   REQUIRE(a.normals.size() == b.normals.size());
   test::Psnr psnr;
@@ -64,7 +64,7 @@ TEST_CASE("shows at each sample the nearest triangle with its normal and depth")
   for (const int which : {0, 1}) {
     const qnv::displaced::SurfaceMesh shape = which == 0 ? mesh_of(torus(6, 4)) : mesh_of(sheet(8));
     const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(shape, 3, 3), 3);
-    // Uneven, mirrored, and so near that the near plane cuts it.
+    // Non-uniform, mirrored, and cut by the near plane.
     glm::mat4 uneven = glm::scale(glm::mat4(1), glm::vec3(1, 0.6f, 1.3f));
     for (const SplatView& view : {view_from({2.5f, 0.7f, 1.2f}, 48, 1), view_from({2.5f, 0.7f, 1.2f}, 48, 1, uneven),
                                   view_from({2, 1.5f, 1}, 48, 1, glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1))),
@@ -77,7 +77,7 @@ TEST_CASE("shows at each sample the nearest triangle with its normal and depth")
       for (int y = 0; y < view.height; ++y)
         for (int x = 0; x < view.width; ++x) {
           const glm::dvec3 ray((2.0 * x + 1) / 48 - 1, (2.0 * y + 1) / 48 - 1, -2);
-          // From the eye, in depths; what is nearer than the near plane is not drawn.
+          // Starts at the eye, in depths; geometry before the near plane is not drawn.
           const SightLine line{glm::dvec3(node_from_camera[3]),
                                glm::dvec3(node_from_camera * glm::dvec4(ray * 0.5, 0))};
           const auto hit = pick_patches(surface, line, 4 / 48.0f);
@@ -99,7 +99,7 @@ TEST_CASE("shows at each sample the nearest triangle with its normal and depth")
         }
       INFO(which);
       CHECK(both > 200);
-      CHECK(wrong <= both / 50);  // on edges, where the raster's places are rounded
+      CHECK(wrong <= both / 50);  // on edges, which the rasteriser rounds
     }
   }
 }
@@ -132,8 +132,7 @@ TEST_CASE("draws a closed surface of mixed levels without pinholes, equally on a
 TEST_CASE("rasterises patches to the same bits in all kernels", "[optimised]") {
   const std::span<const PatchKernel> kernels = patch_kernels();
   REQUIRE(!kernels.empty());
-  // Triangles of parts of a sample up to those of whole tiles, with and without colours, mirrored, cut by the near
-  // plane.
+  // Triangles from parts of a sample to whole tiles, with and without colours, mirrored, cut by the near plane.
   const glm::mat4 mirrored = glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1));
   for (const bool colored : {false, true}) {
     const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(torus(6, 4)), 3, 0, colored), 3);
@@ -183,7 +182,7 @@ TEST_CASE("limits the layer to the tiles that contain geometry") {
   CHECK(layer.width == 128);
   CHECK(layer.height == 128);
   CHECK(covered(layer) > 300);
-  view.center = glm::vec2(5);  // beside it
+  view.center = glm::vec2(5);  // beside the surface
   CHECK(rasterize_patches(surface, cut_for(surface, view, 1), view, {}).empty());
 }
 
@@ -194,7 +193,7 @@ TEST_CASE("keeps the colours of a surface for small and large triangles") {
     const qnv::SurfaceCut cut = cut_for(surface, view, error);
     const SplatLayer layer = rasterize_patches(surface, cut, view, {false, {}, ColorBy::normal});
     REQUIRE(layer.colors.size() == layer.normals.size());
-    // In the middle the surface looks along x.
+    // The surface faces along x in the middle.
     const std::size_t middle = static_cast<std::size_t>((32 - layer.y) * layer.width + 32 - layer.x);
     CHECK(layer.colors[4 * middle] > 200);
     CHECK(std::abs(layer.colors[4 * middle + 1] - 128) < 60);
@@ -238,7 +237,7 @@ TEST_CASE("draws a tile with the samples of the whole picture") {
         for (int k = 0; k < 4; ++k)
           differing += std::abs(normal(layer, x, y, k) - normal(whole, first.x + x, first.y + y, k)) > 2 ? 1 : 0;
     together += covered(layer);
-    CHECK(differing < 16);  // of 4,096: places on edges are rounded once more
+    CHECK(differing < 16);  // of 4,096: positions on edges are rounded again
   }
   CHECK(together > 300);
   CHECK(std::abs(static_cast<double>(together) - static_cast<double>(covered(whole))) < 16);

@@ -34,7 +34,7 @@ double area_of(const std::vector<glm::dvec2>& polygon) {
   return std::abs(sum) / 2;
 }
 
-/// All triangles counter-clockwise; their area together.
+/// Checks that all triangles are counter-clockwise, and returns their total area.
 double filled(const Contours& contours) {
   vrml::PolygonTriangulator triangulator;
   const vrml::GlyphShape shape = fill(contours, triangulator);
@@ -70,7 +70,7 @@ TEST_CASE("makes holes of contours of the other orientation, and fills contours 
     CHECK(filled({square(0, 0, 10, turn), square(1, 1, 2, !turn), square(4, 1, 2, !turn), square(7, 1, 2, !turn),
                   square(1, 6, 2, !turn), square(4, 5, 2, !turn), square(7, 7, 2, !turn)}) == Approx(100 - 24));
     CHECK(filled({square(0, 0, 10, turn), square(2, 2, 6, !turn), square(4, 4, 2, turn)}) == Approx(100 - 36 + 4));
-    // The order does not count.
+    // The order has no effect.
     CHECK(filled({square(4, 4, 2, turn), square(2, 2, 6, !turn), square(0, 0, 10, turn)}) == Approx(68));
     const auto ring = circle(0, 0, 4, 37, turn), inner = circle(0.5, 0, 3, 23, !turn);
     CHECK(filled({ring, inner}) == Approx(area_of(ring) - area_of(inner)));
@@ -98,14 +98,14 @@ TEST_CASE("simplifies a contour within the tolerance to fewer corners") {
     const auto coarse = simplified(fine, tolerance);
     CHECK(coarse.size() < fine.size() / 7);
     CHECK(coarse.size() >= 3);
-    // Corners are on the circle; what is between them is off it by no more.
+    // Corners are on the circle; points between them are within the tolerance.
     for (std::size_t i = 0; i < coarse.size(); ++i) {
       CHECK(glm::length(coarse[i]) == Approx(1));
       CHECK(glm::length((coarse[i] + coarse[(i + 1) % coarse.size()]) * 0.5) >= 1 - tolerance - 1e-9);
     }
   }
   CHECK(simplified(square(0, 0, 1), 0.01).size() == 4);
-  CHECK(simplified(square(0, 0, 0.001), 0.01).size() == 3);  // thinner than the tolerance, and not gone
+  CHECK(simplified(square(0, 0, 0.001), 0.01).size() == 3);  // thinner than the tolerance, but kept
   CHECK(simplified({}, 0.01).empty());
   CHECK(simplified({{1, 1}, {1, 1}, {1, 1}, {1, 1}}, 0.01).size() <= 4);
 }

@@ -1,4 +1,4 @@
-// Small text is cut out of a picture of glyphs, and looks as its outlines do.
+// Tests of small text, which is drawn from a glyph sheet like its outlines.
 #include "render/text/glyph_sheet.h"
 
 #include "render/scene/render_scene.h"
@@ -19,7 +19,7 @@ namespace {
 using namespace render;
 using namespace render::testing;
 
-/// The part of the rectangle that is inside, by the picture: half or more.
+/// Returns the share of a rectangle that the sheet marks as inside (half or more).
 double inside(const Image& image, const vrml::GlyphShape& shape) {
   const auto pixel_at = [&](const glm::vec2& place) {
     return glm::vec2(place.x, 1 - place.y) * static_cast<float>(GlyphSheet::kSide);
@@ -38,7 +38,7 @@ struct World {
     vrml::parse("#VRML V2.0 utf8\n" + text, scene, diagnostics);
     REQUIRE(diagnostics.errors() == 0);
   }
-  /// As it is seen from +Z, small text as it is drawn, or as outlines.
+  /// Draws text seen from +Z, from the glyph sheet or as outlines.
   RenderList seen_from(double distance, bool pictures) {
     if (!pictures) return collect(scene, images, meshes, {0, 0, distance});
     RenderScene list(scene, images, clouds, meshes);
@@ -61,25 +61,25 @@ double mean_green(const Image& image) {
 
 TEST_CASE("draws the inside of contours into the glyph sheet, at the returned rectangle") {
   GlyphSheet sheet;
-  // A square of half an em with a hole of a quarter, which turns the other way (non-zero winding).
+  // A square of half an em with a hole of a quarter em of the other orientation (non-zero winding).
   const Contours ring = {{{0, 0}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}},
                          {{0.125, 0.125}, {0.125, 0.375}, {0.375, 0.375}, {0.375, 0.125}}};
   const auto shape = sheet.add(ring);
   REQUIRE(shape);
   REQUIRE(shape->points.size() == 4);
   CHECK(shape->triangles.size() == 6);
-  // A pixel more on each side.
+  // One more pixel on each side.
   constexpr float kPixel = 1.0f / GlyphSheet::kPixelsPerEm;
   CHECK(shape->points[0] == glm::vec2(-kPixel));
   CHECK(shape->points[2] == glm::vec2(0.5f + kPixel));
   CHECK(inside(*sheet.image(), *shape) == Approx(0.25 - 0.0625));
-  // Two that turn the same way: the inner one is no hole.
+  // Two contours of one orientation: the inner one is no hole.
   const Contours twice = {ring[0], {{0.125, 0.125}, {0.375, 0.125}, {0.375, 0.375}, {0.125, 0.375}}};
   const auto full = sheet.add(twice);
   REQUIRE(full);
   CHECK(inside(*sheet.image(), *full) == Approx(0.25));
-  CHECK(inside(*sheet.image(), *shape) == Approx(0.25 - 0.0625));  // it stays
-  // Half of a pixel is half covered.
+  CHECK(inside(*sheet.image(), *shape) == Approx(0.25 - 0.0625));  // unchanged
+  // Half covered pixels.
   const auto thin = sheet.add({{{0, 0}, {0.5 * double{kPixel}, 0}, {0.5 * double{kPixel}, 1}, {0, 1}}});
   REQUIRE(thin);
   const glm::vec2 place = (thin->coordinates[0] + thin->coordinates[2]) * 0.5f;
@@ -147,7 +147,7 @@ TEST_CASE("draws small text with two triangles per glyph, as bright as its outli
               lines + "] fontStyle FontStyle { family \"SANS\" spacing 1.1 justify [ \"MIDDLE\" \"MIDDLE\" ] } } }");
   const RenderList outlines = world.seen_from(1, false);
   CHECK_FALSE(outlines.items[0].mesh->pictured);
-  for (const double distance : {65.0, 100.0, 200.0}) {  // 14, 9 and 5 pixels an em, at kUsualPixelsPerRadian
+  for (const double distance : {65.0, 100.0, 200.0}) {  // 14, 9 and 5 pixels per em, at kUsualPixelsPerRadian
     INFO(distance);
     const RenderList cut = world.seen_from(distance, true);
     REQUIRE(cut.items.size() == 1);
@@ -161,7 +161,7 @@ TEST_CASE("draws small text with two triangles per glyph, as bright as its outli
       const double as_cut = mean_green(drawing.draw(cut, camera)),
                    as_outlines = mean_green(drawing.draw(outlines, camera));
       CHECK(as_outlines > 1);
-      // How alpha becomes samples is up to the driver (OpenGL 3.3 core profile, 4.1.3).
+      // The driver decides how alpha becomes samples (OpenGL 3.3 core profile, 4.1.3).
       CHECK(as_cut == Approx(as_outlines).epsilon(samples == 2 ? 0.2 : 0.1));
     }
   }
@@ -194,7 +194,7 @@ TEST_CASE("draws unreadably small text as one bar per word, as bright as its let
   drawing.options.width = drawing.options.height = 64;
   const RenderList list = world.seen_from(300, true);
   CHECK(list.items[0].mesh->indices.size() / 3 == 2 * 3);
-  // The same from nearer by, and from where letters are drawn.
+  // From nearer, and from the distance at which letters are drawn.
   World letters(
       "Shape { appearance Appearance { material Material { diffuseColor 1 1 1 } } geometry Text { string "
       "\"ten thousand labels\" } }");

@@ -29,7 +29,7 @@ FontRequest family(const char* name) {
 
 const FontRequest kFamilies[] = {family("SERIF"), family("SANS"), family("TYPEWRITER")};
 
-/// The font file by FreeType alone.
+/// Font file read with FreeType alone.
 struct FreeTypeFont {
   explicit FreeTypeFont(const FontFile& file) {
     REQUIRE_FALSE(file.path.empty());
@@ -40,7 +40,7 @@ struct FreeTypeFont {
     FT_Done_Face(face);
     FT_Done_FreeType(library);
   }
-  /// Ems.
+  /// Returns the advance in ems.
   [[nodiscard]] double advance(char32_t c) const {
     REQUIRE(FT_Load_Char(face, c, FT_LOAD_NO_SCALE) == 0);
     return static_cast<double>(face->glyph->metrics.horiAdvance) / face->units_per_EM;
@@ -115,7 +115,7 @@ TEST_CASE("advances characters by their natural widths (VRML97 6.20.3)") {
       CHECK(fonts.shape(request, utf8(c), TextDirection::right, 1).extent == Approx(reference.advance(c)));
     }
     double sum = 0;
-    for (const char32_t c : U"Hill mound") sum += c ? reference.advance(c) : 0;  // no pairs that are kerned
+    for (const char32_t c : U"Hill mound") sum += c ? reference.advance(c) : 0;  // contains no kerned pairs
     CHECK(fonts.shape(request, "Hill mound", TextDirection::right, 1).extent == Approx(sum));
   }
 }
@@ -125,7 +125,7 @@ TEST_CASE("covers the area that FreeType's rasteriser covers") {
   for (const FontRequest& request : kFamilies) {
     const FreeTypeFont reference(fonts.main_font(request));
     for (char32_t c = 0x21; c < 0x100; ++c) {
-      if ((c >= 0x7F && c <= 0xA0) || c == 0xAD) continue;  // a soft hyphen shows only where a line ends
+      if ((c >= 0x7F && c <= 0xA0) || c == 0xAD) continue;  // a soft hyphen is visible at line ends only
       INFO(request.families[0] << " character " << static_cast<unsigned>(c));
       const double expected = reference.area(c);
       CHECK(std::abs(area_of(fonts.shape(request, utf8(c), TextDirection::right, 0)) - expected) <
@@ -161,7 +161,7 @@ TEST_CASE("makes coarser levels of fewer triangles and equal extent") {
   CHECK(triangles_of(least) < triangles_of(coarse));
   CHECK(bars.glyphs.size() == 3);  // words
   CHECK(triangles_of(bars) == 2 * bars.glyphs.size());
-  CHECK(area_of(bars) > area_of(least));  // of which the picture of glyphs fills a part
+  CHECK(area_of(bars) > area_of(least));  // the glyph sheet fills a part of it
   CHECK(area_of(bars) < 2 * area_of(least));
   const ShapedText rectangles = fonts.shape(kFamilies[0], text, TextDirection::right, vrml::kTextPictures);
   CHECK(triangles_of(rectangles) == 2 * (text.size() - 2));
@@ -192,7 +192,7 @@ TEST_CASE("chooses the first available family of VRML97 6.20.2") {
   several.families = {"No Such Family 77", "TYPEWRITER", "SANS"};
   CHECK(fonts.main_font(several).path == typewriter);
   CHECK(fonts.main_font(family("DejaVu Sans")).path.find("DejaVuSans") != std::string::npos);
-  // In a font of fixed pitch all are as wide as each other.
+  // All characters of a monospaced font have equal widths.
   const double width = fonts.shape(family("TYPEWRITER"), "i", TextDirection::right, 1).extent;
   for (const char* c : {"W", ".", "m", "1"})
     CHECK(fonts.shape(family("TYPEWRITER"), c, TextDirection::right, 1).extent == Approx(width));
@@ -202,7 +202,7 @@ TEST_CASE("chooses the first available family of VRML97 6.20.2") {
 
 TEST_CASE("draws bold and italic styles, also of fonts without them") {  // 6.20.2
   SystemFonts fonts;
-  // How far the upper half of the letter I leans to the right, and its area.
+  // Returns the slant of the letter I by its upper half, and its area.
   const auto measure = [&](const char* name, bool bold, bool italic) {
     FontRequest request = family(name);
     request.bold = bold;
@@ -258,7 +258,7 @@ TEST_CASE("runs Hebrew from right to left and its numbers from left to right, in
     const ShapedText number = fonts.shape(kFamilies[1], kHebrew + " 12", direction, 1);
     CHECK(place_of(fonts, number, "1") < place_of(fonts, number, "2"));
   }
-  // Embedded in a line that goes right, and one that goes left.
+  // Embedded in a left-to-right line and in a right-to-left line.
   const ShapedText right = fonts.shape(kFamilies[1], "a" + kHebrew + "z", TextDirection::right, 1);
   CHECK(place_of(fonts, right, "a") < place_of(fonts, right, kGimel));
   CHECK(place_of(fonts, right, kAlef) < place_of(fonts, right, "z"));
@@ -286,7 +286,7 @@ TEST_CASE("stacks characters of vertical text, centred (VRML97 6.20.3)") {
     REQUIRE(line.glyphs.size() == 3);
     CHECK(line.extent > 2.5);
     for (std::size_t i = 0; i < 3; ++i) {
-      // From top to bottom; boxes are within their part of the line, and centred.
+      // From top to bottom, with centred boxes within their part of the line.
       float left = 1e9f, right = -1e9f, top = -1e9f, bottom = 1e9f;
       for (const glm::vec2& p : line.glyphs[i].shape->points) {
         left = std::min(left, p.x + line.glyphs[i].at.x);
@@ -304,10 +304,11 @@ TEST_CASE("stacks characters of vertical text, centred (VRML97 6.20.3)") {
 
 TEST_CASE("takes missing characters from another font") {
   SystemFonts fonts;
-  // Hebrew is not in every monospaced font, but in one of the system's.
+  // Some monospaced font of the system has Hebrew, not every one.
   const ShapedText text = fonts.shape(family("TYPEWRITER"), kAlef, TextDirection::right, 1);
   REQUIRE(text.glyphs.size() == 1);
-  const ShapedText missing = fonts.shape(family("TYPEWRITER"), "\xF3\xB0\x80\x80", TextDirection::right, 1);  // private
+  // private-use character
+  const ShapedText missing = fonts.shape(family("TYPEWRITER"), "\xF3\xB0\x80\x80", TextDirection::right, 1);
   CHECK((missing.glyphs.empty() || missing.glyphs[0].shape != text.glyphs[0].shape));
 }
 
@@ -335,7 +336,7 @@ TEST_CASE("shapes any bytes in any direction") {
     CHECK(std::isfinite(text.extent));
     for (const PlacedGlyph& glyph : text.glyphs) CHECK((glyph.shape && std::isfinite(glyph.at.x + glyph.at.y)));
   }
-  // Marks without end on one letter, and a run longer than is shaped at a time.
+  // Endless marks on one letter, and a run longer than the shaper's maximum.
   std::string marks = "a";
   for (int i = 0; i < 20'000; ++i) marks += "\xCC\x81";
   CHECK(std::isfinite(fonts.shape(kFamilies[0], marks, TextDirection::right, 2).extent));
@@ -353,7 +354,7 @@ TEST_CASE("accepts any number of fonts and languages") {
     request.language = "q" + std::to_string(i);
     const ShapedText text = fonts.shape(request, "nn", TextDirection::right, 1);
     CHECK(text.glyphs.size() == 2);
-    if (i >= 600) CHECK(text.extent == Approx(plain));  // the plain font, from where it is too many
+    if (i >= 600) CHECK(text.extent == Approx(plain));  // beyond the limit, the plain font
   }
 }
 

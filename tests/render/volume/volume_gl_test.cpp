@@ -21,8 +21,7 @@ std::shared_ptr<const qnv::Cloud> shell(std::size_t count = 900, unsigned seed =
   return std::make_shared<const qnv::Cloud>(random_volume(count, seed, spacing));
 }
 
-/// Draws on the processor and with OpenGL, sorted both ways, and compares all with one another; the picture of the
-/// processor. `least`: decibels.
+/// Compares OpenGL, with both sorts, and the processor, and returns the processor's picture. `least` is in decibels.
 Pixels check_same(const RenderList& list, const DrawOptions& look, const glm::vec3& eye = {0, 0, 3}, int samples = 1,
                   double least = 40) {
   Pixels wanted;
@@ -76,7 +75,7 @@ TEST_CASE("draws many small and few large vectors with OpenGL as on the processo
   (void)check_same(volume_list(shell(30'000, 7, 0.02f)), {});
   (void)check_same(volume_list(shell(20, 8, 0.4f)), {});
   (void)check_same(volume_list(shell(1, 9, 0.4f)), {});
-  // Smaller than a pixel.
+  // Vectors smaller than a pixel.
   (void)check_same(volume_list(shell(3000, 9, 0.01f)), {}, {0, 0, 20});
 }
 
@@ -179,7 +178,7 @@ TEST_CASE("sorts for OpenGL at most one picture late, and exactly for an unchang
     CHECK(!picture.statistics.pending);
     CHECK(psnr_of(again, fresh.draw(list, kBlue, 25)) > 100);
   }
-  // Another viewport has an order of its own.
+  // Another viewport has its own order.
   picture.options.viewport = 1;
   picture.camera.world_from_camera = glm::inverse(glm::lookAt(glm::vec3(0, 0, -3), glm::vec3(0), glm::vec3(0, 1, 0)));
   fresh.camera = picture.camera;
@@ -205,7 +204,7 @@ TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
   REQUIRE(sort);
   const Buffer order = make_buffer(picture.gl), item_buffer = make_buffer(picture.gl);
   const Texture items = make_texture(picture.gl);
-  // One depth; all depths; many of one depth.
+  // One depth, all depths, and many vectors at one depth.
   for (const std::size_t count : {1u, 2u, 255u, 4096u, 4097u, 70'000u}) {
     for (const float deep : {0.0f, 1.0f}) {
       auto cloud = std::make_shared<qnv::Cloud>(random_volume(count, 3, 0.1f));
@@ -237,7 +236,7 @@ TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
         seen[sorted[i]] = true;
         if (i == 0) continue;
         const std::uint32_t a = codes[sorted[i - 1]][2] & 0xFFFFF, b = codes[sorted[i]][2] & 0xFFFFF;
-        // Codes a step apart may round to one depth.
+        // Codes one step apart may round to one depth.
         if (a > b + 1 || (a == b && sorted[i - 1] < sorted[i])) ++wrong;
       }
       INFO(count << " vectors");

@@ -24,7 +24,7 @@ TEST_CASE("counts the spacing of a prefix at powers of the square root of two") 
   CHECK(volume_prefix(1000, 1) == VolumePrefix{1, 1});
   CHECK(volume_prefix(0, 0) == VolumePrefix{0, 0});
   CHECK(volume_prefix(0, 7) == VolumePrefix{0, 0});
-  // Every model has spacings for all prefixes that it serves.
+  // Every model has spacings for all its prefixes.
   const qnv::Cloud cloud = random_volume(300, 1, 0.1f);
   for (std::size_t budget = 1; budget <= 300; ++budget) {
     const VolumePrefix prefix = volume_prefix(300, budget);
@@ -44,7 +44,7 @@ TEST_CASE("gives a prefix the spacing of a point set that ends there") {
     sum_all += static_cast<double>(all.spacing[k]);
     sum_some += static_cast<double>(some.spacing[k]);
   }
-  // An eighth of the vectors: twice as far from one another in a solid, almost three times in a boundary.
+  // An eighth of the vectors: spacing doubles in a solid, and nearly triples at a boundary.
   CHECK(sum_some / sum_all > 1.8);
   CHECK(sum_some / sum_all < 3);
   CHECK(some.full_magnitude == all.full_magnitude);
@@ -62,7 +62,7 @@ TEST_CASE("limits a vector to its octree cell, except in a prefix") {
   for (std::size_t k = 1; k < cloud.size(); k += 4) cloud.cells[k].edge = 1e-6f;
   const VolumeModel bounded = volume_model(cloud);
   for (std::size_t k = 0; k < cloud.size(); ++k) {
-    // Never less than voxels are apart.
+    // Never less than the voxel spacing.
     const float edge = std::max(cloud.cells[k].edge, cloud.description.spacing);
     REQUIRE(bounded.spacing[k] == (cloud.cells[k].edge > 0 ? std::min(free.spacing[k], edge) : free.spacing[k]));
   }

@@ -18,7 +18,7 @@ namespace {
 constexpr int kWidth = 80, kHeight = 60;
 using Target = VolumePicture;
 
-/// One pixel of a picture, 0..1.
+/// Returns one pixel in 0..1.
 glm::vec3 pixel_color(const Pixels& pixels, int x, int y) {
   const std::uint8_t* p = pixels.data() + 4 * (y * kWidth + x);
   return glm::vec3(p[0], p[1], p[2]) / 255.0f;
@@ -26,7 +26,7 @@ glm::vec3 pixel_color(const Pixels& pixels, int x, int y) {
 
 std::size_t index_of(int x, int y) { return static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x); }
 
-/// A rectangle that faces the camera at `depth` and covers the pixels x0..x1, y0..y1 (exclusive) of `target`.
+/// Returns a rectangle that faces the camera at `depth` and covers pixels x0..x1, y0..y1 (exclusive) of `target`.
 std::array<glm::vec3, 4> rectangle(const Target& target, float depth, float x0, float y0, float x1, float y1) {
   const glm::vec2 t = target.view().tangents;
   const auto corner = [&](float x, float y) {
@@ -99,7 +99,7 @@ TEST_CASE("applies transparency, clipping plane and threshold of a volume") {
   CHECK(plain(target.draw(list, color, 9), color));
   target.options.clouds.least_magnitude = 0;
   list.splats[0].world_from_node = testing::translation({0, 0, -1});
-  target.options.clouds.clip = glm::vec4(0, 0, 1, -0.1f);  // the world's z >= 0.1: in front of all of it
+  target.options.clouds.clip = glm::vec4(0, 0, 1, -0.1f);  // the world's z >= 0.1, in front of the whole volume
   CHECK(plain(target.draw(list, color, 9), color));
   target.options.clouds.clip = glm::vec4(0, 0, 1, 1);
   (void)target.draw(list, color, 9);
@@ -175,7 +175,7 @@ TEST_CASE("mixes vectors of intersecting volumes by depth, vector by vector", "[
       std::swap(list.splats[0], list.splats[1]);
     }
   }
-  // One over the other would be another picture.
+  // Drawing one over the other differs.
   Psnr layered;
   const RayImage one = exact_volumes(std::span(items).first(1), target.view()),
                  other = exact_volumes(std::span(items).last(1), target.view());
@@ -212,7 +212,7 @@ TEST_CASE("hides the volume behind a polygon, and veils the polygon by the volum
     item.options.opacity = 0.5f;
     const RayImage exact = exact_volumes(std::span(&item, 1), target.view(), stops);
     CHECK(psnr_over(drawn, exact, under) >= 40);
-    // Neither the bare polygon nor all of the volume over it.
+    // Differs from the bare polygon and from the whole volume over it.
     const RayImage all = exact_volumes(std::span(&item, 1), target.view());
     CHECK(psnr_over(drawn, all, under) < 35);
     CHECK(glm::distance(pixel_color(drawn, 40, 30), yellow) > 0.1f);
@@ -230,7 +230,7 @@ TEST_CASE("smooths polygon edges before, in and behind a volume with several sam
       target.options.splats = chosen;
       const auto draw = [&](bool polygon, bool volume) {
         target.clear({0, 0, 1}, 25);
-        // Its left edge cuts the column 30 in halves.
+        // Its left edge halves column 30.
         if (polygon) target.polygon(rectangle(target, depth, 30.5f, -5, 90, 70), {1, 0, 0});
         if (volume) target.volumes(volume_list(cloud));
         return target.read();
@@ -239,7 +239,7 @@ TEST_CASE("smooths polygon edges before, in and behind a volume with several sam
       const Pixels bare = draw(false, true);
       double worst = 0;
       for (int y = 5; y < kHeight - 5; ++y) {
-        // In the column half of the samples show what the left column shows, half what the right one does.
+        // Half of the samples of that column match the left column, half the right one.
         const glm::vec3 left = pixel_color(bare, 30, y),
                         right = 0.5f * (pixel_color(drawn[path], 31, y) + pixel_color(drawn[path], 32, y)),
                         middle = pixel_color(drawn[path], 30, y), wanted = 0.5f * (left + right);
@@ -289,7 +289,7 @@ TEST_CASE("applies a chosen transfer function to all volumes, and colours by the
   const Pixels own = target.draw(volume_list(cloud), {0, 0, 0}, 25);
   target.options.clouds.transfer = {{0, {0, 255, 0}, 0.5f}, {1, {0, 255, 0}, 0.5f}};
   const Pixels green = target.draw(volume_list(cloud), {0, 0, 0}, 25);
-  // Its gloss is white, but weak.
+  // Its gloss is white but weak.
   CHECK(pixel_color(green, 40, 30).y > 3 * pixel_color(green, 40, 30).x);
   target.options.clouds.transfer = {{0, {0, 255, 0}, 0}, {1, {0, 255, 0}, 0}};
   CHECK(plain(target.draw(volume_list(cloud), {0, 0, 0}, 25), {0, 0, 0}));
@@ -356,7 +356,7 @@ TEST_CASE("combines volumes with polygons for all depth formats, and without a d
           CHECK(psnr_of(drawn, wanted) >= 40);
           continue;
         }
-        // Blended into eight bits.
+        // Blends into eight bits.
         const VolumeModel model = volume_model(*cloud);
         const VolumeItem item = item_of(*cloud, model, target.view().camera_from_node);
         const double psnr = psnr_over(drawn, exact_volumes(std::span(&item, 1), target.view()), {0, 0, 255, 255});

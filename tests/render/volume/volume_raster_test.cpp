@@ -26,7 +26,7 @@ VolumeLayer drawn(const qnv::Cloud& cloud, const SplatView& view, const VolumeOp
   return render::rasterize_volume(cloud, render::volume_model(cloud, view.threads), view, options);
 }
 
-/// Of all four components; and how many of the pixels that are clearly opaque lie at another depth.
+/// Returns the agreement of all four components, and the share of clearly opaque pixels with another depth.
 std::pair<double, double> against_oracle(const qnv::Cloud& cloud, const SplatView& view, const VolumeOptions& options) {
   const VolumeLayer layer = drawn(cloud, view, options);
   const render::RayImage exact = raycast_volume(cloud, view, options);
@@ -145,7 +145,7 @@ TEST_CASE("draws several volumes with stops to their exact picture on any number
   };
   CHECK(decibels(one.pixels, far) >= 40);
   CHECK(decibels(one.edge_pixels, near) >= 40);
-  // Stops that nothing reaches, and those of another size, change nothing.
+  // Stops beyond the volume, and stops of another size, change nothing.
   const std::vector<float> none(48 * 36, kInfinity);
   const VolumeLayer free = render::rasterize_volumes(items, view);
   CHECK(same(free, render::rasterize_volumes(items, view, {none, none})));
@@ -189,7 +189,7 @@ TEST_CASE("splats a volume to the same bits in both kernels") {
   for (auto& s : splats) {
     s = {place(random),       place(random),    0.5f + 20 * part(random) * part(random),
          0.3f * part(random), 1 + part(random), static_cast<std::uint32_t>(random() & 0xFFFFFFu)};
-    // Those of a tile meet it.
+    // Keeps vectors that meet one tile.
     s.x = std::clamp(s.x, 32 - s.reach, 63 + s.reach);
     s.y = std::clamp(s.y, 0 - s.reach, 31 + s.reach);
   }
@@ -208,7 +208,7 @@ TEST_CASE("splats a volume to the same bits in both kernels") {
     render::volume_kernel_baseline().stopped_tile(splats.data(), order, 32, 0, *b);
     CHECK(std::memcmp(a.get(), b.get(), sizeof *a) == 0);
     CHECK(*std::min_element(a->clear.begin(), a->clear.end()) >= 0);
-    CHECK(a->clear[0] == 1);  // its stop is no number
+    CHECK(a->clear[0] == 1);  // its stop is NaN
   }
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t entry(std::uint32_t key, std::uint32_t value) { return std::uint64_t{key} << 32 | value; }
 
-/// Seen from +z, or turned about y by `angle`.
+/// Returns the depth row of a view from +z, or turned by `angle` about y.
 glm::vec4 row(float angle, float distance = 5) { return {-std::sin(angle), 0, -std::cos(angle), distance}; }
 
 std::shared_ptr<const qnv::Cloud> points(std::size_t count, unsigned seed) {
@@ -35,7 +35,7 @@ float depth_of(const VolumeSortPart& part, std::size_t k) {
   return glm::dot(part.row, glm::vec4(part.cloud->positions[k], 1));
 }
 
-/// Whether an order is that of depth, farthest first, with all vectors once.
+/// Checks that an order is by depth, farthest first, with each vector once.
 bool sorted(const VolumeSorter::Order& order, const VolumeSortPart& part) {
   std::vector<bool> seen(part.count);
   float last = kInfinity;
@@ -69,7 +69,7 @@ TEST_CASE("sorts entries by key, and keeps the order of equal keys") {
       for (std::uint32_t i = 0; i < count; ++i)
         entries.push_back(entry(static_cast<std::uint32_t>(random()) & mask, i));
       std::vector<std::uint64_t> wanted = entries;
-      // Values ascend, so that an order by both is the stable one by the key.
+      // Values ascend, so an order by both equals the stable one by key.
       std::sort(wanted.begin(), wanted.end());
       sort_by_key(entries, room);
       CHECK(entries == wanted);
@@ -106,7 +106,7 @@ TEST_CASE("sorts at most one view late, and exactly for an unchanged view") {
   VolumeSorter sorter;
   VolumeSortPart last{cloud, cloud->size(), row(0)};
   auto order = sorter.order(std::span(&last, 1));
-  CHECK(order.exact);  // there was no other
+  CHECK(order.exact);  // the first order is exact
   CHECK(sorted(order, last));
   for (int frame = 1; frame < 40; ++frame) {
     const VolumeSortPart part{cloud, cloud->size(), row(0.02f * static_cast<float>(frame))};
@@ -114,7 +114,7 @@ TEST_CASE("sorts at most one view late, and exactly for an unchanged view") {
     CHECK(sorted(order, order.exact ? part : last));
     last = part;
   }
-  // Asked again: it waits at most for its own.
+  // A second request waits at most for its own order.
   order = sorter.order(std::span(&last, 1));
   CHECK(order.exact);
   CHECK(sorted(order, last));

@@ -38,7 +38,7 @@ TEST_CASE("stores positions, directions, weights, colours and classes of volumes
     if (k == 6 || k == 7) {
       REQUIRE(decoded.normal == glm::vec3(0));
     } else {
-      // Ten bits an axis of an octahedron: a quarter of a degree.
+      // Ten bits per octahedral axis: a quarter of a degree.
       REQUIRE(glm::dot(decoded.normal, glm::normalize(cloud.normals[k])) > 0.99999f);
     }
   }
@@ -76,12 +76,12 @@ TEST_CASE("keeps volumes that are drawn, and removes others to make room") {
   CHECK(store.place(std::span(&large, 1)).size() == 1);
   CHECK(store.place(std::span(&larger, 1)).empty());
   CHECK(store.place({}).empty());
-  // Twice in one picture: one place.
+  // Two uses in one picture share storage.
   const std::array<SharedVolume, 2> twice{both[0], both[0]};
   const auto one = store.place(twice);
   REQUIRE(one.size() == 2);
   CHECK(one[0].first == one[1].first);
-  // Many that come and go.
+  // Adds and drops many.
   for (unsigned i = 0; i < 50; ++i) {
     store.forget_unused();
     const SharedVolume passing = shared(200, i);
