@@ -97,7 +97,7 @@ Ranges ranges_of(std::string_view text) {
 
 // Checks a number. Returns a message if it is invalid.
 std::optional<std::string> why_not(double number, const std::optional<Interval>& range) {
-  if (!std::isfinite(number)) return "expected numbers that are finite";
+  if (!std::isfinite(number)) return "expected finite numbers";
   if (range && !range->has(number)) return number_text(number) + " is out of range; expected " + range_words(*range);
   return std::nullopt;
 }
@@ -135,7 +135,7 @@ struct Check {
     const float all[] = {rotation.x, rotation.y, rotation.z};
     if (auto why = why_not_all(all, std::nullopt)) return why;
     if (rotation.x == 0 && rotation.y == 0 && rotation.z == 0 && rotation.angle != 0)
-      return "0 0 0 is no axis; expected a direction that is turned about";
+      return "0 0 0 is not an axis; expected the direction of the axis";
     return why_not(rotation.angle, ranges.angle);
   }
   template <class T>
@@ -168,8 +168,8 @@ const vrml::InterfaceDeclaration* setter_of(const vrml::NodeType& type, const vr
 }
 
 std::string why_not_set(const vrml::InterfaceDeclaration& field) {
-  return field.access == AccessType::eventOut ? "an eventOut: the node itself sends it"
-                                              : "a field: it is what the file says, and no event sets it";
+  return field.access == AccessType::eventOut ? "eventOut: sent by the node only"
+                                              : "field: fixed by the file, without an eventIn";
 }
 
 std::optional<std::string> why_not_valid(const vrml::NodeType& type, const vrml::InterfaceDeclaration& event_in,

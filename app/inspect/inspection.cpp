@@ -51,7 +51,7 @@ bool Inspection::act(Session& session) {
   if (!retried_.empty())
     for (const StreamList::Row& row : std::exchange(retried_, {})) send_again(session, row);
   if (!world_) {
-    if (!entered_.empty()) console_.answer("there is no world that lives", true);
+    if (!entered_.empty()) console_.answer("no world is running", true);
     entered_.clear();
     return false;
   }
@@ -195,10 +195,10 @@ const vrml::FieldValue* Inspection::value_of(const vrml::InterfaceDeclaration& i
 }
 
 std::optional<std::string> Inspection::send_text(const vrml::InterfaceDeclaration& event_in, const std::string& text) {
-  if (!world_ || !selected_) return "there is no node any more";
+  if (!world_ || !selected_) return "the node no longer exists";
   // DEF names resolve in the world's main file only.
   if (vrml::holds_nodes(event_in.type) && selected_.scene != &world_->root())
-    return "nodes of Inlines get no nodes from here";
+    return "nodes of Inlines cannot be set to nodes here";
   if (!names_) names_ = std::make_unique<vrml::NodeNames>(world_->root());
   auto read = read_edit(*selected_.scene->node(selected_.id).type, event_in, text, *names_);
   if (auto* why = std::get_if<std::string>(&read)) return std::move(*why);
@@ -206,9 +206,9 @@ std::optional<std::string> Inspection::send_text(const vrml::InterfaceDeclaratio
 }
 
 std::optional<std::string> Inspection::send(const vrml::InterfaceDeclaration& event_in, vrml::FieldValue value) {
-  if (!world_ || !selected_) return "there is no node any more";
+  if (!world_ || !selected_) return "the node no longer exists";
   if (auto why = why_not_valid(*selected_.scene->node(selected_.id).type, event_in, value)) return why;
-  if (edits_.size() >= kMostEdits) return "too many changes wait already";
+  if (edits_.size() >= kMostEdits) return "too many changes are pending; try again";
   edits_.push_back({selected_, &event_in, std::move(value)});
   return std::nullopt;
 }
@@ -227,17 +227,18 @@ std::optional<std::string> Inspection::send_element(const vrml::InterfaceDeclara
                                                     const vrml::FieldValue& list, std::size_t index,
                                                     const vrml::FieldValue& element) {
   vrml::FieldValue changed = list;
-  if (!set_element(changed, index, element)) return "there is no such element any more";
+  if (!set_element(changed, index, element)) return "the element no longer exists";
   return send(event_in, std::move(changed));
 }
 
 std::optional<std::string> Inspection::send_element_text(const vrml::InterfaceDeclaration& event_in,
                                                          const vrml::FieldValue& list, std::size_t index,
                                                          const std::string& text) {
-  if (!world_ || !selected_ || index >= element_count(list)) return "there is no such element any more";
+  if (!world_ || !selected_ || index >= element_count(list)) return "the element no longer exists";
   if (!names_) names_ = std::make_unique<vrml::NodeNames>(world_->root());
   const vrml::FieldType type = vrml::type_of(element_of(list, index));
-  if (vrml::holds_nodes(type) && selected_.scene != &world_->root()) return "nodes of Inlines get no nodes from here";
+  if (vrml::holds_nodes(type) && selected_.scene != &world_->root())
+    return "nodes of Inlines cannot be set to nodes here";
   const auto value = read_value(text, type, *names_);
   if (!value) return "'" + text.substr(0, 80) + "' is no " + std::string(vrml::name_of(type));
   return send_element(event_in, list, index, *value);

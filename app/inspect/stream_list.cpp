@@ -18,7 +18,7 @@ std::string detail_of(const Document& document, const LoadRow& load) {
     if (feed.get() != load.feed || !feed->stream()) continue;
     const qnv::LodStream& stream = *feed->stream();
     std::string text =
-        count_text(stream.clusters(), "part") + " here, " + count_text(stream.cached_discs(), "vector") + " shown";
+        count_text(stream.clusters(), "part") + " received, " + count_text(stream.cached_discs(), "vector") + " shown";
     const std::size_t wanted = stream.wanted_by_all().size();
     if (load.by_view && !load.ended)
       text += wanted > 0 ? ", " + count_text(wanted, "part") + " wanted" : ", fine enough";

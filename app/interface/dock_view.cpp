@@ -14,7 +14,7 @@ constexpr ImGuiWindowFlags kAreaFlags = ImGuiWindowFlags_NoDecoration | ImGuiWin
                                         ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 constexpr const char* kAreaNames[kDockSides] = {"##dock-left", "##dock-right", "##dock-bottom"};
 constexpr const char* kDividerNames[kDockSides] = {"##divider-left", "##divider-right", "##divider-bottom"};
-constexpr const char* kMoveNames[kDockSides] = {"Move to the left", "Move to the right", "Move below the picture"};
+constexpr const char* kMoveNames[kDockSides] = {"Move left", "Move right", "Move below"};
 
 std::vector<DockSide> first_sides() {
   std::vector<DockSide> sides;

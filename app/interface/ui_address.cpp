@@ -64,7 +64,7 @@ void UiOverlay::State::address_bar(const UiModel& model, UiActions& actions, flo
   if (std::exchange(bar.wanted, false)) ImGui::SetKeyboardFocusHere();
   const FieldEvents events = text_field("##address", "Path or URL", bar.text, width, bar.retried.empty(),
                                         {[this](const std::string& typed) { return completed_path(typed, listing); }});
-  if (!bar.active) tooltip("Path or URL of what is shown (" + keys_of(row_of(Action::address)) + ")");
+  if (!bar.active) tooltip("Path or URL of the world (" + keys_of(row_of(Action::address)) + ")");
   const ImVec2 lower = ImGui::GetItemRectMin(), upper = ImGui::GetItemRectMax();
   if (events.active && !bar.active) listing.forget();
   if (events.changed) bar.chosen.reset();

@@ -241,7 +241,7 @@ void UiOverlay::State::status_bar(const UiModel& model) {
           " items   " + counted(model.statistics.draw_calls) + " draw calls";
   if (model.statistics.vectors > 0)
     line += "   " + counted(model.statistics.vectors) + " vectors (" + model.statistics.splats + ")" +
-            (model.statistics.pending ? ", more to come" : "");
+            (model.statistics.pending ? ", loading" : "");
   if (model.mode == NavigationMode::fly || model.mode == NavigationMode::walk) {
     std::snprintf(numbers, sizeof numbers, "   %.3g m/s", static_cast<double>(model.speed));
     line += numbers;

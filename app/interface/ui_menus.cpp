@@ -175,9 +175,9 @@ void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
     const Bookmark& one = model.bookmarks[i];
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::MenuItem(("      " + label_of(shortened(one.title, 80), "bookmark")).c_str())) actions.open_bookmark = i;
-    tooltip(without_home(one.place) + (one.viewpoint.empty() ? "" : "\n" + one.viewpoint) + "\nRight click: remove");
+    tooltip(without_home(one.place) + (one.viewpoint.empty() ? "" : "\n" + one.viewpoint) + "\nRight-click to remove");
     if (ImGui::BeginPopupContextItem("##remove")) {
-      if (ImGui::MenuItem("Remove the bookmark")) actions.remove_bookmark = i;
+      if (ImGui::MenuItem("Remove bookmark")) actions.remove_bookmark = i;
       ImGui::EndPopup();
     }
     ImGui::PopID();

@@ -67,7 +67,7 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
   if (std::exchange(dialog.wanted, false)) ImGui::SetKeyboardFocusHere();
   const float button = ImGui::CalcTextSize("Open").x + 2 * ImGui::GetStyle().FramePadding.x;
   const FieldEvents events =
-      text_field("##path", "Path or URL; a part of a name finds it", dialog.typed,
+      text_field("##path", "Path, URL or part of a name", dialog.typed,
                  width - button - 2 * ImGui::GetStyle().WindowPadding.x - ImGui::GetStyle().ItemSpacing.x, false,
                  {[this](const std::string& typed) { return completed_path(typed, listing); }});
   ImGui::SameLine();

@@ -59,14 +59,14 @@ void UiOverlay::State::palette_dialog(const UiModel& model, UiActions& actions) 
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PopStyleColor();
   if (std::exchange(palette.appears, false)) ImGui::SetKeyboardFocusHere();
-  const FieldEvents events = text_field("##command", "What do you want to do?", palette.typed, -1, false);
+  const FieldEvents events = text_field("##command", "Search commands", palette.typed, -1, false);
   if (events.changed) palette.chosen = 0;
   const int count = static_cast<int>(fit.size());
   if (count > 0) palette.chosen = (palette.chosen + events.moved + count) % count;
   const Command* wanted = events.entered && count > 0 ? fit[static_cast<std::size_t>(palette.chosen)].second : nullptr;
   ImGui::Separator();
   ImGui::BeginChild("##commands");
-  if (fit.empty()) colored_text(UiColors::kQuiet, "Nothing is called so.");
+  if (fit.empty()) colored_text(UiColors::kQuiet, "No matches.");
   for (int i = 0; i < count; ++i) {
     const Command& command = *fit[static_cast<std::size_t>(i)].second;
     ImGui::PushID(i);

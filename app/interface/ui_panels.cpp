@@ -17,20 +17,21 @@ struct KeyHelp {
   const char* what;
 };
 constexpr KeyHelp kPointerHelp[] = {
-    {"Left drag", "Examine: turn about what is under it.  Fly, Walk: move and turn, the farther the faster"},
+    {"Left drag",
+     "Examine: turn about the point under the pointer.  Fly, Walk: move and turn; a longer drag is faster"},
     {"Right drag", "Examine: slide.  Fly, Walk: look around"},
-    {"Middle drag", "Examine: closer and farther.  Fly, Walk: slide"},
+    {"Middle drag", "Examine: zoom.  Fly, Walk: slide"},
     {"Shift or Ctrl + left drag", "Slide"},
-    {"Wheel", "Towards what is under the pointer.  Fly, Walk: ahead"},
-    {"Double click", "Examine: turn about this point from now on"},
-    {"Click", "Look at: go to what is under the pointer"},
-    {"Hand", "Something in the world that a click or a left drag sets in motion, or a link"},
+    {"Wheel", "Examine: zoom to the point under the pointer.  Fly, Walk: move forward and back"},
+    {"Double click", "Examine: set the centre of rotation"},
+    {"Click", "Look at: go to the point under the pointer"},
+    {"Hand", "Pointer over a sensor or link: click or drag with the left button"},
 };
 // Keys that move the viewer while held.
 constexpr KeyHelp kHeldKeyHelp[] = {
-    {"Arrows", "Examine: turn.  Fly, Walk: ahead, back, turn"},
-    {"W A S D, Q E", "Ahead, left, back, right, down, up; with Shift fast"},
-    {"Gamepad, 3D mouse", "Left stick and triggers move, the right stick turns; the cap does both"},
+    {"Arrows", "Examine: turn.  Fly, Walk: move forward and back, turn"},
+    {"W A S D, Q E", "Forward, left, back, right, down, up; with Shift faster"},
+    {"Gamepad, 3D mouse", "Left stick and triggers move, right stick turns; the 3D mouse cap moves and turns"},
 };
 
 template <std::size_t N>

@@ -81,7 +81,7 @@ void UiOverlay::State::divider_handles(const UiModel& model, UiActions& actions)
                            static_cast<int>(std::lround(divider.upright ? pointer.x / unit.x : pointer.y / unit.y)),
                            static_cast<int>(std::lround(kLeastViewport * scale / unit.x)), !held};
       }
-      tooltip("Drag to make viewports larger or smaller.  Double click: even out all");
+      tooltip("Drag to resize viewports.  Double-click to equalise their sizes");
     }
     ImGui::End();
   }
@@ -102,18 +102,18 @@ void UiOverlay::State::pane_bar(const UiViewport& viewport, const UiModel& model
   ImGui::AlignTextToFramePadding();
   colored_text(viewport.active ? UiColors::kText : UiColors::kQuiet,
                name_of_pane(viewport.pane, shortened(viewport.label, kBarLabel)));
-  tooltip("Ctrl+" + std::to_string(viewport.pane + 1) + ": keys go to this viewport.  Right click: its menu");
+  tooltip("Ctrl+" + std::to_string(viewport.pane + 1) + ": focus this viewport.  Right-click for its menu");
   const bool several = std::count_if(model.viewports.begin(), model.viewports.end(),
                                      [](const UiViewport& one) { return one.vectors > 0; }) > 1;
   if (viewport.vectors > 0 && several) {
     ImGui::SameLine();
     colored_text(UiColors::kQuiet, percent(viewport.vectors));
-    tooltip("Its share of the vectors that are drawn: " + thousands(viewport.budget));
+    tooltip("Share of the drawn vectors: " + thousands(viewport.budget));
   }
   if ((viewport.reading > 0 && viewport.rate > 0) || viewport.arriving > 0) {
     ImGui::SameLine();
     colored_text(UiColors::kQuiet, arriving_text(viewport));
-    tooltip("How much comes for it a second; its menu says how much may");
+    tooltip("Rate of received data; the menu sets its limit");
   }
   // Show buttons only in the active or hovered viewport, because they cover the picture.
   const bool wanted = viewport.active || area.contains(ImGui::GetIO().MousePos);
@@ -136,7 +136,7 @@ void UiOverlay::State::pane_bar(const UiViewport& viewport, const UiModel& model
   }
   if (wanted) {
     ImGui::SameLine(0, needed < area.width() ? 1 : -1);
-    if (button("menu", Icon::menu, "More: swap, shares, and the like")) ImGui::OpenPopup("##panemenu");
+    if (button("menu", Icon::menu, "Viewport menu")) ImGui::OpenPopup("##panemenu");
   }
   if (wanted && needed < area.width()) {
     ImGui::SameLine(0, 1);
@@ -166,7 +166,7 @@ void UiOverlay::State::pane_menu(const UiViewport& viewport, const UiModel& mode
         actions.pane = wish(PaneRequest::Kind::swap, viewport, pane);
     ImGui::EndMenu();
   }
-  item(Action::even_out, "Even out all", PaneRequest::Kind::even_out);
+  item(Action::even_out, "Equalise viewport sizes", PaneRequest::Kind::even_out);
   ImGui::Separator();
   pane_shares(viewport, actions);
   ImGui::Separator();
@@ -176,25 +176,25 @@ void UiOverlay::State::pane_menu(const UiViewport& viewport, const UiModel& mode
 
 // Draws the viewport's weight in the shared resources.
 void UiOverlay::State::pane_shares(const UiViewport& viewport, UiActions& actions) {
-  colored_text(UiColors::kQuiet, "Weight of its shares");
+  colored_text(UiColors::kQuiet, "Weight");
   auto weight = static_cast<float>(viewport.weight);
   ImGui::SetNextItemWidth(180 * scale);
   if (ImGui::SliderFloat("##weight", &weight, 0.25f, 4, "%.2f times", ImGuiSliderFlags_Logarithmic)) {
     actions.pane = wish(PaneRequest::Kind::weigh, viewport);
     actions.pane->weight = static_cast<double>(std::abs(weight - 1) < 0.04f ? 1.0f : weight);
   }
-  tooltip("How much of the vectors, and of what is read, this viewport gets beside others.  Ctrl + click: type it");
+  tooltip("Multiplies this viewport's share of vectors and bandwidth.  Ctrl+click to type a number");
   text("Vectors: " +
        (viewport.vectors > 0 ? percent(viewport.vectors) + ", " + thousands(viewport.budget) : std::string("none")));
   const std::string share = viewport.reading > 0 ? percent(viewport.reading) + ", " : "";
   text("Reading: " + (viewport.reading > 0 || viewport.arriving > 0 ? share + readable_rate(viewport.arriving)
                                                                     : std::string("nothing")));
-  colored_text(UiColors::kQuiet, "Reading at most");
+  colored_text(UiColors::kQuiet, "Bandwidth limit");
   if (const auto rate = rate_choice("##rate", viewport.rate, 180 * scale)) {
     actions.pane = wish(PaneRequest::Kind::limit, viewport);
     actions.pane->rate = *rate;
   }
-  tooltip("What may come over the network for this viewport (--rate)");
+  tooltip("Limits the network traffic of this viewport (--rate)");
 }
 
 void UiOverlay::State::failure_card(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
@@ -213,17 +213,17 @@ void UiOverlay::State::failure_card(const UiViewport& viewport, const UiModel& m
   ImGui::PopStyleColor();
   ImGui::PopStyleVar();
   ImGui::PushTextWrapPos(width - 24 * scale);
-  colored_text(UiColors::kError, shortened(viewport.failed, 80) + " could not be opened");
+  colored_text(UiColors::kError, shortened(viewport.failed, 80) + " cannot be opened");
   text(shortened(viewport.reason, 300));
   ImGui::PopTextWrapPos();
-  if (ImGui::Button("Open again")) actions.pane = wish(PaneRequest::Kind::open_again, viewport);
+  if (ImGui::Button("Retry")) actions.pane = wish(PaneRequest::Kind::open_again, viewport);
   ImGui::SameLine();
-  if (ImGui::Button("Problems") && !is_on(Action::log, model)) actions.run = Action::log;
+  if (ImGui::Button("Show log") && !is_on(Action::log, model)) actions.run = Action::log;
   tooltip(tooltip_of(Action::log));
   if (viewport.reason.find("--memory") != std::string::npos) {
     ImGui::SameLine();
-    if (ImGui::Button("More memory")) actions.run = Action::preferences;
-    tooltip("The preferences say how much one file may take");
+    if (ImGui::Button("Raise memory limit")) actions.run = Action::preferences;
+    tooltip("Opens the preferences, which set the memory limit of a file");
   }
   ImGui::SameLine();
   const bool goes = viewport.label.empty() && model.panes > 1;

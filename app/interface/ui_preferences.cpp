@@ -81,7 +81,7 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
       ImGui::PopTextWrapPos();
     }
     ImGui::EndTable();
-    if (ImGui::Button("As they were at first")) {
+    if (ImGui::Button("Restore defaults")) {
       chosen = UserSettings{};
       changed = true;
     }

@@ -7,20 +7,20 @@
 namespace gs::app {
 namespace {
 
-constexpr const char* kFolderTitle = "Files outside of the world's folder";
+constexpr const char* kFolderTitle = "File access";
 constexpr const char* kNetworkTitle = "Network access";
 constexpr std::size_t kLongestPath = 300;
 
 void ask_for_folder(const UiQuestion& question) {
-  text(question.world + " refers to " + question.reason + ", which lies in the folder");
+  text(question.world + " refers to " + question.reason + " in the folder");
   colored_text(UiColors::kAccent, question.subject);
-  text("Allow worlds of this computer to read that folder and its subfolders until this window closes?");
+  text("Allow local worlds to read this folder and its subfolders until the window closes?");
 }
 
 void ask_for_network(const UiQuestion& question) {
-  text("A Script of " + question.world + " has read the local file " + question.reason + " and now requests");
+  text("A Script of " + question.world + " read the local file " + question.reason + " and now requests");
   colored_text(UiColors::kAccent, question.subject);
-  text("This can send the content of the file to that host. Allow the Scripts of this world to use the network?");
+  text("The request can send the content of the file to that host. Allow Scripts of this world to use the network?");
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ void UiOverlay::State::question_panel(const UiModel& model, UiActions& actions) 
   about_folder ? ask_for_folder(asked) : ask_for_network(asked);
   ImGui::PopTextWrapPos();
   ImGui::Spacing();
-  if (ImGui::Button(about_folder ? "Allow this folder" : "Allow the network")) actions.allow_question = true;
+  if (ImGui::Button(about_folder ? "Allow this folder" : "Allow network access")) actions.allow_question = true;
   ImGui::SameLine();
   if (ImGui::Button("Don't allow") || refused) actions.allow_question = false;
   if (actions.allow_question) ImGui::CloseCurrentPopup();

@@ -61,7 +61,7 @@ void UiOverlay::State::layout_buttons(const UiModel& model, UiActions& actions, 
   if (!with_link || model.panes < 2) return;
   ImGui::SameLine(0, 1);
   if (switch_button("Link", model.linked)) actions.run = Action::link;
-  tooltip("All viewports move as one (L)");
+  tooltip("Link viewports (L)");
 }
 
 void UiOverlay::State::viewport_marks(const UiModel& model) const {
@@ -108,7 +108,7 @@ void UiOverlay::State::welcome(const UiViewport& viewport, std::size_t index) {
   const ViewportArea area = area_of(viewport.place);
   if (area.height() < 3 * ImGui::GetTextLineHeight()) return;
   static constexpr const char* kFirst = "Drop a file here";
-  static constexpr const char* kSecond = "or press Ctrl+O to open one.  F1 shows the keys.";
+  static constexpr const char* kSecond = "or press Ctrl+O to open one.  F1 lists all keys.";
   const float least = ImGui::CalcTextSize(kFirst).x + 24 * scale;
   if (area.width() < least) return;
   ImGui::SetNextWindowPos({(area.lower.x + area.upper.x) / 2, area.lower.y + area.height() * 0.45f}, ImGuiCond_Always,
@@ -125,9 +125,9 @@ void UiOverlay::State::first_steps(const UiViewport& viewport, const UiModel& mo
   static constexpr struct {
     const char *keys, *text;
   } kSteps[] = {
-      {"Drag, wheel", "turn, come closer; a hand: it answers to a click - the gate, the lantern, the tower"},
-      {"Page Down", "leads on: the rotunda, a surface, a volume and a rock of outline groups, as streams"},
-      {"Drop a file", "or press Ctrl+O to open your own; Ctrl+Shift+P finds every command, F1 shows the keys"},
+      {"Drag, wheel", "turn and zoom; a hand pointer marks sensors to click: the gate, the lantern, the tower"},
+      {"Page Down", "next viewpoint; the last ones show a surface, a volume and a rock as streams"},
+      {"Drop a file", "or press Ctrl+O to open your own; Ctrl+Shift+P finds commands, F1 lists all keys"},
   };
   const ViewportArea area = area_of(viewport.place);
   float keys = 0, width = 0;
@@ -155,7 +155,7 @@ void UiOverlay::State::first_steps(const UiViewport& viewport, const UiModel& mo
     actions.settings = model.settings;
     actions.settings->first_steps = false;
   }
-  tooltip("Not shown again; the preferences (Ctrl+,) bring it back");
+  tooltip("Hides the first steps; the preferences (Ctrl+,) show them again");
   ImGui::End();
 }
 

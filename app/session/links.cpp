@@ -102,12 +102,12 @@ Link link_of(const std::vector<std::string>& urls, const std::vector<std::string
     } else if (url.scheme == "file") {
       place.target = net::path_of_url(url);
       place.is_file = true;
-      if (base.scheme != "file") place.problem = "A world of the network leads to a file of this machine: not opened";
+      if (base.scheme != "file") place.problem = "Not opened: a world from the network links to a local file";
     } else {
       place.target = url.text();
       place.for_browser = is_for_browser(url);
       if (!place.for_browser && !net::find_scheme(url.scheme))
-        place.problem = "\"" + url.scheme + ":\" is no kind of address that can be opened";
+        place.problem = "\"" + url.scheme + ":\" is not a supported URL scheme";
     }
     link.places.push_back(std::move(place));
   }
@@ -123,7 +123,7 @@ void keep_to_readable_files(Link& link, const vrml::SourceText& text, const std:
     // A missing or relative file name could match another file when it is opened: "file:file:///x", "x.wrl#".
     std::error_code error;
     if (!place.target.starts_with('/') || !std::filesystem::exists(place.target, error))
-      place.problem = place.target + ": there is no such file";
+      place.problem = place.target + ": no such file";
     else if (const auto refused = policy.refuse_file({base.text()}, place.target))
       place.problem = place.target + ": " + refused->message;
   }

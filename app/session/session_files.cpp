@@ -178,7 +178,7 @@ void Session::ask_for_streams() {
 }
 
 void Session::show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics) {
-  std::string reason = "it could not be read", error = reason;
+  std::string reason = "it cannot be read", error = reason;
   for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) {
     if (diagnostic.severity != vrml::Severity::error) continue;
     reason = diagnostic.message;
@@ -193,7 +193,7 @@ void Session::show_failed(std::uint64_t reading, const std::string& path, const 
   const auto next = places_behind_.find(path);
   const bool leads_on = next != places_behind_.end() && !next->second.places.empty();
   if (leads_on || std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())
-    tell("Could not open " + file_label(path) + ": " + reason, true);
+    tell("Cannot open " + file_label(path) + ": " + reason, true);
   frame_.news = true;
   entries_.erase(path);
   // Tries the next URL of the link (VRML97 6.2).
@@ -207,7 +207,7 @@ void Session::show_loaded() {
     if (!change.first) continue;
     if (change.found && !options_.viewpoint.empty())
       entries_.try_emplace(panes_.at(change.pane).shown, options_.viewpoint);
-    if (!change.found) tell("There is no Viewpoint \"" + options_.viewpoint + "\" in this world", true);
+    if (!change.found) tell("No Viewpoint \"" + options_.viewpoint + "\" in this world", true);
     seen.navigation.speed *= static_cast<float>(options_.speed);
     if (const auto camera = std::exchange(options_.camera, std::nullopt);
         camera && seen.navigation.mode != NavigationMode::none) {

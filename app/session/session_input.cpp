@@ -146,7 +146,7 @@ bool Session::run_in(View& seen, Action action) {
       return true;
     case Action::ghost:
       seen.navigation.ghost = !seen.navigation.ghost;
-      tell(seen.navigation.ghost ? "Ghost: through walls, without falling" : "No ghost any more", false, "ghost");
+      tell(seen.navigation.ghost ? "Collision and gravity off" : "Collision and gravity on", false, "ghost");
       return true;
     case Action::straighten:
       if (seen.navigation.mode != NavigationMode::none)
@@ -154,7 +154,7 @@ bool Session::run_in(View& seen, Action action) {
       return true;
     case Action::seek:
       seeking_ = !seeking_ && seen.navigation.mode != NavigationMode::none;
-      tell(seeking_ ? "Click what you want to go to" : "", false, "seek");
+      tell(seeking_ ? "Seek: click a point to move halfway to it" : "", false, "seek");
       return true;
     case Action::undo_move:
     case Action::redo_move:
@@ -162,7 +162,7 @@ bool Session::run_in(View& seen, Action action) {
       return true;
     case Action::orthographic:
       choose_parallel(seen, !seen.style.parallel);
-      tell(seen.style.parallel ? "Orthographic: parallel rays" : "Perspective", false, "rays");
+      tell(seen.style.parallel ? "Parallel projection" : "Perspective projection", false, "rays");
       return true;
     case Action::next_display:
       seen.style.display = static_cast<render::DisplayMode>((static_cast<int>(seen.style.display) + 1) % 4);
@@ -192,7 +192,7 @@ void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
   if (gesture.click && std::exchange(seeking_, false)) {
     const auto hit = distance_under(seen, ray, place.size());
     if (hit) navigation = seek(navigation, ray.at(*hit));
-    tell(hit ? "" : "Nothing is there to go to", false, "seek");
+    tell(hit ? "" : "No object at this point", false, "seek");
     end_journey(seen);
     leader_ = pane;
     return;
@@ -305,7 +305,7 @@ void Session::look_from(ViewSide side) {
 void Session::tell_of_display(const View& seen) {
   static constexpr std::string_view kModes[] = {"filled", "filled, with edges", "wireframe", "points"};
   tell(has_faces(*seen.list) ? "Faces: " + std::string(kModes[static_cast<std::size_t>(seen.style.display)])
-                             : "Clouds of discs and volumes have no faces: they stay as they are",
+                             : "Splats and volumes have no faces; their display stays unchanged",
        false);
 }
 
@@ -374,7 +374,7 @@ std::vector<std::string> Session::places_of(const std::vector<std::string>& give
       log_.note(one, said);
       frame_.failed.push_back({one, place.problem});
       frame_.show_log = true;
-      tell("Could not open " + file_label(one) + ": " + place.problem, true);
+      tell("Cannot open " + file_label(one) + ": " + place.problem, true);
       continue;
     }
     if (!place.viewpoint.empty()) entries_[place.target] = place.viewpoint;

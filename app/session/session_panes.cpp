@@ -63,7 +63,7 @@ void Session::serve(const PaneRequest& request) {
 void Session::split_viewport(std::size_t pane, SplitAxis axis) {
   panes_.set_shape(resolved(panes_.split(), area_));
   if (!panes_.split_pane(pane, axis))
-    return tell("There cannot be more than " + std::to_string(kMostViewports) + " viewports", false);
+    return tell("The window can have at most " + std::to_string(kMostViewports) + " viewports", false);
   forget(panes_.active());
   change_split(panes_.split());
 }
@@ -215,7 +215,7 @@ void Session::activate(std::size_t pane) {
 void Session::toggle_link() {
   linked_ = !linked_;
   if (linked_) panes_.link(panes_.active());
-  tell(linked_ ? "The viewports move as one" : "Each viewport moves by itself", false);
+  tell(linked_ ? "Viewports linked" : "Viewports not linked", false);
 }
 
 }  // namespace gs::app

@@ -181,7 +181,7 @@ void Session::enter_by_link(Pane& pane) {
     if (seen->navigation.transition) seen->navigation.pose = seen->navigation.transition->to;
     seen->navigation.transition.reset();
   } else
-    tell("There is no Viewpoint \"" + entry->second + "\" in this world", true);
+    tell("No Viewpoint \"" + entry->second + "\" in this world", true);
   entries_.erase(entry);
 }
 
@@ -201,7 +201,7 @@ void Session::follow_link(std::size_t pane, const Link& link) {
         histories_[pane].visit(panes_.at(pane).shown, seen->navigation.pose);
         jump_to_viewpoint(*seen, *index);
       } else
-        tell("There is no Viewpoint \"" + place.viewpoint + "\" in this world", true);
+        tell("No Viewpoint \"" + place.viewpoint + "\" in this world", true);
       return;
     }
     if (options_.simulated) return;  // simulated time opens no other worlds and no pages

@@ -55,7 +55,7 @@ std::optional<std::string> Session::serve(const Document& document, const Script
       constexpr double kAfterPress = 3;
       if (now_ - pressed_at_ > kAfterPress)
         for (Link::Place& place : link.places)
-          if (place.for_browser) place.problem = "The world wants to open " + place.target + ": not opened";
+          if (place.for_browser) place.problem = place.target + ": not opened without a recent click";
       keep_private(document, link);
       if (request.from_client || document.controlled) keep_to_readable_files(link, *request.origin, load_.allowed);
       follow_link(pane, link);

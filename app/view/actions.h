@@ -136,7 +136,7 @@ struct ActionRow {
 [[nodiscard]] std::optional<Key> find_key(std::string_view name);
 /// Returns the shortcut as text: "Ctrl+O", "Page Down".
 [[nodiscard]] std::string keys_of(const ActionRow& row);
-/// Returns the tooltip with the shortcut: "Open a file, or drop one on the window (Ctrl+O)".
+/// Returns the tooltip with the shortcut: "Open a file (Ctrl+O)".
 [[nodiscard]] std::string tooltip_of(Action action);
 
 }  // namespace gs::app

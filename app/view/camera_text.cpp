@@ -21,7 +21,7 @@ constexpr std::string_view kExpectedCamera =
     "expected position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS and, for parallel rays, height=H, or the "
     "text of a Viewpoint";
 constexpr std::string_view kNodeWords[] = {"OrthoViewpoint", "Viewpoint"};  // words that identify the text as a node
-constexpr std::size_t kMostCameraText = 4096;  // bytes
+constexpr std::size_t kMostCameraText = 4096;                               // bytes
 
 std::string numbers_text(std::span<const double> numbers, char separator) {
   std::string text;
@@ -110,8 +110,8 @@ std::variant<Pose, std::string> read_camera(std::string_view text) {
     std::span<double> numbers;
     bool given = false;
   };
-  Field fields[] = {{"position", position}, {"orientation", orientation}, {"fieldOfView", field_of_view},
-                    {"height", height}};
+  Field fields[] = {
+      {"position", position}, {"orientation", orientation}, {"fieldOfView", field_of_view}, {"height", height}};
   bool any = false;
   CameraWords words(text);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
@@ -124,7 +124,7 @@ std::variant<Pose, std::string> read_camera(std::string_view text) {
     for (Field& one : fields)
       if (one.name == word) field = &one;
     if (!field) return "\"" + shortened(word, 40) + "\": " + expected;
-    if (field->given) return std::string(field->name) + " stands there twice; " + expected;
+    if (field->given) return std::string(field->name) + " is given twice; " + expected;
     field->given = any = true;
     for (double& number : field->numbers) {
       const auto value = camera_number(words.next());
@@ -135,13 +135,13 @@ std::variant<Pose, std::string> read_camera(std::string_view text) {
   }
   if (!any) return expected;
   if (!(field_of_view[0] > 0 && field_of_view[0] < std::numbers::pi))
-    return "fieldOfView is from 0 to 3.14159 (without both); " + expected;
-  if (height[0] < 0) return "height is at least 0; " + expected;
+    return "fieldOfView must be between 0 and 3.14159, exclusive; " + expected;
+  if (height[0] < 0) return "height must be at least 0; " + expected;
   Pose pose;
   pose.position = {position[0], position[1], position[2]};
   const glm::dvec3 axis(orientation[0], orientation[1], orientation[2]);
   const double length = glm::length(axis);
-  if (!(length > 0) && orientation[3] != 0) return "orientation has no axis; " + expected;
+  if (!(length > 0) && orientation[3] != 0) return "orientation needs an axis other than 0,0,0; " + expected;
   if (length > 0) pose.orientation = glm::quat(glm::angleAxis(orientation[3], axis / length));
   pose.field_of_view = static_cast<float>(field_of_view[0]);
   pose.height = height[0];

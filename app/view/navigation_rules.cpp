@@ -15,12 +15,12 @@ constexpr double kSizesOfAvatar = 12;  // min ratio of world size to avatar heig
 
 const std::array<NavigationModeRow, kNavigationModeCount>& navigation_modes() {
   static constexpr std::array<NavigationModeRow, kNavigationModeCount> kRows = {{
-      {NavigationMode::none, "NONE", "None", "The world moves the viewer"},
-      {NavigationMode::examine, "EXAMINE", "Examine", "Turn the object about"},
-      {NavigationMode::fly, "FLY", "Fly", "Move freely in all directions"},
-      {NavigationMode::walk, "WALK", "Walk", "Move on the level"},
+      {NavigationMode::none, "NONE", "None", "The world controls the viewer"},
+      {NavigationMode::examine, "EXAMINE", "Examine", "Turn about a point"},
+      {NavigationMode::fly, "FLY", "Fly", "Move freely"},
+      {NavigationMode::walk, "WALK", "Walk", "Stay on the ground"},
       {NavigationMode::pan, "", "Pan", "Slide the view"},
-      {NavigationMode::look_at, "LOOKAT", "Look at", "Go to what is clicked"},
+      {NavigationMode::look_at, "LOOKAT", "Look at", "Go to a clicked point"},
   }};
   return kRows;
 }

@@ -79,8 +79,8 @@ std::string Ruler::text(const std::string& unit) const {
 }
 
 std::string Ruler::summary(const std::string& unit) const {
-  if (points_.empty()) return "Click the first place";
-  if (points_.size() == 1) return "Click the next place";
+  if (points_.empty()) return "Click the first point";
+  if (points_.size() == 1) return "Click the next point";
   if (points_.size() == 2) return measure(length(), unit);
   std::string text = "length " + measure(length(), unit);
   if (const auto angle = angle_at(points_.size() - 2)) text += ", angle " + measure(*angle) + " degrees";

@@ -132,7 +132,7 @@ bool Desk::picks(const WindowEvent& event) {
   if (inspection_.pick(session_, event.pointer))
     ui_.show_panel(Action::scene_tree);
   else
-    ui_.show_notice("There is nothing to choose", false);
+    ui_.show_notice("No node under the pointer", false);
   return true;
 }
 
@@ -151,7 +151,7 @@ bool Desk::run(Action action) {
       return true;
     case Action::pick:
       inspection_.set_picking(!inspection_.picking());
-      if (inspection_.picking()) ui_.show_notice("Click what is to be chosen in the scene tree", false);
+      if (inspection_.picking()) ui_.show_notice("Click an object to select its node", false);
       return true;
     case Action::close:
       if (session_.seeking()) return false;  // handled by the session
@@ -213,7 +213,7 @@ void Desk::exchange_camera(Action action) {
   if (action == Action::paste_camera) {
     const auto camera = read_camera(ui_.clipboard());
     if (const auto* problem = std::get_if<std::string>(&camera))
-      return ui_.show_notice("The clipboard holds no camera: " + *problem, true);
+      return ui_.show_notice("The clipboard has no camera: " + *problem, true);
     return session_.go_to(std::get<Pose>(camera));
   }
   const Pose& pose = seen->navigation.pose;
@@ -345,7 +345,7 @@ bool Desk::tell(const Frame& frame) {
   for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem, notice.about);
   for (const std::string& page : frame.web_pages) {
     const bool opened = open_in_browser(page);
-    ui_.show_notice((opened ? "Opened in the web browser: " : "No web browser can be started for ") + page, false);
+    ui_.show_notice((opened ? "Opened in the web browser: " : "Cannot start a web browser for ") + page, false);
   }
   if (frame.show_log) ui_.show_panel(Action::log);
   if (!frame.arrived.empty()) remember(frame.arrived);

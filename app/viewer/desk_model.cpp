@@ -36,7 +36,7 @@ std::string Desk::progress_of(const std::string& path) const {
   for (const LoadingState& state : session_.progress_of(path)) {
     if (state.received == 0) continue;
     text += ": " + (state.total ? readable_part(state.received, *state.total) : readable_size(state.received));
-    if (state.waiting > 1) text += ", " + std::to_string(state.waiting) + " files to come";
+    if (state.waiting > 1) text += ", " + std::to_string(state.waiting) + " files left";
   }
   return text;
 }

@@ -74,7 +74,7 @@ EndWatch::~EndWatch() {
 EndOverdueScripts::EndOverdueScripts(std::function<bool()> is_asked_to_close) {
   ScriptRunner::on_overdue([is_asked = std::move(is_asked_to_close)](const std::string& message) {
     if (!is_asked()) return;
-    complain("%s; it cannot be interrupted, so GhostSpace ends", message.c_str());
+    complain("%s; it cannot be interrupted, so GhostSpace exits", message.c_str());
     std::_Exit(kFailed);
   });
 }

@@ -65,7 +65,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
     session.ask_for_streams();
     tell(session, frame);
     if (!is_anything_there(session)) {
-      error = "there is no world to be controlled";
+      error = "no world to control; expected a file";
       break;
     }
     double wait = frame.loading ? kReadingWait : kNobodyWait;

@@ -203,11 +203,11 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
     const glm::dvec3 inside(glm::inverse(item.world_from_node) * glm::dvec4(hit->point, 1));
     if (const auto near = value_near(*item.cloud, inside))
       value_ =
-          "about " + readable_value(near->value, value_unit(*volume), 3) + ", by the nearest vector of the stream\n";
+          "about " + readable_value(near->value, value_unit(*volume), 3) + ", from the nearest vector of the stream\n";
   } else if (!volume && key && hit->stream_color) {
     const glm::vec3& color = *hit->stream_color;
     value_ = (key->title.empty() ? "" : key->title + ": ") + "about " +
-             readable_value(key->value_of({color.r, color.g, color.b}), {}, 3) + ", by the colour of the stream\n";
+             readable_value(key->value_of({color.r, color.g, color.b}), {}, 3) + ", from the colour of the stream\n";
   } else if (!volume && key && !hit->splat && hit->item < list.items.size()) {
     if (const auto& mesh = list.items[hit->item].mesh)
       if (const auto value = value_on(*key, *mesh, hit->triangle))
@@ -307,7 +307,8 @@ glm::ivec2 ViewerTools::size_of(const Viewport& place) const {
 void ViewerTools::take_picture(const View& seen, const Viewport& place, const Tell& tell) {
   const PictureScene scene = scene_of(kMostViewports, seen, size_of(place), wish_.request);
   auto picture = paint_png(renderer_, scene, wish_.request);
-  if (const auto* problem = std::get_if<std::string>(&picture)) return tell("No picture: " + *problem, true);
+  if (const auto* problem = std::get_if<std::string>(&picture))
+    return tell("Cannot save the picture: " + *problem, true);
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   const OpenedWorld& world = seen.document->world;
@@ -315,7 +316,7 @@ void ViewerTools::take_picture(const View& seen, const Viewport& place, const Te
       folder_, picture_name(world.title.empty() ? file_label(world.path) : world.title, seconds_since_1970()));
   remove_unfinished_beside(path);
   if (const auto problem = net::write_file_atomically(path, std::get<std::vector<std::byte>>(picture)))
-    return tell("No picture: " + path + ": " + problem->message, true);
+    return tell("Cannot save the picture: " + path + ": " + problem->message, true);
   tell("Picture saved: " + path, false);
 }
 
@@ -328,10 +329,10 @@ std::vector<render::Camera>& ViewerTools::tour_of(const View& seen) {
 void ViewerTools::add_to_tour(const View& seen, const Tell& tell) {
   constexpr std::size_t kMostViews = 1000;
   std::vector<render::Camera>& tour = tour_of(seen);
-  if (tour.size() >= kMostViews) return tell("A tour has no more than 1000 views", true);
+  if (tour.size() >= kMostViews) return tell("A tour has at most 1000 views", true);
   tour.push_back(camera_of(seen.navigation.pose));
   tell("View " + std::to_string(tour.size()) + " of the tour" +
-           (tour.size() == 1 ? "; Pictures (menu File) saves it" : ""),
+           (tour.size() == 1 ? "; File > Pictures saves the tour" : ""),
        false);
 }
 
@@ -376,7 +377,7 @@ bool ViewerTools::go_on(const View* seen, const Tell& tell) {
   Export& job = *export_;
   std::optional<std::string> problem;
   if (!seen || job.of.lock() != seen->document) {
-    problem = "another file is shown now";
+    problem = "another file was opened";
   } else if (job.next < job.steps.size()) {
     PictureScene scene = scene_of(kMostViewports, *seen, job.size, job.request);
     const AnimationStep& step = job.steps[job.next];
@@ -392,7 +393,7 @@ bool ViewerTools::go_on(const View* seen, const Tell& tell) {
   }
   if (!problem && job.next >= job.steps.size()) problem = job.writer->finish();
   const std::string kind = job.tour.empty() ? "turntable" : "tour";
-  if (problem) tell("The " + kind + " is not whole: " + *problem, true);
+  if (problem) tell("The " + kind + " is incomplete: " + *problem, true);
   if (!problem && job.next >= job.steps.size())
     tell((job.tour.empty() ? "Turntable saved: " : "Tour saved: ") + job.path + " (" + job.writer->what() + ")", false);
   if (problem || job.next >= job.steps.size()) export_.reset();
@@ -419,7 +420,7 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
   if (actions.forget_points) ruler_.clear();
   if (actions.picture) wish_ = *actions.picture;
   if (actions.cancel_export && export_) {
-    tell("The animation was given up", false);
+    tell("Animation cancelled", false);
     export_.reset();
   }
   if (!seen) return;
@@ -450,7 +451,7 @@ void ViewerTools::save_transfer(const std::string& path, const Transfer& shown, 
   std::error_code error;
   if (path != replaceable_transfer_ && std::filesystem::exists(path, error)) {
     replaceable_transfer_ = path;
-    return tell(path + " is there already: Save once more replaces it", true);
+    return tell(path + " already exists; press Save again to replace it", true);
   }
   const Transfer transfer = shown.empty() ? own_transfer(volume) : shown;
   const std::string text = transfer_text(transfer, volume.value_range, value_unit(volume));

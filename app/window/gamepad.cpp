@@ -36,7 +36,7 @@ const std::vector<GamepadButtonRow>& gamepad_buttons() {
                                                       {2, letter_key('H'), "X"},
                                                       {7, Key::home, "start"},
                                                       {10, letter_key('G'), "right stick"},
-                                                      {9, Key::shift, "left stick, held"}};
+                                                      {9, Key::shift, "left stick pressed"}};
   return kRows;
 }
 

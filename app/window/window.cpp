@@ -162,12 +162,12 @@ std::variant<std::unique_ptr<Window>, render::ContextError> Window::open(const s
                                                                          int height) {
   last_error.clear();
   glfwSetErrorCallback(on_error);
-  if (!glfwInit()) return render::ContextError{"no window system: " + last_error};
+  if (!glfwInit()) return render::ContextError{"cannot start the window system: " + last_error};
   width = std::clamp(width, 64, 16384);
   height = std::clamp(height, 64, 16384);
   GLFWwindow* handle = create(title, width, height);
   if (!handle) {
-    const std::string message = "no window with OpenGL 3.3: " + last_error;
+    const std::string message = "cannot open a window with OpenGL 3.3: " + last_error;
     glfwTerminate();
     return render::ContextError{message};
   }

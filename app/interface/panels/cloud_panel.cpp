@@ -39,11 +39,11 @@ struct ColorByRow {
   const char* help;
 };
 constexpr std::array<ColorByRow, 5> kColorBy{{
-    {render::ColorBy::own, "Own", "The colours of the cloud, the material or the transfer function"},
-    {render::ColorBy::normal, "Normal", "x, y, z of the direction as red, green, blue"},
+    {render::ColorBy::own, "Own", "Colours of the vectors, the material or the transfer function"},
+    {render::ColorBy::normal, "Normal", "Direction: x, y and z as red, green and blue"},
     {render::ColorBy::level, "Level", "Level of detail: coarse is blue, fine is red"},
-    {render::ColorBy::chunk, "Chunk", "Every chunk of the stream in a colour of its own"},
-    {render::ColorBy::age, "Age", "In the order they came: the first blue, the latest red"},
+    {render::ColorBy::chunk, "Chunk", "One colour for each chunk of the stream"},
+    {render::ColorBy::age, "Age", "Order of arrival: first is blue, last is red"},
 }};
 
 ImU32 color32(const qnv::Rgb8& c, float alpha) {
@@ -221,8 +221,8 @@ void CloudPanel::preset_row(Transfer& transfer, bool& own, const Range& values) 
   ImGui::SetNextItemWidth(width_left());
   if (!ImGui::BeginCombo("##presets", shown)) {
     frame_->tooltips.show(
-        "Colour and opacity by value. Click on the curve for a new point; drag points; a right click or Del "
-        "removes one. Opacity also rises with the magnitude of the gradient, up to the median of all.");
+        "Maps values to colour and opacity. Click the curve to add a point, drag to move it, right-click or press Del "
+        "to remove it. Opacity also rises with the gradient magnitude, up to the median.");
     return;
   }
   keep_popup();
@@ -230,7 +230,7 @@ void CloudPanel::preset_row(Transfer& transfer, bool& own, const Range& values) 
     own = true;
     point_.reset();
   }
-  frame_->tooltips.show("What the file says, or what fits its values");
+  frame_->tooltips.show("Transfer function of the file, or one that fits its values");
   for (const TransferPreset& preset : transfer_presets()) {
     if (ImGui::Selectable(preset.label, preset.label == shown)) {
       transfer = preset.make(values);
@@ -246,7 +246,7 @@ void CloudPanel::preset_row(Transfer& transfer, bool& own, const Range& values) 
       own = false;
       point_.reset();
     }
-    frame_->tooltips.show(std::string(map.help) + "; the opacities stay");
+    frame_->tooltips.show(std::string(map.help) + "; keeps the opacities");
   }
   ImGui::EndCombo();
 }
@@ -325,7 +325,7 @@ bool CloudPanel::point_row(Transfer& transfer, const Range& values) {
   if (!point_ || *point_ >= transfer.size()) {
     point_.reset();
     ImGui::AlignTextToFramePadding();
-    colored_text(UiColors::kQuiet, "A click adds a point, a right click removes it");
+    colored_text(UiColors::kQuiet, "Click to add a point, right-click to remove it");
     return false;
   }
   const std::size_t index = *point_;
@@ -347,7 +347,7 @@ bool CloudPanel::point_row(Transfer& transfer, const Range& values) {
                     ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Backspace)));
   const bool removed = (ImGui::Button("Remove") || key) && remove_point(transfer, index);
   ImGui::EndDisabled();
-  frame_->tooltips.show("Remove the point (Del, or a right click on it)");
+  frame_->tooltips.show("Remove the point (Del or right-click)");
   if (removed) point_.reset();
   return colored || moved || removed;
 }
@@ -371,7 +371,7 @@ void CloudPanel::clip_rows(const UiModel& model, render::CloudLook& look) {
   bool on = look.clip.has_value();
   label("Clip", frame_->scale);
   bool changed = ImGui::Checkbox("##clip", &on);
-  frame_->tooltips.show("Leave out what lies before a plane");
+  frame_->tooltips.show("Clipping plane");
   ImGui::BeginDisabled(!on);
   for (std::size_t i = 0; i < kAxes.size(); ++i) {
     const auto axis = static_cast<ClipAxis>(i);
@@ -381,8 +381,8 @@ void CloudPanel::clip_rows(const UiModel& model, render::CloudLook& look) {
       if (axis == ClipAxis::view) clip.view = model.looking;
       changed = true;
     }
-    frame_->tooltips.show(axis == ClipAxis::view ? "Across the line of sight as it is now; click again to take it anew"
-                                                 : "Across this axis of the world");
+    frame_->tooltips.show(axis == ClipAxis::view ? "Perpendicular to the view direction; click again to update it"
+                                                 : "Perpendicular to this axis");
   }
   ImGui::SameLine();
   if (ImGui::Button("Flip")) {
@@ -392,7 +392,7 @@ void CloudPanel::clip_rows(const UiModel& model, render::CloudLook& look) {
   frame_->tooltips.show("Keep the other side");
   label("", frame_->scale);
   changed |= slider("##place", clip.place, number("%.0f %%", static_cast<double>(clip.place) * 100),
-                    "Where the plane lies in the scene; 0 keeps everything");
+                    "Position of the plane in the scene; 0 keeps everything");
   ImGui::EndDisabled();
   if (!changed) return;
   clip_ = clip;
@@ -405,15 +405,15 @@ void CloudPanel::volume_rows(const UiModel& model, render::CloudLook& look) {
   ImGui::Separator();
   label("Opacity", frame_->scale);
   log_slider("##density", look.opacity, opacity_scale(), number("%.3g", static_cast<double>(look.opacity)),
-             "Multiplies the optical depth of everything");
+             "Multiplies the optical depth of the volume");
   const double share = static_cast<double>(share_left(summary_, look.least_magnitude)) * 100;
   label("Gradient", frame_->scale);
   log_slider("##threshold", look.least_magnitude, magnitude_scale(summary_),
              look.least_magnitude > 0
                  ? number("%.1f %%", share) + number(" (> %.3g)", static_cast<double>(look.least_magnitude))
                  : "all",
-             "Leaves out vectors whose gradient is shorter, and says what part of them is left. Of the others the "
-             "opacity rises with the length of the gradient up to the median of all.");
+             "Hides vectors with a shorter gradient and shows the percentage that remains. The opacity of the others "
+             "rises with the gradient magnitude, up to the median.");
   clip_rows(model, look);
 }
 
@@ -422,7 +422,7 @@ void CloudPanel::file_row(const UiModel& model, UiActions& actions) {
   label("File", frame_->scale);
   // On a line of its own, because the end of the path matters.
   (void)text_field("##path", "", path_, std::max(40.0f, width_left()), false);
-  frame_->tooltips.show("A transfer function as JSON, which --transfer takes too");
+  frame_->tooltips.show("Transfer function as JSON, also for --transfer");
   label("", frame_->scale);
   if (ImGui::Button("Save")) actions.tools.save_transfer = path_;
   ImGui::SameLine();
@@ -435,7 +435,7 @@ void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
   render::CloudLook look = model.look;
   if (!model.has_surface_clouds && !model.has_volumes) {
     ImGui::PushTextWrapPos(0);
-    colored_text(UiColors::kQuiet, "There is no volume and no cloud of vectors in this world.");
+    colored_text(UiColors::kQuiet, "This world has no volume and no vectors.");
     ImGui::PopTextWrapPos();
   } else {
     color_by_row(look);
@@ -447,7 +447,7 @@ void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
       ImGui::BeginDisabled(look == render::CloudLook{});
       if (ImGui::Button("Reset")) look = {};
       ImGui::EndDisabled();
-      frame.tooltips.show("All as it was at first");
+      frame.tooltips.show("Reset all");
     }
   }
   if (look != model.look) actions.look = std::move(look);

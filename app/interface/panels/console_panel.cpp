@@ -33,8 +33,7 @@ void ConsolePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   const float below = ImGui::GetFrameHeightWithSpacing();
   ImGui::BeginChild("##lines", {0, -below});
   if (console.lines().empty())
-    colored_text(UiColors::kQuiet,
-                 "What programs print and what is wrong with them stands here. Enter an expression below.");
+    colored_text(UiColors::kQuiet, "Output and errors of Scripts appear here. Enter an expression below.");
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(console.lines().size()));
   while (clipper.Step())
@@ -58,9 +57,8 @@ void ConsolePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   const std::string context = script ? "in " + label_of(script) : "in Browser";
   ImGui::AlignTextToFramePadding();
   colored_text(script ? UiColors::kAccent : UiColors::kQuiet, context);
-  frame.tooltips.show(script
-                          ? "The line is a part of the chosen Script's program"
-                          : "The line is a program of its own, which knows Browser; choose a Script to run it there");
+  frame.tooltips.show(script ? "Runs in the selected Script"
+                             : "Runs on its own, with access to Browser; select a Script to run it there");
   ImGui::SameLine();
   const float clear =
       ImGui::CalcTextSize("Clear").x + 2 * ImGui::GetStyle().FramePadding.x + ImGui::GetStyle().ItemSpacing.x;

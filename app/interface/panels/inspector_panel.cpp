@@ -47,7 +47,7 @@ void InspectorPanel::draw(const PanelFrame& frame, const UiModel& model, UiActio
   Inspection& inspection = *model.inspection;
   inspection.drawn().inspector = true;
   if (!inspection.world()) {
-    if (!model.has_world) colored_text(UiColors::kQuiet, "There is no world here.");
+    if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
     return;
   }
   if (!(node_ == inspection.selected())) {
@@ -57,8 +57,7 @@ void InspectorPanel::draw(const PanelFrame& frame, const UiModel& model, UiActio
   }
   if (!node_) {
     ImGui::PushTextWrapPos(0);
-    colored_text(UiColors::kQuiet,
-                 "Choose a node in the scene tree, or in the picture: Alt+click, or Pick and then a click.");
+    colored_text(UiColors::kQuiet, "Select a node in the scene tree, or Alt+click it in the picture.");
     ImGui::PopTextWrapPos();
     return;
   }
@@ -89,10 +88,10 @@ void InspectorPanel::head(const PanelFrame& frame, Inspection& inspection) {
   ImGui::BeginDisabled(bounds.empty());
   if (ImGui::SmallButton("Fly to")) (void)inspection.fly_to_selected();
   ImGui::EndDisabled();
-  frame.tooltips.show("Flies to where all of it is in sight");
+  frame.tooltips.show("Frames the node");
   ImGui::SameLine();
-  if (ImGui::SmallButton("Let go")) inspection.select({}, false);
-  frame.tooltips.show("No node is chosen");
+  if (ImGui::SmallButton("Deselect")) inspection.select({}, false);
+  frame.tooltips.show("Clears the selection");
   if (bounds.empty()) return;
   char size[96];
   std::snprintf(size, sizeof size, "%.3g x %.3g x %.3g m", static_cast<double>(bounds.size().x),
@@ -122,7 +121,7 @@ void InspectorPanel::row(const PanelFrame& frame, Inspection& inspection, const 
   std::string help = std::string(vrml::name_of(interface.access)) + " " + std::string(vrml::name_of(interface.type)) +
                      " " + shortened(interface.name, 60);
   if (!interface.range.empty()) help += ", " + interface.range;
-  help += "\n" + (field.setter ? "Enter sends what is typed, Esc leaves the value as it is" : why_not_set(interface));
+  help += "\n" + (field.setter ? "Enter sends the value, Esc restores it" : why_not_set(interface));
   frame.tooltips.show(help);
   ImGui::TableNextColumn();
   value(field, actions);
@@ -131,11 +130,11 @@ void InspectorPanel::row(const PanelFrame& frame, Inspection& inspection, const 
   if (const EventWatch::Seen* const seen = sends ? inspection.events().find(node_, interface) : nullptr) {
     const double ago = inspection.world()->now() - seen->time;
     char rate[64];
-    std::snprintf(rate, sizeof rate, ", %.0f a second", seen->a_second);
+    std::snprintf(rate, sizeof rate, ", %.0f per second", seen->a_second);
     colored_text(ago < 0.5 ? UiColors::kAccent : UiColors::kQuiet,
                  "sent " + ago_text(ago) + (seen->a_second >= 0.5 ? rate : ""));
     frame.tooltips.show("Last sent at " + time_text(seen->time) + ", " + std::to_string(seen->count) +
-                        " times since it is looked at");
+                        " events since opened");
   }
   if (problem_of_ == &interface) {
     ImGui::PushTextWrapPos(0);
@@ -206,21 +205,21 @@ void InspectorPanel::value(const Field& field, UiActions& actions) {
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::InputFloat3("##axis", axis, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue))
       note(field, inspection.send(*field.setter, vrml::SFRotation{axis[0], axis[1], axis[2], rotation->angle}));
-    field.frame.tooltips.show("The axis that it turns about");
+    field.frame.tooltips.show("Axis of rotation");
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::DragFloat("##angle", &degrees, 1, 0, 0, "%.1f deg"))
       note(field,
            inspection.send(*field.setter, vrml::SFRotation{rotation->x, rotation->y, rotation->z, degrees / kDegrees}));
     char radians[48];
     std::snprintf(radians, sizeof radians, "%.5g rad", static_cast<double>(rotation->angle));
-    field.frame.tooltips.show(std::string("The angle: ") + radians + ". Drag it, or Ctrl+click to type it");
+    field.frame.tooltips.show(std::string("Angle: ") + radians + "; drag, or Ctrl+click to type");
     return;
   } else {
     std::string entered;
     if (edited_text("##text", value, entered)) note(field, inspection.send_text(*field.setter, entered));
   }
   if (const auto* node = std::get_if<vrml::SFNode>(&value); node && *node) {
-    if (ImGui::SmallButton("Go to it")) inspection.select({node_.scene, *node}, true);
+    if (ImGui::SmallButton("Select")) inspection.select({node_.scene, *node}, true);
     return;
   }
   if (const auto* number = std::get_if<vrml::SFFloat>(&value); number && field.unit == Unit::radians)
@@ -230,7 +229,7 @@ void InspectorPanel::value(const Field& field, UiActions& actions) {
     if (!field.setter) return;
     ImGui::SameLine();
     if (ImGui::SmallButton("Now")) note(field, inspection.send(*field.setter, inspection.world()->now()));
-    field.frame.tooltips.show("Sends the present time");
+    field.frame.tooltips.show("Sends the current time");
   } else if (field.unit != Unit::none)
     colored_text(UiColors::kQuiet, symbol_of(field.unit));
 }
@@ -265,7 +264,7 @@ void InspectorPanel::list(const Field& field, UiActions& actions) {
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::InputInt("##first", &first, static_cast<int>(kPage), 1000))
       open->first = static_cast<std::size_t>(std::max(first, 0));
-    field.frame.tooltips.show("The value that stands first below; it counts from 0");
+    field.frame.tooltips.show("Index of the first value below, from 0");
   }
   open->first = std::min(open->first, count > 0 ? count - 1 : 0);
   const std::size_t last = std::min(count, open->first + kPage);

@@ -25,8 +25,8 @@ std::string counted(std::size_t count, const std::string& what) {
 }
 
 const char* emptiness_of(const SessionLog& log) {
-  if (log.entries() > 0) return "Nothing of this kind.";
-  return log.files().empty() ? "No file has been read yet." : "Nothing was found wrong.";
+  if (log.entries() > 0) return "No matches.";
+  return log.files().empty() ? "No file is loaded." : "No problems.";
 }
 
 const char* word_of(vrml::Severity severity) {

@@ -28,7 +28,7 @@ float tool_width() { return ImGui::GetContentRegionAvail().x; }
 void MeasurePanel::ruler_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions) {
   tool_label("Ruler", frame.scale);
   if (switch_button("Measure", tools.measuring)) actions.measure = !tools.measuring;
-  frame.tooltips.show("Each click on the world sets a point; Esc ends it and takes the points away (R)");
+  frame.tooltips.show("Click the world to set points; Esc ends measuring and removes them (R)");
   ImGui::SameLine();
   ImGui::BeginDisabled(tools.points.empty());
   if (ImGui::Button("Undo")) actions.undo_point = true;
@@ -37,7 +37,7 @@ void MeasurePanel::ruler_rows(const PanelFrame& frame, const UiTools& tools, UiT
   ImGui::SameLine();
   if (ImGui::Button("Copy")) ImGui::SetClipboardText(tools.measured_text.c_str());
   ImGui::EndDisabled();
-  frame.tooltips.show("Copy points, lengths, angles and the area as text");
+  frame.tooltips.show("Copies points, lengths, angles and the area as text");
   if (!tools.measuring && tools.points.empty()) return;
   ImGui::PushTextWrapPos(0);
   text(tools.measured);
@@ -48,14 +48,14 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
   static constexpr std::array<const char*, 3> kAxes{"X", "Y", "Z"};
   VolumeSlices slices = tools.slices;
   if (!tools.has_file) {
-    colored_text(UiColors::kQuiet, "Slices need the file of a volume on this machine.");
+    colored_text(UiColors::kQuiet, "Slices need a local volume file.");
     return;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     ImGui::PushID(static_cast<int>(axis));
     tool_label(axis == 0 ? "Slices" : "", frame.scale);
     if (switch_button(kAxes[axis], slices.shown[axis])) slices.shown[axis] = !slices.shown[axis];
-    frame.tooltips.show("Show the plane of voxels across this axis; drag an edge of it in the picture to move it");
+    frame.tooltips.show("Plane of voxels perpendicular to this axis; drag its edge in the picture to move it");
     ImGui::SameLine();
     const std::uint32_t voxels = tools.dimensions[axis];
     ImGui::BeginDisabled(!slices.shown[axis] || voxels == 0);
@@ -67,11 +67,11 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
     ImGui::EndDisabled();
     ImGui::PopID();
   }
-  if (tools.reading) colored_text(UiColors::kQuiet, "The values are being read...");
+  if (tools.reading) colored_text(UiColors::kQuiet, "Reading values...");
   if (!tools.slices_problem.empty()) colored_text(UiColors::kError, shortened(tools.slices_problem, 300));
   ImGui::BeginDisabled(!slices.any());
   tool_label("", frame.scale);
-  ImGui::Checkbox("Without the volume", &slices.alone);
+  ImGui::Checkbox("Hide the volume", &slices.alone);
   tool_label("Colours", frame.scale);
   ImGui::SetNextItemWidth(tool_width());
   const ColorMap* chosen = find_color_map(slices.map);
@@ -91,7 +91,7 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
     const float speed = std::max(1e-6f, std::abs(window[1] - window[0]) / 300);
     if (ImGui::DragFloat2("##window", window.data(), speed, 0, 0, "%.4g") && window[0] < window[1])
       slices.window = {window[0], window[1]};
-    frame.tooltips.show("The values of the first and the last colour: drag, or double click to type");
+    frame.tooltips.show("Values of the first and last colour; drag, or double-click to type");
   }
   ImGui::EndDisabled();
   if (!(slices == tools.slices)) actions.slices = std::move(slices);
@@ -112,7 +112,7 @@ void MeasurePanel::series_rows(const PanelFrame& frame, const UiTools& tools, Ui
   tool_label("", frame.scale);
   auto rate = static_cast<float>(tools.rate);
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::SliderFloat("##rate", &rate, 0.5f, 60, "%.3g files a second", ImGuiSliderFlags_Logarithmic))
+  if (ImGui::SliderFloat("##rate", &rate, 0.5f, 60, "%.3g files per second", ImGuiSliderFlags_Logarithmic))
     actions.rate = static_cast<double>(rate);
 }
 
@@ -122,7 +122,7 @@ void MeasurePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   actions.wants_value = true;
   tool_label("Pointer", frame.scale);
   ImGui::PushTextWrapPos(0);
-  text(tools.value.empty() ? "Nothing is under it" : tools.value);
+  text(tools.value.empty() ? "Nothing under the pointer" : tools.value);
   ImGui::PopTextWrapPos();
   ruler_rows(frame, tools, actions);
   if (tools.files > 1) {
@@ -134,7 +134,7 @@ void MeasurePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("Colour bar", frame.scale);
   bool bar = tools.color_bar;
   if (ImGui::Checkbox("##bar", &bar)) actions.color_bar = bar;
-  frame.tooltips.show("Beside the picture, with the values that its colours stand for");
+  frame.tooltips.show("Shows the values of the colours beside the picture");
   if (model.has_volumes) slice_rows(frame, tools, actions);
 }
 
@@ -148,7 +148,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("", frame.scale);
   ImGui::SetNextItemWidth(tool_width());
   if (wish.of_window) {
-    ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d x as large");
+    ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d times larger");
   } else {
     ImGui::InputInt2("##size", &wish.size.x);
     wish.size.x = std::clamp(wish.size.x, 1, kMostPictureSide);
@@ -157,7 +157,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("Print", frame.scale);
   auto dots = static_cast<float>(wish.request.dots_per_inch);
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::DragFloat("##dots", &dots, 1, 0, 2400, dots > 0 ? "%.0f dots an inch" : "no size in print"))
+  if (ImGui::DragFloat("##dots", &dots, 1, 0, 2400, dots > 0 ? "%.0f dots per inch" : "no print size"))
     wish.request.dots_per_inch = std::max(0.0, static_cast<double>(dots));
   tool_label("", frame.scale);
   ImGui::Checkbox("Transparent background", &wish.request.transparent);
@@ -173,7 +173,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
     wish.request.stereo = static_cast<render::Stereo>(eyes);
   ImGui::Separator();
   ImGui::BeginDisabled(!model.has_world || tools.exporting.has_value());
-  if (ImGui::Button("Save a picture")) all.tools.take_picture = true;
+  if (ImGui::Button("Save picture")) all.tools.take_picture = true;
   frame.tooltips.show("F12");
   ImGui::Separator();
   tool_label("Turntable", frame.scale);
@@ -186,20 +186,20 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   ImGui::SetNextItemWidth(tool_width());
   if (ImGui::Combo("##animation", &file, kFiles.data(), static_cast<int>(kFiles.size())))
     wish.animation = static_cast<AnimationFile>(file);
-  if (ImGui::Button("Save a turntable")) all.tools.take_turntable = true;
+  if (ImGui::Button("Save turntable")) all.tools.take_turntable = true;
   ImGui::Separator();
   tool_label("Tour", frame.scale);
   auto leg = static_cast<float>(wish.leg);
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::SliderFloat("##leg", &leg, 0.5f, 20, "%.3g s a view")) wish.leg = static_cast<double>(leg);
+  if (ImGui::SliderFloat("##leg", &leg, 0.5f, 20, "%.3g s per view")) wish.leg = static_cast<double>(leg);
   tool_label("", frame.scale);
-  if (ImGui::Button("Add this view")) all.tools.add_to_tour = true;
+  if (ImGui::Button("Add view")) all.tools.add_to_tour = true;
   ImGui::SameLine();
   ImGui::BeginDisabled(tools.tour == 0);
-  if (ImGui::Button("Drop the last")) all.tools.forget_tour_view = true;
+  if (ImGui::Button("Remove last")) all.tools.forget_tour_view = true;
   ImGui::EndDisabled();
   ImGui::BeginDisabled(tools.tour < 2);
-  if (ImGui::Button(("Save a tour of " + std::to_string(tools.tour) + " views###tour").c_str()))
+  if (ImGui::Button(("Save tour of " + std::to_string(tools.tour) + " views###tour").c_str()))
     all.tools.take_tour = true;
   ImGui::EndDisabled();
   ImGui::EndDisabled();
@@ -214,7 +214,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
     if (ImGui::Button("Cancel")) all.tools.cancel_export = true;
   }
   ImGui::PushTextWrapPos(0);
-  colored_text(UiColors::kQuiet, "Into " + shortened(tools.folder, 200));
+  colored_text(UiColors::kQuiet, "Folder: " + shortened(tools.folder, 200));
   ImGui::PopTextWrapPos();
   all.tools.picture = std::move(wish);
 }

@@ -32,25 +32,25 @@ void RoutesPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&
   Inspection& inspection = *model.inspection;
   inspection.drawn().routes = true;
   if (!inspection.world()) {
-    if (!model.has_world) colored_text(UiColors::kQuiet, "There is no world here.");
+    if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
     return;
   }
   bool only = inspection.routes_only();
-  if (ImGui::Checkbox("Of the chosen node", &only)) inspection.set_routes_only(only);
-  frame.tooltips.show("Only the ROUTEs from and to the node that is chosen in the scene tree");
+  if (ImGui::Checkbox("Of the selected node", &only)) inspection.set_routes_only(only);
+  frame.tooltips.show("Shows only ROUTEs from and to the selected node");
   const RouteList& routes = inspection.routes();
   ImGui::SameLine();
   colored_text(UiColors::kQuiet, only ? std::to_string(routes.rows().size()) + " of " + std::to_string(routes.all())
                                       : std::to_string(routes.all()));
   if (routes.rows().empty())
     return colored_text(UiColors::kQuiet,
-                        routes.all() == 0 ? "The world has no ROUTEs." : "No ROUTE leads to or from it.");
+                        routes.all() == 0 ? "The world has no ROUTEs." : "The selected node has no ROUTEs.");
   if (!ImGui::BeginTable("##routes", 3, ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable))
     return;
   ImGui::TableSetupScrollFreeze(0, 1);
   ImGui::TableSetupColumn("From", ImGuiTableColumnFlags_WidthStretch);
   ImGui::TableSetupColumn("To", ImGuiTableColumnFlags_WidthStretch);
-  ImGui::TableSetupColumn("a second", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("a second").x);
+  ImGui::TableSetupColumn("per second", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("per second").x);
   ImGui::TableHeadersRow();
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(std::min<std::size_t>(routes.rows().size(), std::numeric_limits<int>::max())));
@@ -74,7 +74,7 @@ void RoutesPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&
         char rate[32];
         std::snprintf(rate, sizeof rate, "%.0f", seen->a_second);
         colored_text(seen->a_second > 0 ? UiColors::kText : UiColors::kQuiet, rate);
-        frame.tooltips.show(std::to_string(seen->count) + " since it is looked at");
+        frame.tooltips.show(std::to_string(seen->count) + " events since opened");
       }
       ImGui::PopID();
     }

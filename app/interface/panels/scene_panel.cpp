@@ -22,7 +22,7 @@ void ScenePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
   Inspection& inspection = *model.inspection;
   inspection.drawn().tree = true;
   if (!inspection.world()) {
-    if (!model.has_world) colored_text(UiColors::kQuiet, "There is no world here.");
+    if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
     return;
   }
   search_row(frame, inspection, actions);
@@ -34,7 +34,7 @@ void ScenePanel::search_row(const PanelFrame& frame, Inspection& inspection, UiA
   const float buttons = 3 * ImGui::GetFrameHeight() + ImGui::CalcTextSize("Pick").x + 30 * frame.scale;
   const float width = std::max(60 * frame.scale, ImGui::GetContentRegionAvail().x - buttons);
   const bool entered = text_field("##find", "DEF name or type", sought_, width, false).entered;
-  frame.tooltips.show("Finds nodes by parts of their DEF names and types. Enter: the next one");
+  frame.tooltips.show("Finds nodes by part of a DEF name or type. Enter: next match");
   if (sought_ != index.sought() && lower_case(sought_) != index.sought()) inspection.find(sought_);
   if (entered) {
     inspection.find_next(false);
@@ -43,10 +43,10 @@ void ScenePanel::search_row(const PanelFrame& frame, Inspection& inspection, UiA
   ImGui::SameLine(0, 4 * frame.scale);
   ImGui::BeginDisabled(index.matches() == 0);
   if (ImGui::ArrowButton("##before", ImGuiDir_Up)) inspection.find_next(true);
-  frame.tooltips.show("The one before");
+  frame.tooltips.show("Previous match");
   ImGui::SameLine(0, 4 * frame.scale);
   if (ImGui::ArrowButton("##next", ImGuiDir_Down)) inspection.find_next(false);
-  frame.tooltips.show("The next one");
+  frame.tooltips.show("Next match");
   ImGui::EndDisabled();
   ImGui::SameLine(0, 4 * frame.scale);
   if (switch_button("Pick", inspection.picking())) actions.run = Action::pick;
@@ -55,9 +55,8 @@ void ScenePanel::search_row(const PanelFrame& frame, Inspection& inspection, UiA
   const bool known = index.complete() && index.searched();
   std::string found = std::to_string(index.matches()) + (index.matches() == SceneIndex::kMostMatches ? " or more" : "");
   if (inspection.match()) found = std::to_string(*inspection.match() + 1) + " of " + found;
-  colored_text(
-      index.matches() == 0 && known ? UiColors::kWarning : UiColors::kQuiet,
-      index.matches() == 0 ? (known ? "Nothing is called so" : "Looking...") : found + (known ? "" : " so far"));
+  colored_text(index.matches() == 0 && known ? UiColors::kWarning : UiColors::kQuiet,
+               index.matches() == 0 ? (known ? "No matches" : "Searching...") : found + (known ? "" : " so far"));
 }
 
 void ScenePanel::rows(const PanelFrame& frame, Inspection& inspection) {
@@ -69,7 +68,7 @@ void ScenePanel::rows(const PanelFrame& frame, Inspection& inspection) {
     const float height = ImGui::GetTextLineHeightWithSpacing();
     ImGui::SetScrollY(std::max(0.0f, static_cast<float>(*revealed) * height - ImGui::GetWindowHeight() / 2));
   }
-  if (outline.size() == 0) colored_text(UiColors::kQuiet, "The world holds no nodes.");
+  if (outline.size() == 0) colored_text(UiColors::kQuiet, "The world has no nodes.");
   std::optional<std::size_t> toggled;
   ImGuiListClipper clipper;
   clipper.Begin(as_count(outline.size()), ImGui::GetTextLineHeightWithSpacing());
@@ -125,7 +124,7 @@ bool ScenePanel::line(const PanelFrame& frame, Inspection& inspection, std::size
       ImGui::SameLine(0, 0);
       colored_text(UiColors::kAccent, "  " + shortened(node.name, kName));
     }
-    if (hovered && node.type->kind == vrml::NodeType::Kind::prototype) frame.tooltips.show("An instance of a PROTO");
+    if (hovered && node.type->kind == vrml::NodeType::Kind::prototype) frame.tooltips.show("PROTO instance");
   }
   if (indent > 0) ImGui::Unindent(indent);
   ImGui::PopID();

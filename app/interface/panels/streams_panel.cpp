@@ -51,13 +51,13 @@ void limit_choice(const PanelFrame& frame, const UiModel& model, UiActions& acti
                                    [](const UiViewport& viewport) { return viewport.active; });
   if (active == model.viewports.end()) return;
   ImGui::AlignTextToFramePadding();
-  colored_text(UiColors::kQuiet, model.panes > 1 ? "This viewport reads at most" : "Reads at most");
+  colored_text(UiColors::kQuiet, model.panes > 1 ? "Bandwidth limit of viewport" : "Bandwidth limit");
   ImGui::SameLine();
   if (const auto rate = rate_choice("##most", active->rate, 130 * frame.scale)) {
     actions.pane = PaneRequest{PaneRequest::Kind::limit, active->pane};
     actions.pane->rate = *rate;
   }
-  frame.tooltips.show("What may come over the network for the active viewport (--rate)");
+  frame.tooltips.show("Limits the network traffic of the active viewport (--rate)");
 }
 
 }  // namespace
@@ -68,14 +68,14 @@ void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   inspection.drawn().streams = true;
   limit_choice(frame, model, actions);
   const auto& rows = inspection.streams().rows();
-  if (rows.empty()) return colored_text(UiColors::kQuiet, "Nothing is being read.");
+  if (rows.empty()) return colored_text(UiColors::kQuiet, "Nothing is loading.");
   const auto is_chosen = [&](const StreamList::Row& row) {
     return row.ledger.get() == chosen_of_ && row.load.number == chosen_;
   };
   const auto chosen = std::find_if(rows.begin(), rows.end(), is_chosen);
   if (chosen != rows.end()) {
     ImGui::SameLine(0, 16 * frame.scale);
-    colored_text(UiColors::kQuiet, label_of_url(chosen->load.url) + ": " + readable_rate(chosen->rate) + ", the last " +
+    colored_text(UiColors::kQuiet, label_of_url(chosen->load.url) + ": " + readable_rate(chosen->rate) + ", last " +
                                        std::to_string(static_cast<int>(RateHistory::kSamples * RateHistory::kSeconds)) +
                                        " seconds");
   }

@@ -28,7 +28,8 @@ bool has_controls(std::string_view text) {
 
 // Returns the problem of a link's URL, or nullopt.
 std::optional<std::string> refuse_place(std::string_view text) {
-  if (text.size() > kMostValue || has_controls(text)) return "its URL is no URL";
+  if (text.size() > kMostValue || has_controls(text))
+    return "its URL is invalid; expected a URL of http, https or cells";
   const net::Url url = net::parse_url(std::string(text));
   const bool leads_on = url.scheme == "http" || url.scheme == "https" || url.scheme == "cells";
   if (leads_on && net::canonical_url(url)) return std::nullopt;
@@ -39,8 +40,8 @@ std::optional<std::string> refuse_place(std::string_view text) {
 
 std::variant<SceneLink, std::string> read_link_file(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  if (text.size() > kMostLink) return "a link of more than 64 KiB";
-  if (!text.starts_with(kLinkHead)) return "no link: expected '" + std::string(kLinkHead) + "' on the first line";
+  if (text.size() > kMostLink) return "the link exceeds 64 KiB";
+  if (!text.starts_with(kLinkHead)) return "not a link: expected '" + std::string(kLinkHead) + "' on the first line";
   SceneLink link;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -55,12 +56,13 @@ std::variant<SceneLink, std::string> read_link_file(std::string_view text) {
     if (key == "budget") {
       const auto [behind, error] = std::from_chars(value.data(), value.data() + value.size(), link.budget);
       if (error != std::errc() || behind != value.data() + value.size())
-        return "its Budget is no whole number of vectors";
+        return "its Budget is invalid; expected a whole number of vectors";
     }
   }
-  if (link.url.empty()) return "a link without a URL; expected a line 'URL=http://...'";
+  if (link.url.empty()) return "the link has no URL; expected a line 'URL=http://...'";
   if (auto problem = refuse_place(link.url)) return std::move(*problem);
-  if (link.viewpoint.size() > kMostValue || has_controls(link.viewpoint)) return "its Viewpoint is no name";
+  if (link.viewpoint.size() > kMostValue || has_controls(link.viewpoint))
+    return "its Viewpoint is invalid; expected a name";
   return link;
 }
 
@@ -84,7 +86,7 @@ std::optional<std::variant<SceneLink, std::string>> read_link_url(std::string_vi
   link.url = place;
   if (auto problem = refuse_place(link.url)) return std::variant<SceneLink, std::string>(std::move(*problem));
   if (has_controls(link.viewpoint))
-    return std::variant<SceneLink, std::string>(std::string("its Viewpoint is no name"));
+    return std::variant<SceneLink, std::string>(std::string("its Viewpoint is invalid; expected a name"));
   return std::variant<SceneLink, std::string>(std::move(link));
 }
 

@@ -79,7 +79,7 @@ ScriptRunner::Evaluation LivingWorld::evaluate(const vrml::SceneGraph& scene, vr
       vrml::Diagnostics diagnostics;
       const vrml::RunTimeNodes made =
           create(*world_.scene, "console", "Script { directOutput TRUE url \"javascript: ;\" }", diagnostics, nullptr);
-      if (made.roots.empty()) return {"there is no memory for a program", true};
+      if (made.roots.empty()) return {"not enough memory for a program", true};
       console_ = made.roots.front();
       execution_.hold(*of, console_);
     }
@@ -87,7 +87,7 @@ ScriptRunner::Evaluation LivingWorld::evaluate(const vrml::SceneGraph& scene, vr
   }
   execution_.begin_update();
   execution_.end_update();  // starts the Scripts that were added
-  if (!scripts_) return {"no programs run in this world", true};
+  if (!scripts_) return {"this world has no Script engine", true};
   execution_.begin_update();
   ScriptRunner::Evaluation result = scripts_->evaluate(*of, script, line);
   execution_.end_update();
@@ -257,7 +257,7 @@ void LivingWorld::open_movie(const MediaDuration& of) {
   if (!player) {
     world_.diagnostics.add({vrml::Severity::warning, node->text->file_name(), node->location,
                             node->type->name + ": " + world_.scene->budget()->refusal(vrml::Resource::pixels) +
-                                "; it shows its first picture"});
+                                "; only its first picture is shown"});
     return;
   }
   image->second = player->image();

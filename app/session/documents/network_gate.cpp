@@ -68,8 +68,8 @@ std::vector<std::string> NetworkGate::move_held(std::vector<Request>& from, std:
     }
     const std::string place = url->scheme == "data" ? "a data: URL" : net::url_for_messages(url->text());
     if (told_.size() < kMaxTold && told_.insert(url->scheme + "://" + url->authority).second)
-      messages.push_back(place + " is not requested: a Script of this world has read " + net::url_for_messages(file_) +
-                         "; --allow-network permits it");
+      messages.push_back(place + " is not requested, because a Script of this world has read " +
+                         net::url_for_messages(file_) + "; --allow-network allows it");
     if (decision_ == Decision::refused || to.size() >= kMaxHeld) continue;
     if (first_url_.empty()) first_url_ = place;
     to.push_back(std::move(one));

@@ -51,7 +51,7 @@ struct SplitReader {
     rest.remove_prefix(1);
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), part.weight);
     if (error != std::errc() || !(part.weight >= kLeastWeight && part.weight <= kMostWeight))
-      return fail("behind ':' there must be a number from 0.001 to 1000");
+      return fail("expected a number from 0.001 to 1000 after ':'");
     rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
     return true;
   }
@@ -59,22 +59,22 @@ struct SplitReader {
     if (next() == '(') {
       rest.remove_prefix(1);
       if (!parts(part, depth + 1)) return false;
-      if (next() != ')') return fail("a bracket is not closed");
+      if (next() != ')') return fail("a bracket is not closed; expected ')'");
       rest.remove_prefix(1);
       return weight(part);
     }
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), part.pane);
     if (error != std::errc() || part.pane < 1 || part.pane > kMostViewports)
-      return fail("there must be numbers of viewports, from 1 to " + std::to_string(kMostViewports));
+      return fail("expected viewport numbers from 1 to " + std::to_string(kMostViewports));
     rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
     --part.pane;
     if (std::find(panes.begin(), panes.end(), part.pane) != panes.end())
-      return fail("viewport " + std::to_string(part.pane + 1) + " stands in it twice");
+      return fail("viewport " + std::to_string(part.pane + 1) + " is given twice");
     panes.push_back(part.pane);
     return weight(part);
   }
   bool parts(SplitPart& part, std::size_t depth) {
-    if (depth > kMostDepth) return fail("there are too many brackets");
+    if (depth > kMostDepth) return fail("too many nested brackets");
     std::vector<SplitPart> all(1);
     if (!one(all.back(), depth)) return false;
     const char sign = next();
@@ -88,7 +88,7 @@ struct SplitReader {
       if (!one(all.emplace_back(), depth)) return false;
     }
     if (next() != '\0' && kSigns.find(next()) != kSigns.npos)
-      return fail("where '|', '/' and '+' stand beside each other there must be brackets");
+      return fail("expected brackets around a mix of '|', '/' and '+'");
     part = {1, 0, static_cast<SplitAxis>(axis), std::move(all)};
     return true;
   }
@@ -113,11 +113,11 @@ std::variant<SplitTree, std::string> read_split(std::string_view text) {
     std::size_t pane = 0;
     const auto [end, error] = std::from_chars(reader.rest.data(), reader.rest.data() + reader.rest.size(), pane);
     if (error != std::errc() || pane < 1 || !has_pane(tree, pane - 1))
-      return std::string("behind '!' there must be the number of a viewport in it");
+      return std::string("expected the number of one of the viewports after '!'");
     reader.rest.remove_prefix(static_cast<std::size_t>(end - reader.rest.data()));
     if (!tree.root.parts.empty()) tree.maximised = pane - 1;
   }
-  if (!reader.rest.empty()) return "nothing may follow in it before '" + std::string(reader.rest.substr(0, 20)) + "'";
+  if (!reader.rest.empty()) return "expected the end before '" + std::string(reader.rest.substr(0, 20)) + "'";
   return tree;
 }
 

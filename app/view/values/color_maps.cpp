@@ -112,12 +112,12 @@ glm::vec3 cool_warm(float place) {
 
 constexpr std::array<ColorMap, 7> kMaps{{
     {"grey", "Grey", "Black to white", "", false, &grey_color},
-    {"viridis", "Viridis", "Even steps, for everyone's eyes and for print", "van der Walt and Smith 2015", false,
-     &viridis},
-    {"cividis", "Cividis", "Even steps that look the same to the colour-blind", "Nunez et al. 2018", false, &cividis},
+    {"viridis", "Viridis", "Even steps, also in print and for colour-blind readers", "van der Walt and Smith 2015",
+     false, &viridis},
+    {"cividis", "Cividis", "Even steps that look alike to colour-blind readers", "Nunez et al. 2018", false, &cividis},
     {"inferno", "Inferno", "Black through red to yellow, even steps", "van der Walt and Smith 2015", false, &inferno},
     {"magma", "Magma", "Black through purple to cream, even steps", "van der Walt and Smith 2015", false, &magma},
-    {"turbo", "Turbo", "A rainbow without bands: shows details, not sizes", "Mikhailov 2019", false, &turbo},
+    {"turbo", "Turbo", "Rainbow without bands; good for details, poor for magnitudes", "Mikhailov 2019", false, &turbo},
     {"coolwarm", "Cool to warm", "Blue below the middle, red above it", "Moreland 2009", true, &cool_warm},
 }};
 

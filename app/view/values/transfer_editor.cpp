@@ -70,10 +70,10 @@ Transfer rainbow(std::pair<float, float>) {
 }
 
 constexpr std::array<TransferPreset, 4> kPresets{{
-    {"CT bone", "Bones of computed tomography; skin and air are transparent", &bone},
-    {"CT soft tissue", "Skin and muscle of computed tomography, bones faint behind them", &soft_tissue},
-    {"Grey", "Black and transparent to white and opaque", &grey},
-    {"Rainbow", "Blue and transparent to red and opaque", &rainbow},
+    {"CT bone", "Bones in computed tomography; skin and air are transparent", &bone},
+    {"CT soft tissue", "Skin and muscle in computed tomography, with faint bones", &soft_tissue},
+    {"Grey", "Transparent black to opaque white", &grey},
+    {"Rainbow", "Transparent blue to opaque red", &rainbow},
 }};
 
 /// Returns the extent of the bounds along a direction.

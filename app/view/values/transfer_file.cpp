@@ -71,14 +71,14 @@ std::variant<TransferFile, std::string> read_transfer_file(std::string_view text
   const auto wrong = [&](const std::string& what, std::size_t byte = 0) {
     return name + ':' + line_and_column(text, byte) + ": error: " + what;
   };
-  if (text.size() > kMostText) return wrong("the file is larger than 1 MB; expected a transfer function");
+  if (text.size() > kMostText) return wrong("the file exceeds 1 MB; expected a transfer function");
   TransferJson root;
   try {
     root = TransferJson::parse(text);
   } catch (const TransferJson::parse_error& problem) {
-    return wrong("this is no JSON; expected a transfer function", problem.byte > 0 ? problem.byte - 1 : 0);
+    return wrong("not JSON; expected a transfer function", problem.byte > 0 ? problem.byte - 1 : 0);
   } catch (const TransferJson::exception&) {  // a number out of double's range
-    return wrong("a number is too large; expected a transfer function");
+    return wrong("a number is too large; expected finite numbers");
   }
   if (!root.is_object() || !root.contains("points") || !root["points"].is_array())
     return wrong("expected an object with an array `points`");
@@ -91,7 +91,7 @@ std::variant<TransferFile, std::string> read_transfer_file(std::string_view text
   if (root.contains("range")) {
     const TransferJson& range = root["range"];
     const bool pair = range.is_array() && range.size() == 2 && finite_number(range[0]) && finite_number(range[1]);
-    if (!pair) return wrong("range: expected the least and the largest value");
+    if (!pair) return wrong("range: expected the minimum and the maximum value");
     file.has_values = true;
   }
   if (root.contains("units") && root["units"].is_string()) file.units = root["units"].get<std::string>().substr(0, 64);

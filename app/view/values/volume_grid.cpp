@@ -47,7 +47,7 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(co
   grid->share_.emplace(budget, vrml::Resource::vectors);
   for (count_kept(); count > std::max<std::uint64_t>(most_voxels, 1); count_kept()) ++grid->step_;
   while (!grid->share_->grow(count * sizeof(float))) {
-    if (count <= 8) return "there is no memory left for the values of the volume";
+    if (count <= 8) return "not enough memory for the values of the volume";
     ++grid->step_;
     count_kept();
   }
@@ -58,7 +58,7 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(co
   const std::size_t width = source.layout.dimensions[0];
   auto to = grid->values_.begin();
   for (std::uint32_t z = 0; z < grid->kept_[2]; ++z) {
-    if (stop && *stop) return "the volume is not wanted any more";
+    if (stop && *stop) return "the volume was closed";
     if (!qnv::read_slice(source, z * grid->step_, scratch, slice))
       return "slice " + std::to_string(z) + " cannot be read";
     for (std::uint32_t y = 0; y < grid->kept_[1]; ++y)
@@ -69,7 +69,7 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(co
         most = std::max(most, value == value ? value : most);
       }
   }
-  if (!(least <= most)) return "the volume has no value at all";
+  if (!(least <= most)) return "the volume has no values";
   grid->range_ = {least, most};
   return std::shared_ptr<const VolumeGrid>(std::move(grid));
 }

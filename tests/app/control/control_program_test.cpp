@@ -76,7 +76,7 @@ TEST_CASE("ends for a client, prints the token, and reports wrong options in one
   const Run none = run_shell(at + program() + " --backend osmesa --control socket none.wrl");
   CHECK(none.status == 1);
   CHECK(none.output.find("none.wrl") != std::string::npos);
-  CHECK(none.output.find("ghostspace: error: there is no world to be controlled\n") != std::string::npos);
+  CHECK(none.output.find("ghostspace: error: no world to control; expected a file\n") != std::string::npos);
   CHECK(none.output.find("ghostspace: control token ") != std::string::npos);
   const Run there = run_shell(at + program() + " --backend osmesa --control world.wrl world.wrl");
   CHECK(there.status == 1);

@@ -43,7 +43,7 @@ TEST_CASE("edits exactly the fields that an event can set") {
   CHECK(setter("Box", "size").empty());
   CHECK(setter("TimeSensor", "isActive").empty());
   const vrml::NodeType& box = *vrml::built_in_node_type("Box");
-  CHECK(why_not_set(*box.find("size")).find("no event sets it") != std::string::npos);
+  CHECK(why_not_set(*box.find("size")).find("without an eventIn") != std::string::npos);
 }
 
 TEST_CASE("parses a text to a value of the field's type, or reports why not") {
@@ -75,7 +75,7 @@ TEST_CASE("reports the expected range for a value outside it") {
         "element 2: -2 is out of range; expected at least -1");
   // Of a rotation the second one is that of the angle; an axis has a direction (5.8).
   CHECK(editor.fine("Transform", "rotation", "0 3 0 12"));
-  CHECK(editor.why("Transform", "rotation", "0 0 0 1").find("no axis") != std::string::npos);
+  CHECK(editor.why("Transform", "rotation", "0 0 0 1").find("not an axis") != std::string::npos);
   CHECK(editor.fine("Transform", "rotation", "0 0 0 0"));
 }
 
@@ -83,8 +83,8 @@ TEST_CASE("refuses invalid numbers and values of other types") {
   const vrml::NodeType& transform = *vrml::built_in_node_type("Transform");
   const vrml::InterfaceDeclaration& translation = *transform.find("translation");
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN(), kFar = std::numeric_limits<float>::infinity();
-  CHECK(why_not_valid(transform, translation, vrml::SFVec3f(0, kNone, 0)) == "expected numbers that are finite");
-  CHECK(why_not_valid(transform, translation, vrml::SFVec3f(kFar, 0, 0)) == "expected numbers that are finite");
+  CHECK(why_not_valid(transform, translation, vrml::SFVec3f(0, kNone, 0)) == "expected finite numbers");
+  CHECK(why_not_valid(transform, translation, vrml::SFVec3f(kFar, 0, 0)) == "expected finite numbers");
   CHECK(why_not_valid(transform, translation, vrml::SFFloat(1)) == "expected a value of type SFVec3f");
   CHECK_FALSE(why_not_valid(transform, translation, vrml::SFVec3f(1, 2, 3)));
 }

@@ -105,7 +105,7 @@ TEST_CASE("rejects an invalid value, and reports why") {
   CHECK(world.inspection.send_element_text(world.interface("keyValue"), list, 1, "x"));
   CHECK_FALSE(world.inspection.send_element_text(world.interface("keyValue"), list, 1, "0.75"));
   CHECK(world.inspection.send_element_text(world.interface("keyValue"), list, 2, "1") ==
-        "there is no such element any more");
+        "the element no longer exists");
   world.look();
   CHECK(world.value<vrml::MFFloat>("keyValue") == vrml::MFFloat{0, 0.75f});
 }

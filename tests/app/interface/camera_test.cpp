@@ -41,7 +41,7 @@ TEST_CASE("shows an object from its sides by keys, relative to the chosen up axi
     CHECK(near(navigation(user).center, {1.5f, 0, 0}));
   }
   user.click("View");
-  user.click("What is up");
+  user.click("Up axis");
   user.click("Up: +Z");
   CHECK(user.session().view()->style.up == UpAxis::z);
   CHECK(navigation(user).up == glm::vec3(0, 0, 1));
@@ -50,8 +50,8 @@ TEST_CASE("shows an object from its sides by keys, relative to the chosen up axi
   CHECK(near(pose(user).forward(), {0, 1, 0}));
   CHECK(near(pose(user).up(), {0, 0, 1}));
   user.click("Navigate");
-  user.click("Look at it");
-  user.click("From above");
+  user.click("Standard views");
+  user.click("View from above");
   user.wait(1);
   CHECK(near(pose(user).forward(), {0, 0, -1}));
   CHECK(user.session().view()->navigation.mode == NavigationMode::examine);  // 1 alone chooses a mode
@@ -89,7 +89,7 @@ TEST_CASE("toggles parallel projection with O, and keeps the size of the target"
   const double expected = 2 * std::tan(before.field_of_view / 2.0) * before.position.z;
   CHECK(std::abs(pose(user).height - expected) < 0.01 * expected);
   CHECK(at_home(*user.session().view()));
-  CHECK(user.sees("Orthographic: parallel rays"));
+  CHECK(user.sees("Parallel projection"));
   // Whatever is gone to, is seen so.
   user.press(letter_key('5'), false, true);
   user.wait(1);
@@ -143,13 +143,13 @@ TEST_CASE("levels a rolled view, and moves towards a clicked point") {
   const double before = pose(user).position.z;
   user.press(letter_key('K'));
   CHECK(user.session().seeking());
-  CHECK(user.sees("Click what you want to go to"));
+  CHECK(user.sees("Seek: click a point to move halfway to it"));
   const Viewport place = user.picture();
   const auto box = pixel_that_sees(pose(user), {0.5, 0.5, 3}, place.size());
   REQUIRE(box);
   user.click(*box + glm::vec2(place.left, place.top));
   user.settle();
-  CHECK_FALSE(user.sees("Click what you want to go to"));
+  CHECK_FALSE(user.sees("Seek: click a point to move halfway to it"));
   user.wait(1);
   CHECK_FALSE(user.session().seeking());
   CHECK(glm::distance(navigation(user).center, glm::dvec3(0.5, 0.5, 3)) < 0.05);
@@ -157,10 +157,10 @@ TEST_CASE("levels a rolled view, and moves towards a clicked point") {
   user.press(letter_key('K'));
   user.press(Key::escape);
   CHECK_FALSE(user.session().seeking());
-  CHECK_FALSE(user.sees("Click what you want to go to"));
+  CHECK_FALSE(user.sees("Seek: click a point to move halfway to it"));
   user.press(letter_key('K'));
   user.click(glm::vec2(place.left, place.top) + 3.0f);
-  CHECK(user.sees("Nothing is there to go to"));
+  CHECK(user.sees("No object at this point"));
 }
 
 TEST_CASE("copies and pastes a camera, and reports invalid text") {
@@ -181,12 +181,12 @@ TEST_CASE("copies and pastes a camera, and reports invalid text") {
   CHECK(std::abs(pose(user).height - kept.height) < 1e-6 * kept.height);
   CHECK(user.session().view()->style.parallel);
   user.click("Navigate");
-  user.click("Copy camera as a Viewpoint node");
+  user.click("Copy camera as Viewpoint node");
   CHECK(user.desk().ui().clipboard().starts_with("Viewpoint { position "));
   CHECK(std::holds_alternative<Pose>(read_camera(user.desk().ui().clipboard())));
   user.desk().ui().set_clipboard("nothing of the kind");
   user.press(letter_key('V'), true);
-  CHECK(user.sees("The clipboard holds no camera"));
+  CHECK(user.sees("The clipboard has no camera"));
   CHECK(glm::distance(pose(user).position, kept.position) < 1e-5);
 }
 
@@ -217,7 +217,7 @@ TEST_CASE("shows axes in the corner of unstyled objects, and the size of the gri
   CHECK(user.sees("Grid: 0.5"));
   // Without axes a click there turns the world, and does not choose a side.
   user.click("View");
-  user.click("Axes in a corner");
+  user.click("Coordinate axes");
   CHECK_FALSE(user.session().view()->style.axes);
   const Pose before = pose(user);
   user.click(center + glm::vec2(length, 0));
@@ -227,7 +227,7 @@ TEST_CASE("shows axes in the corner of unstyled objects, and the size of the gri
   CHECK(user.session().view()->style.display == render::DisplayMode::edges);
   CHECK(user.sees("Faces: filled, with edges"));
   user.click("View");
-  user.click("How faces are drawn");
+  user.click("Faces");
   user.click("Faces: points");
   CHECK(user.session().view()->style.display == render::DisplayMode::points);
 }

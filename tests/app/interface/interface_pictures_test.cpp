@@ -75,7 +75,7 @@ TEST_CASE("draws a menu with a submenu as pinned") {
   Driver user({}, {960, 480});
   user.show_world(kBody);
   user.click("View");
-  user.click("How faces are drawn");
+  user.click("Faces");
   check_picture("menus");
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("keeps the numbers of a colour bar readable in both themes") {
     CHECK(brightest > 160);
     CHECK(darkest < 60);
     user.click("View");
-    user.click("Dark or light colours");
+    user.click("Switch dark and light theme");
   }
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("draws equal windows after equal input, and shows a change") {
   CHECK(difference() > kMostOfPicture);
   user.press(letter_key('I'), true, true);
   user.click("View");
-  user.click("Dark or light colours");
+  user.click("Switch dark and light theme");
   user.settle();
   CHECK(difference() > kMostOfPicture);
 }

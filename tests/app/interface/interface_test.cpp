@@ -63,10 +63,10 @@ TEST_CASE("finds actions, Viewpoints and panels in the palette by a part of thei
   user.press(letter_key('P'), true, true);
   user.type("qqzz");
   user.press(Key::enter);
-  CHECK(user.sees("Nothing is called so."));
+  CHECK(user.sees("No matches."));
   user.type("r");
   CHECK(user.sees("qqzzr"));
-  CHECK_FALSE(user.sees("Click the first place"));
+  CHECK_FALSE(user.sees("Click the first point"));
   user.press(Key::escape);
   // Arrows go through what fits; the keys are not the world's meanwhile.
   const glm::dvec3 before = user.session().view()->navigation.pose.position;
@@ -84,9 +84,9 @@ TEST_CASE("finds actions, Viewpoints and panels in the palette by a part of thei
   CHECK(user.sees("0 errors"));
   user.press(letter_key('P'), true, true);
   user.type("nothing is called so");
-  CHECK(user.sees("Nothing is called so."));
+  CHECK(user.sees("No matches."));
   user.press(Key::escape);
-  CHECK_FALSE(user.sees("Nothing is called so."));
+  CHECK_FALSE(user.sees("No matches."));
 }
 
 TEST_CASE("takes the space of a panel from the picture, and returns it") {
@@ -127,7 +127,7 @@ TEST_CASE("enlarges text and buttons on Ctrl+plus, and changes colours, at once 
     larger = bar(user);
     CHECK(larger > before);
     user.press(letter_key('P'), true, true);
-    user.type("light colours");
+    user.type("light theme");
     user.press(Key::enter);
     CHECK(user.desk().kept().settings().theme == Theme::light);
   }
@@ -303,7 +303,7 @@ TEST_CASE("continues typing in the address bar after an address failed to open")
   user.press(letter_key('L'), true);
   user.type("/nowhere/at/all.wrl");
   user.press(Key::enter);
-  REQUIRE(user.wait_for([&] { return user.sees("could not be opened"); }));
+  REQUIRE(user.wait_for([&] { return user.sees("cannot be opened"); }));
   user.settle();
   user.type("13");
   INFO(user.screen());
@@ -394,7 +394,7 @@ TEST_CASE("shows notices without an open file in the picture, not over the log")
   user.press(Key::f3);
   const auto place = user.find("Drop a file here");
   CHECK((!place || place->y < static_cast<float>(user.picture().top + user.picture().height)));
-  CHECK(user.sees("No file has been read yet."));
+  CHECK(user.sees("No file is loaded."));
 }
 
 TEST_CASE("offers once to restore a window that ended unexpectedly, in one line") {
@@ -420,10 +420,10 @@ TEST_CASE("lists the settings of the table in Preferences") {
   REQUIRE(choices);
   user.click(*choices + glm::vec2(25, 0));
   CHECK(user.desk().kept().settings().theme == Theme::light);
-  user.click("As they were at first");
+  user.click("Restore defaults");
   CHECK(user.desk().kept().settings() == UserSettings{});
   user.press(Key::escape);
-  CHECK_FALSE(user.sees("As they were at first"));
+  CHECK_FALSE(user.sees("Restore defaults"));
 }
 
 }  // namespace gs::app::interface_test

@@ -83,26 +83,26 @@ TEST_CASE("splits, switches, maximises, swaps and closes viewports by keys") {
   CHECK(shown(user, 1) == "box.wrl");
   for (int i = 0; i < 20; ++i) user.press(Key::right, true, true);
   CHECK(panes_of(user.session().panes().split()).size() == kMostViewports);
-  CHECK(user.sees("There cannot be more than 12 viewports"));
+  CHECK(user.sees("The window can have at most 12 viewports"));
 }
 
 TEST_CASE("offers viewport actions in menus and the palette") {
   Driver user;
   user.show_world(kBox, "box.wrl");
   user.click("Window");
-  user.click("Split the viewport: another on its right");
+  user.click("Split right");
   CHECK(split(user) == "1|2");
   user.press(letter_key('P'), true, true);
-  user.type("swap the viewport");
+  user.type("swap with next");
   user.press(Key::enter);
   CHECK(split(user) == "2|1");
   user.press(letter_key('P'), true, true);
-  user.type("close the viewport");
+  user.type("close viewport");
   user.press(Key::enter);
   CHECK(split(user) == "1");
   user.press(letter_key('P'), true, true);
-  user.type("maximise the viewport");
-  CHECK(user.sees("Nothing is called so."));  // there is only one
+  user.type("maximise viewport");
+  CHECK(user.sees("No matches."));  // there is only one
 }
 
 TEST_CASE("drags a divider with its cursor, within the minimum sizes of viewports") {
@@ -210,7 +210,7 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   // In the menu of the second, which is active.
   user.click("2 empty", MouseButton::right);
   CHECK(user.sees("Reading: 50 %, 0 bit/s"));
-  CHECK(user.sees("Reading at most"));
+  CHECK(user.sees("Bandwidth limit"));
   const auto list = user.find("200 kbit/s");
   REQUIRE(list);
   user.click(*list);
@@ -223,7 +223,7 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   CHECK(user.sees("0 bit/s of 2.0 Mbit/s"));
   // The same in the panel, of the active one.
   user.press(letter_key('E'), true, true);
-  CHECK(user.sees("This viewport reads at most"));
+  CHECK(user.sees("Bandwidth limit of viewport"));
   user.session().serve(PaneRequest{PaneRequest::Kind::limit, 1, 0, 1, 0});
   user.settle();
   CHECK(user.sees("no limit"));
@@ -255,24 +255,24 @@ TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
   user.settle();
   INFO(user.screen());
-  CHECK(user.sees("late.wrl could not be opened"));
+  CHECK(user.sees("late.wrl cannot be opened"));
   CHECK_FALSE(user.session().panes().at(1).failure->error.empty());
-  CHECK(user.sees("Open again"));
+  CHECK(user.sees("Retry"));
   // Its earlier file is still there.
   CHECK(shown(user, 1) == "box.wrl");
   CHECK_FALSE(user.session().panes().at(0).failure);
   // The same again, with the file there.
   scratch.write("late.wrl", "#VRML V2.0 utf8\nShape { geometry Sphere { } }\n");
-  user.click("Open again");
+  user.click("Retry");
   REQUIRE(user.wait_for([&] { return shown(user, 1) == scratch.path("late.wrl"); }));
   user.settle();
-  CHECK_FALSE(user.sees("could not be opened"));
+  CHECK_FALSE(user.sees("cannot be opened"));
 
   user.session().open_in(1, scratch.path("none.wrl"));
   REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
   user.settle();
   CHECK_FALSE(user.sees("1 error"));
-  user.click("Problems");
+  user.click("Show log");
   CHECK(user.sees("1 error"));
   user.desk().ui().clear_notices();
   user.settle();
@@ -292,9 +292,9 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
   {
     Driver given({}, {1000, 700}, load);  // as --memory has it, whatever the setting says
     given.session().open_files({path});
-    REQUIRE(given.wait_for([&] { return given.sees("More memory"); }));
+    REQUIRE(given.wait_for([&] { return given.sees("Raise memory limit"); }));
     given.settle();
-    given.click("More memory");
+    given.click("Raise memory limit");
     CHECK(given.sees("Memory of a world"));
   }
   Driver user;
@@ -309,7 +309,7 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
   actions.settings = settings;
   user.desk().apply(actions);
   user.settle();
-  user.click("Open again");
+  user.click("Retry");
   CHECK(user.wait_for([&] {
     const Pane& pane = user.session().panes().at(0);
     return !pane.failure && pane.view() && !pane.view()->list->items.empty();
@@ -325,8 +325,8 @@ TEST_CASE("closes a viewport together with the message of its failed file") {
   REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
   user.desk().ui().clear_notices();
   user.settle();
-  CHECK(user.sees("first.wrl could not be opened"));
-  CHECK(user.sees("second.wrl could not be opened"));
+  CHECK(user.sees("first.wrl cannot be opened"));
+  CHECK(user.sees("second.wrl cannot be opened"));
   CHECK_FALSE(user.sees("Drop a file here"));
   user.click("Close");
   CHECK(panes_of(user.session().panes().split()).size() == 1);
@@ -339,20 +339,20 @@ TEST_CASE("shows a three-line introduction without arguments until it is closed"
   options.not_kept = scratch.path("demo.wrl");
   options.folders.settings_file = scratch.path("settings.conf");
   Driver user(std::move(options), {1400, 900});
-  CHECK_FALSE(user.sees("Page Down leads on"));
+  CHECK_FALSE(user.sees("Page Down next viewpoint"));
   user.session().open_in(0, scratch.path("demo.wrl"));
-  REQUIRE(user.wait_for([&] { return user.sees("Page Down leads on"); }));
+  REQUIRE(user.wait_for([&] { return user.sees("Page Down next viewpoint"); }));
   CHECK(user.sees("Drop a file or press Ctrl+O"));
   // The ruler's text covers the introduction.
   bool measuring = true;
   user.set_model([&](UiModel& model) { model.tools.measuring = measuring; });
   user.settle();
-  CHECK_FALSE(user.sees("Page Down leads on"));
+  CHECK_FALSE(user.sees("Page Down next viewpoint"));
   measuring = false;
   user.settle();
-  CHECK(user.sees("Page Down leads on"));
+  CHECK(user.sees("Page Down next viewpoint"));
   user.click("Got it");
-  CHECK_FALSE(user.sees("Page Down leads on"));
+  CHECK_FALSE(user.sees("Page Down next viewpoint"));
   CHECK_FALSE(user.desk().kept().settings().first_steps);
 }
 

@@ -38,7 +38,7 @@ TEST_CASE("restricts an Anchor of the network to the network") {
   REQUIRE(one.places.size() == 3);
   CHECK(one.places[0].target == "http://host/a/house.wrl");
   CHECK(one.places[0].problem.empty());
-  CHECK(one.places[1].problem.find("not opened") != std::string::npos);
+  CHECK(one.places[1].problem.find("Not opened") != std::string::npos);
   CHECK(one.places[2].target.empty());
 }
 

@@ -100,7 +100,7 @@ TEST_CASE("logs printed text of programs, shows descriptions, and opens no pages
   }
   CHECK(has_printed);
   CHECK_FALSE(opened);
-  CHECK(told == std::vector<std::string>{"text", "The world wants to open http://127.0.0.1:9/page.html: not opened"});
+  CHECK(told == std::vector<std::string>{"text", "http://127.0.0.1:9/page.html: not opened without a recent click"});
 }
 
 }  // namespace gs::app::session_scripts_test

@@ -47,7 +47,7 @@ TEST_CASE("distinguishes actions by modifier keys") {
   CHECK_FALSE(action_of(pressed(letter_key('W'))));
   CHECK_FALSE(action_of(pressed(letter_key('F'), false, false, true)));
   CHECK(keys_of(row_of(Action::previous_file)) == "Ctrl+Shift+Tab");
-  CHECK(tooltip_of(Action::reset) == "Back to the viewpoint (Home)");
+  CHECK(tooltip_of(Action::reset) == "Return to the viewpoint (Home)");
 }
 
 }  // namespace gs::app::actions_test

@@ -142,7 +142,7 @@ TEST_CASE("saves turntables and tours of the window as pictures and movies") {
   actions.cancel_export = true;
   shop.apply(actions);
   CHECK_FALSE(shop.describe().exporting);
-  CHECK(shop.told.back() == "The animation was given up");
+  CHECK(shop.told.back() == "Animation cancelled");
 }
 
 TEST_CASE("drags a slice through its volume by its edge in the picture") {
@@ -276,7 +276,7 @@ TEST_CASE("shows the value of a stream's nearest vector under the pointer") {
   INFO(shop.describe().value);
   const std::string value = shop.describe().value;
   CHECK(value.starts_with("about "));
-  CHECK(value.find(" K, by the nearest vector") != std::string::npos);
+  CHECK(value.find(" K, from the nearest vector") != std::string::npos);
 }
 
 }  // namespace gs::app::viewer_tools_test

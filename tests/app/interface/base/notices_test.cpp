@@ -7,10 +7,10 @@ namespace gs::app::notices_test {
 TEST_CASE("queues a second line instead of replacing the first") {
   Notices notices;
   CHECK_FALSE(notices.next());
-  notices.show("Could not open a.wrl", true, 10);
+  notices.show("Cannot open a.wrl", true, 10);
   notices.show("Speed 2 m/s", false, 11);
   REQUIRE(notices.lines().size() == 2);
-  CHECK(notices.lines()[0].text == "Could not open a.wrl");
+  CHECK(notices.lines()[0].text == "Cannot open a.wrl");
   CHECK(notices.next() == 11 + Notices::kSeconds);
   notices.expire(11 + Notices::kSeconds);
   REQUIRE(notices.lines().size() == 1);

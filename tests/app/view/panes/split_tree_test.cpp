@@ -244,20 +244,20 @@ TEST_CASE("restores splits from their text") {
 }
 
 TEST_CASE("rejects invalid splits with a reason") {
-  CHECK(why_not("") == "there must be numbers of viewports, from 1 to 12");
-  CHECK(why_not("0") == "there must be numbers of viewports, from 1 to 12");
-  CHECK(why_not("13") == "there must be numbers of viewports, from 1 to 12");
-  CHECK(why_not("-1") == "there must be numbers of viewports, from 1 to 12");
-  CHECK(why_not("1|") == "there must be numbers of viewports, from 1 to 12");
-  CHECK(why_not("99999999999999999999999") == "there must be numbers of viewports, from 1 to 12");
-  CHECK(why_not("1|1") == "viewport 1 stands in it twice");
-  CHECK(why_not("1|2/3") == "where '|', '/' and '+' stand beside each other there must be brackets");
-  CHECK(why_not("(1|2") == "a bracket is not closed");
-  CHECK(why_not("1|2)") == "nothing may follow in it before ')'");
-  CHECK(why_not("1 2") == "nothing may follow in it before ' 2'");
-  CHECK(why_not("1:0|2") == "behind ':' there must be a number from 0.001 to 1000");
-  CHECK(why_not("1:nan|2") == "behind ':' there must be a number from 0.001 to 1000");
-  CHECK(why_not("1:|2") == "behind ':' there must be a number from 0.001 to 1000");
-  CHECK(why_not("1|2!3") == "behind '!' there must be the number of a viewport in it");
-  CHECK(why_not(std::string(100'000, '(')) == "there are too many brackets");
+  CHECK(why_not("") == "expected viewport numbers from 1 to 12");
+  CHECK(why_not("0") == "expected viewport numbers from 1 to 12");
+  CHECK(why_not("13") == "expected viewport numbers from 1 to 12");
+  CHECK(why_not("-1") == "expected viewport numbers from 1 to 12");
+  CHECK(why_not("1|") == "expected viewport numbers from 1 to 12");
+  CHECK(why_not("99999999999999999999999") == "expected viewport numbers from 1 to 12");
+  CHECK(why_not("1|1") == "viewport 1 is given twice");
+  CHECK(why_not("1|2/3") == "expected brackets around a mix of '|', '/' and '+'");
+  CHECK(why_not("(1|2") == "a bracket is not closed; expected ')'");
+  CHECK(why_not("1|2)") == "expected the end before ')'");
+  CHECK(why_not("1 2") == "expected the end before ' 2'");
+  CHECK(why_not("1:0|2") == "expected a number from 0.001 to 1000 after ':'");
+  CHECK(why_not("1:nan|2") == "expected a number from 0.001 to 1000 after ':'");
+  CHECK(why_not("1:|2") == "expected a number from 0.001 to 1000 after ':'");
+  CHECK(why_not("1|2!3") == "expected the number of one of the viewports after '!'");
+  CHECK(why_not(std::string(100'000, '(')) == "too many nested brackets");
 }

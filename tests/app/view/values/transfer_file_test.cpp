@@ -78,7 +78,7 @@ TEST_CASE("rejects invalid transfer functions with their position and the expect
         std::string::npos);
   CHECK(problem(R"({"range":[1],"points":[{"value":1,"color":"#000000","opacity":0}]})").find("range: expected") !=
         std::string::npos);
-  CHECK(problem(std::string(2'000'000, ' ')).find("larger than 1 MB") != std::string::npos);
+  CHECK(problem(std::string(2'000'000, ' ')).find("exceeds 1 MB") != std::string::npos);
   CHECK_FALSE(problem(std::string(100'000, '[')).empty());  // deep
   std::string many = R"({"points":[)";
   for (int i = 0; i < 65; ++i) many += std::string(i ? "," : "") + R"({"value":0,"color":"#000000","opacity":0})";
