@@ -114,11 +114,11 @@ int run_animate(const Options& given_options) {
   if (const auto problem = settle_size(options)) return fail(*problem);
   const std::string& out = options.files.back();
   if (options.picture.transparent && !numbered_name(out))
-    return fail("--background transparent: expected pictures, such as walk.%04d.png");
+    return fail("--background transparent: expected PNG pictures, such as walk.%04d.png");
   const GivenPlace given = given_place(options.files.front());
   if (!given.problem.empty()) return fail(given.target + ": " + given.problem);
   const auto series = file_series(given.target);
-  if (series && series->empty()) return fail(given.target + ": there is no file of this series");
+  if (series && series->empty()) return fail(given.target + ": no file of this series exists");
   AnimationRequest request = options.animation;
   if (series && !request.times && !request.turntable && request.tour.empty())
     request.times = {0, static_cast<double>(series->size()) / request.rate};

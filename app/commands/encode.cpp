@@ -18,17 +18,17 @@ std::optional<std::string> check_encode(const Options& options) {
   if (options.packed + options.records + options.displaced > 1)
     return "--displaced, --packed and --records exclude each other; expected one of them";
   if (options.exact_bits > 0 && (options.packed || options.records || options.outlines))
-    return "--exact goes with none of --packed, --records and --outlines";
+    return "--exact excludes --packed, --records and --outlines";
   if (options.exact_bits > 0 && (options.vectors > 0 || options.fraction > 0 || options.max_bytes_given))
-    return "--exact goes with none of --vectors, --fraction and --max-bytes: the mesh takes what it takes";
+    return "--exact excludes --vectors, --fraction and --max-bytes, because the size of the exact mesh is fixed";
   if (options.outlines) {
     if (options.packed || options.records || options.displaced || options.vectors > 0 || options.fraction > 0)
-      return "--outlines goes with none of --displaced, --packed, --records, --vectors and --fraction";
+      return "--outlines excludes --displaced, --packed, --records, --vectors and --fraction";
     const std::string& out = options.files.back();
     if (!out.ends_with(".wrl") && !out.ends_with(".wrz") && !out.ends_with(".qnv"))
       return "expected OUT.wrl, OUT.wrz or OUT.qnv as the second file, not '" + out + "'";
     return options.max_bytes_given && !out.ends_with(".qnv")
-               ? std::optional<std::string>("--max-bytes is for streams; expected OUT.qnv")
+               ? std::optional<std::string>("--max-bytes applies to streams only; expected OUT.qnv")
                : std::nullopt;
   }
   if (!options.files.back().ends_with(".qnv"))
@@ -50,14 +50,12 @@ int run_encode(const Options& options) {
   if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
   const auto& stream = std::get<qnv::EncodedStream>(encoded);
   if (options.max_bytes_given && stream.bytes.size() > options.max_bytes)
-    return fail(in + ": the smallest stream takes " + std::to_string(stream.bytes.size()) + " bytes; at most " +
-                std::to_string(options.max_bytes) + " were asked for");
+    return fail(in + ": the smallest possible stream has " + std::to_string(stream.bytes.size()) +
+                " bytes; expected at most " + std::to_string(options.max_bytes));
   if (const auto problem = net::write_file_atomically(out, stream.bytes)) return fail_to_write(problem->message);
   if (stream.thinned)
-    complain(
-        "%s: warning: there are more triangles than memory has room for; thinned to %zu, with a larger --memory to "
-        "more",
-        in.c_str(), most_encoded_triangles(options.limits));
+    complain("%s: warning: mesh exceeds --memory; simplified to %zu triangles (raise --memory to keep more)",
+             in.c_str(), most_encoded_triangles(options.limits));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto vectors = static_cast<double>(stream.header.vectors);
   const double bits = vectors > 0 ? static_cast<double>(stream.bytes.size()) * 8 / vectors : 0;

@@ -36,18 +36,19 @@ std::string_view extension(const std::string& path) {
 std::variant<OutlineModel, std::string> model_of(const Options& options, const OpenedInput& input,
                                                  ProgressBar& progress) {
   if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
-    if (options.isovalue) return "is no volume; --isovalue is for volumes";
+    if (options.isovalue) return "is not a volume; --isovalue applies to volumes only";
     const vrml::Budget budget(options.limits);
     const std::uint64_t bytes = summarize_surface((*opened)->list).triangles * kOutlineTriangleBytes;
     if (bytes > budget.left(vrml::Resource::meshes))
-      return "has triangles that take " + budget.refusal(vrml::Resource::meshes);
+      return "has triangles that need " + budget.refusal(vrml::Resource::meshes);
     return outline_model((*opened)->list, texture_urls((*opened)->world));
   }
   if (const auto* mesh = std::get_if<MeshStream>(&input.content))
-    return "has " + std::to_string(mesh->faces) + " faces, which memory has no room for; expected fewer, or --memory";
+    return "has " + std::to_string(mesh->faces) +
+           " faces, which exceed the memory limit; expected fewer, or a larger --memory";
   const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
   if (!volume) return "has no polygons; expected a world, a mesh, or a volume with --isovalue";
-  if (!options.isovalue) return "is a volume; --outlines needs --isovalue to know which surface";
+  if (!options.isovalue) return "is a volume; --outlines needs --isovalue to select a surface";
   return isosurface_outlines(options, *volume, progress);
 }
 
@@ -85,8 +86,8 @@ void tell(const Options& options, const qnv::OutlineGroups& groups, std::size_t 
   print_line("%s: %zu polygons as %zu outlines of %zu groups and %zu inner polygons, %zu bytes, %.2f s",
              options.files[1].c_str(), counts.polygons, outlines, groups.groups.size(), inner, bytes, seconds);
   if (counts.invalid + counts.degenerate + counts.duplicates > 0)
-    print_line("left out: %zu that have corners without a place, %zu without area, %zu that are there twice",
-               counts.invalid, counts.degenerate, counts.duplicates);
+    print_line("left out: %zu polygons with invalid corners, %zu without area, %zu duplicates", counts.invalid,
+               counts.degenerate, counts.duplicates);
 }
 
 }  // namespace
@@ -145,9 +146,9 @@ int encode_outlines(const Options& options) {
   }
   if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
   if (model.left_out > 0)
-    complain("%s: warning: %zu shapes of lines or points have no outlines and are left out", in.c_str(),
+    complain("%s: warning: %zu Shapes of lines or points are left out, because they have no outlines", in.c_str(),
              model.left_out);
-  if (model.averaged) complain("%s: warning: colours that change within a face became their mean", in.c_str());
+  if (model.averaged) complain("%s: warning: colours that vary within a face are averaged", in.c_str());
   tell(options, groups, bytes.size(), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   return kDone;
 }

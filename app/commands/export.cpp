@@ -79,13 +79,13 @@ std::optional<std::string> check_export(const Options& options) {
   const std::string& out = options.files.back();
   if (format_of(options)) return std::nullopt;
   return options.vrml97 ? "expected OUT.wrl with --vrml97, not '" + out + "'"
-                        : "nothing is known that ends like '" + out + "'; expected one of: " + export_format_list();
+                        : "unknown extension of '" + out + "'; expected one of: " + export_format_list();
 }
 
 int run_export(const Options& options) {
   const std::string &in = options.files[0], &out = options.files[1];
   std::error_code error;
-  if (std::filesystem::equivalent(in, out, error)) return fail(out + " is what is read; it is not written over");
+  if (std::filesystem::equivalent(in, out, error)) return fail(out + " is also the input; not overwritten");
   auto input = open_input(options, in);
   if (!input) return kFailed;
   if (auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input->content);

@@ -77,7 +77,7 @@ Fact facts_of(const std::string& url, const Report& report) {
 void print(const Report& report) {
   const double rate = report.seconds > 0 ? static_cast<double>(report.bytes) * 8e-6 / report.seconds : 0;
   print_line("%llu bytes in %.3f s (%.3f Mbit/s)%s", static_cast<unsigned long long>(report.bytes), report.seconds,
-             rate, report.complete ? "" : "; not all of it came");
+             rate, report.complete ? "" : "; incomplete");
   if (report.first_seconds < 0)
     print_line("nothing to show");
   else
@@ -87,7 +87,7 @@ void print(const Report& report) {
              static_cast<unsigned long long>(report.triangles));
   if (!report.is_cells) return;
   const std::uint64_t sent = report.cells.datagrams + report.cells.lost;
-  print_line("%llu datagrams of cells came, %llu were lost (%.2f %%), %llu of those rebuilt, %llu PDUs damaged",
+  print_line("%llu cell datagrams received, %llu lost (%.2f %%), %llu of them restored, %llu PDUs damaged",
              static_cast<unsigned long long>(report.cells.datagrams),
              static_cast<unsigned long long>(report.cells.lost),
              sent > 0 ? 100.0 * static_cast<double>(report.cells.lost) / static_cast<double>(sent) : 0.0,
@@ -101,7 +101,7 @@ void print(const Report& report) {
 
 std::optional<std::string> check_fetch(const Options& options) {
   if (options.loss > 0 && !comes_as_cells(options.files.front()))
-    return "--loss: only cells lose anything, the rest is sent again; expected a cells: URL";
+    return "--loss: only cells are lost, because other transports retransmit; expected a cells: URL";
   return std::nullopt;
 }
 

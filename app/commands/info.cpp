@@ -176,7 +176,7 @@ bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::s
     return false;
   }
   if (decoder.full())
-    complain("%s: error: vectors take %s; the finer ones are not counted", path.c_str(),
+    complain("%s: error: vectors need %s; finer ones are not counted", path.c_str(),
              budget.refusal(vrml::Resource::vectors).c_str());
   const qnv::Cloud cloud = decoder.cloud();
   facts.put("payload", std::string(qnv::row_of(header->payload).name));

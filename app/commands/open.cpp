@@ -24,7 +24,7 @@ std::optional<std::string> check_open(const Options& options) {
   const bool of_picture = picture.transparent || picture.stereo != render::Stereo::none || picture.eye_distance > 0 ||
                           picture.dots_per_inch > 0 || picture.paper;
   if (of_picture && options.snapshot.empty())
-    return "expected --snapshot with --background transparent, --stereo, --eye-distance, --dpi and a --size of paper";
+    return "--background transparent, --stereo, --eye-distance, --dpi and paper sizes need --snapshot";
   return std::nullopt;
 }
 
@@ -67,8 +67,8 @@ int run_open(const Options& options) {
   const int status = run_viewer(viewer, load, error);
   if (status != kDone)
     complain(
-        "ghostspace: error: %s; a picture without a window: ghostspace --snapshot OUT.png FILE; to be controlled "
-        "without one: ghostspace --backend osmesa --control PATH",
+        "ghostspace: error: %s; without a window use ghostspace --snapshot OUT.png FILE, or ghostspace --backend "
+        "osmesa --control PATH",
         error.c_str());
   return status;
 }

@@ -36,7 +36,7 @@ ViewStyle view_style(const Options& options) {
 
 std::optional<std::string> check_camera(const Options& options) {
   if (options.camera && (options.orbit || !options.viewpoint.empty()))
-    return "expected --camera, --orbit or --viewpoint, one of them";
+    return "--camera, --orbit and --viewpoint exclude each other; expected one of them";
   return std::nullopt;
 }
 
@@ -60,7 +60,7 @@ std::optional<render::Camera> camera_of_options(const Options& options, const re
 std::optional<std::string> settle_size(Options& options) {
   if (!options.picture.paper) return std::nullopt;
   const auto pixels = pixels_of(options.picture);
-  if (!pixels) return "--size with this --dpi is more than 65536 pixels a side, or none";
+  if (!pixels) return "--size with this --dpi is out of range; expected 1 to 65536 pixels per side";
   options.width = pixels->x;
   options.height = pixels->y;
   if (options.picture.dots_per_inch == 0) options.picture.dots_per_inch = kUsualDots;
@@ -70,7 +70,7 @@ std::optional<std::string> settle_size(Options& options) {
 std::optional<std::string> settle_series(const Options& options, double time, std::string& path) {
   const auto files = file_series(path);
   if (!files) return std::nullopt;
-  if (files->empty()) return path + ": there is no file of this series";
+  if (files->empty()) return path + ": no file of this series exists";
   path = (*files)[series_place(time, options.animation.rate, files->size())];
   return std::nullopt;
 }

@@ -41,7 +41,7 @@ int serve(const ArchiveOptions& options) {
   if (const auto port = archive.http_port())
     complain("ghostspace: serving %s on http://%s", options.folder.c_str(), place(options, *port).c_str());
   if (archive.http_port())
-    complain("ghostspace: thumbnails and streams are made by processes without network; what keeps them in check: %s",
+    complain("ghostspace: processes without network make thumbnails and streams; confinement: %s",
              confinement_support().text().c_str());
   if (const auto port = archive.cells_port())
     complain("ghostspace: serving %s on cells://%s", options.folder.c_str(), place(options, *port).c_str());
@@ -50,7 +50,7 @@ int serve(const ArchiveOptions& options) {
   }
   // A second signal has its default action and ends the program at once.
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  complain("ghostspace: stopping; transfers have %d s to end", static_cast<int>(kGrace.count()));
+  complain("ghostspace: stopping; transfers may take %d s more", static_cast<int>(kGrace.count()));
   archive.stop(kGrace);
   return kDone;
 }

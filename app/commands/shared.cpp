@@ -34,7 +34,7 @@ int write_stats(const std::string& path, const std::string& json) {
     const bool ours = file && is_json_with({reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size()},
                                            "peak_rss_bytes");
     if (!ours && !(file && file->bytes().empty())) {
-      complain("%s: error: is there and holds no measurements; it is not written over", path.c_str());
+      complain("%s: error: already exists and has no measurements; not overwritten", path.c_str());
       return kFailed;
     }
   }
@@ -61,15 +61,15 @@ std::optional<std::string> refuse_to_replace(const std::string& out, const std::
                                              std::span<const std::byte> bytes) {
   std::error_code error;
   if (!std::filesystem::exists(out, error)) return std::nullopt;
-  if (std::filesystem::equivalent(out, in, error)) return out + " is what is read; it is not written over";
+  if (std::filesystem::equivalent(out, in, error)) return out + " is also the input; not overwritten";
   const auto opened = net::map_file(out);
   if (const auto* problem = std::get_if<net::FileError>(&opened)) return problem->message;
   const std::span<const std::byte> old = std::get<net::MappedFile>(opened).bytes();
   if (old.empty()) return std::nullopt;
   const ContentType* type = content_type_by_mark(first_bytes(bytes));
   if (type && content_type_by_mark(first_bytes(old)) == type) return std::nullopt;
-  return out + " is there and is no " + (type ? std::string(type->name) : "file of the kind") +
-         "; it is not written over";
+  return out + " already exists and is not " + (type ? std::string(type->name) : "a file of this format") +
+         "; not overwritten";
 }
 
 std::string export_format_list() {

@@ -105,7 +105,7 @@ class ColorCount {
 // day, and a frame cannot be interrupted. The program then exits with one line.
 
 extern "C" void give_up(int) {
-  static constexpr char kMessage[] = "ghostspace: error: drawing takes longer than --timeout; given up\n";
+  static constexpr char kMessage[] = "ghostspace: error: drawing exceeded --timeout\n";
   (void)!write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
   _exit(kFailed);
 }
@@ -181,7 +181,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
       complain("%s: warning: %s", file.c_str(), problem->c_str());
   if (!plan_input(options, simulation)) return kFailed;
   if (!may_write(options.snapshot, file))
-    return fail(options.snapshot + " is there and is no PNG picture; it is not written over");
+    return fail(options.snapshot + " already exists and is not a PNG picture; not overwritten");
 
   limit_drawing(options.timeout_seconds);
   WaveFile sound;
@@ -198,7 +198,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   const render::RenderList& list =
       simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
   if (options.display != render::DisplayMode::surface && !has_faces(list))
-    complain("%s: warning: clouds of discs and volumes have no faces; --display changes nothing", file.c_str());
+    complain("%s: warning: splats and volumes have no faces; --display has no effect", file.c_str());
   vrml::Diagnostics left_out;
   report_left_out(list, left_out);
   print_diagnostics(left_out);

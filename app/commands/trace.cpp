@@ -63,7 +63,7 @@ int write_sound(const Options& options, const WaveFile& sound) {
     const auto there = file->bytes();
     constexpr char kWave[] = {'R', 'I', 'F', 'F'};
     if (!there.empty() && (there.size() < sizeof kWave || std::memcmp(there.data(), kWave, sizeof kWave) != 0))
-      return fail(options.sound + " is there and is no WAV; it is not written over");
+      return fail(options.sound + " already exists and is not a WAV file; not overwritten");
   }
   if (const auto problem = net::write_file_atomically(options.sound, sound.bytes()))
     return fail_to_write(options.sound + ": " + problem->message);

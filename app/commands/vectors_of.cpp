@@ -73,7 +73,7 @@ std::optional<Opened> open_cloud_input(const Options& options, const ContentType
       diagnostics.add({vrml::Severity::error,
                        file.path,
                        {},
-                       budget->refusal(vrml::Resource::vectors) + "; some places stay coarse"});
+                       budget->refusal(vrml::Resource::vectors) + "; some parts stay coarse"});
   }
   print_diagnostics(diagnostics);
   if (!cloud) return std::nullopt;
@@ -245,7 +245,7 @@ std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume,
   const std::uint64_t most = most_gradients(budget);
   const double wanted = gradient_options.fraction * static_cast<double>(qnv::voxel_count(volume.layout));
   if (wanted > static_cast<double>(most) && gradient_options.vectors > most) {
-    complain("ghostspace: warning: %.0f gradients are %s; only the %llu longest are taken", wanted,
+    complain("ghostspace: warning: %.0f gradients are %s; only the %llu longest are used", wanted,
              budget.refusal(vrml::Resource::vectors).c_str(), static_cast<unsigned long long>(most));
     gradient_options.vectors = most;
   }
@@ -315,13 +315,13 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
   encode_options.vectors = options.vectors;
   if (options.max_bytes_given) encode_options.max_bytes = options.max_bytes;
   if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
-    if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
+    if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
     encode_options.metadata = metadata_of(options, input, path, {});
     if (const auto& key = (*opened)->world.color_key) encode_options.metadata.push_back(color_key_metadata(*key));
     return encode(surface_of(**opened), options, std::move(encode_options), progress);
   }
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) {
-    if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
+    if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
     encode_options.metadata = metadata_of(options, input, path, {});
     auto encoded = encode(surface_of(*mesh), options, std::move(encode_options), progress);
     if (const auto changed = input.file->changed()) return EncodeError{*changed};
@@ -332,16 +332,17 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
     char value[32];
     std::snprintf(value, sizeof value, "%.9g", *options.isovalue);
     encode_options.metadata.emplace_back("isovalue", value);
-    if (options.fraction > 0) return EncodeError{"--fraction is of a volume's voxels; with --isovalue use --vectors"};
+    if (options.fraction > 0)
+      return EncodeError{"--fraction counts the voxels of a volume; use --vectors with --isovalue"};
     return encode(surface_of(*volume, *options.isovalue, progress), options, std::move(encode_options), progress);
   }
   if (options.displaced || options.exact_bits > 0)
     return EncodeError{std::string(options.displaced ? "--displaced" : "--exact") +
-                       " is for surfaces made of triangles; leave it out"};
+                       " applies to surfaces of triangles only; leave it out"};
   if (options.packed && std::holds_alternative<qnv::VolumeSource>(input.content))
-    return EncodeError{"--packed is for surfaces; leave it out"};
+    return EncodeError{"--packed applies to surfaces only; leave it out"};
   if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
-    if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
+    if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
     encode_options.metadata = metadata_of(options, input, path, cloud->description.metadata);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, cloud->size());
     return encode_vectors(*cloud, options.packed ? qnv::Payload::packed : qnv::Payload::records,
@@ -372,13 +373,13 @@ std::variant<OutlineModel, std::string> isosurface_outlines(const Options& optio
           for (glm::vec3& p : triangle.positions) p = glm::vec3(surface.origin + glm::dvec3(p));
         return sink(moved);
       }
-      *surface.problem = "has a surface that takes " + budget.refusal(vrml::Resource::meshes);
+      *surface.problem = "has a surface that needs " + budget.refusal(vrml::Resource::meshes);
       return false;
     });
   };
   OutlineModel model = outline_model(bounded, surface.two_sided);
   if (!surface.problem->empty()) return *surface.problem;
-  if (model.model.ends.empty()) return "has no surface of this value";
+  if (model.model.ends.empty()) return "has no surface at this value";
   return model;
 }
 
@@ -389,7 +390,8 @@ std::variant<qnv::Cloud, EncodeError> cloud_of_input(const Options& options, Ope
     for (auto& pair : metadata_of(input.upright)) metadata.push_back(std::move(pair));
   };
   if (auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
-    if (options.isovalue) return EncodeError{options.files.front() + " is no volume; --isovalue is for volumes"};
+    if (options.isovalue)
+      return EncodeError{options.files.front() + " is not a volume; --isovalue applies to volumes only"};
     stand(*cloud);
     return std::move(*cloud);
   }

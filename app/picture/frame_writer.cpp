@@ -25,7 +25,7 @@ std::optional<std::string> refuse_frame_file(const std::string& name, bool movie
   if (file && file->bytes().empty()) return std::nullopt;
   const bool same = file && (movie ? begins(4, "ftyp") || begins(0, "\x1a\x45\xdf\xa3") : begins(0, "\x89PNG"));
   if (same) return std::nullopt;
-  return name + " is there and is no " + (movie ? "movie" : "PNG picture") + "; it is not written over";
+  return name + " already exists and is not a " + (movie ? "movie" : "PNG picture") + "; not overwritten";
 }
 
 class NumberedPictures final : public FrameWriter {
@@ -82,7 +82,7 @@ std::optional<std::string> check_animation_name(const std::string& name) {
   if (end == ".png") return std::nullopt;
   std::string kinds;
   for (const render::MovieFormat& format : render::movie_formats()) kinds += " or " + std::string(format.extension);
-  return "expected a name with a number's place like walk.%04d.png, or one that ends in" + kinds.substr(3);
+  return "expected a name with a number pattern such as walk.%04d.png, or one that ends in" + kinds.substr(3);
 }
 
 std::variant<std::unique_ptr<FrameWriter>, std::string> FrameWriter::open(const std::string& name,

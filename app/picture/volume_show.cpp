@@ -48,8 +48,8 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
   }
   if (!volume)
     return path +
-           ": has no volume; expected one with --transfer and --slice, and one or colours that stand for values "
-           "with --color-bar";
+           ": has no volume; expected a volume with --transfer and --slice, and a volume or coloured values with "
+           "--color-bar";
   if (!wishes.transfer.empty()) {
     auto transfer = named_transfer(wishes.transfer, *volume);
     if (auto* problem = std::get_if<std::string>(&transfer)) return std::move(*problem);

@@ -70,7 +70,7 @@ void UserKeeper::read() {
     if (!found.problems.empty()) keep_bad_file(folders_.settings_file, *text);
   }
   const auto spoilt = [this](const std::string& path, const std::string& text) {
-    problems_.push_back(path + ": error: this is not what GhostSpace has written; kept as " + path + ".bad");
+    problems_.push_back(path + ": error: not a file written by GhostSpace; kept as " + path + ".bad");
     keep_bad_file(path, text);
   };
   if (const auto text = contents(folders_.bookmarks_file)) {

@@ -42,52 +42,49 @@ constexpr std::string_view kOnOff = "on off ";
 constexpr double kMostVectors = 1e9;
 
 constexpr SettingRow kSettings[] = {
-    {"theme", "Colours", kChoice, "dark light ", 0, 0, false, "dark or light colours of the window",
+    {"theme", "Colours", kChoice, "dark light ", 0, 0, false, "dark or light theme",
      [](const UserSettings& s) { return std::string(s.theme == Theme::dark ? "dark" : "light"); },
      [](UserSettings& s, std::string_view v) { s.theme = v == "light" ? Theme::light : Theme::dark; }},
-    {"text-size", "Size of text", kNumber, "", 0.7, 2.5, false, "size of text and buttons: 1 is what the screen has",
+    {"text-size", "Text size", kNumber, "", 0.7, 2.5, false, "size of text and buttons; 1 is the default of the screen",
      [](const UserSettings& s) { return text_of_number(s.text_size); },
      [](UserSettings& s, std::string_view v) { s.text_size = number_in(v); }},
-    {"speed", "Speed", kNumber, "", 0.01, 100, false, "how fast you move: 1 is what worlds say",
+    {"speed", "Speed", kNumber, "", 0.01, 100, false, "multiplies the speed that worlds set",
      [](const UserSettings& s) { return text_of_number(s.speed); },
      [](UserSettings& s, std::string_view v) { s.speed = number_in(v); }},
-    {"sound", "Sound", kFlag, kOnOff, 0, 0, false, "sound is on when a window opens",
+    {"sound", "Sound", kFlag, kOnOff, 0, 0, false, "starts with sound",
      [](const UserSettings& s) { return on_off(s.sound); },
      [](UserSettings& s, std::string_view v) { s.sound = v == "on"; }},
-    {"system-dialog", "Open by the desktop's dialog", kFlag, kOnOff, 0, 0, false,
-     "files are chosen in the dialog of the desktop, where it has one",
+    {"system-dialog", "Desktop file dialog", kFlag, kOnOff, 0, 0, false,
+     "uses the file dialog of the desktop, if there is one",
      [](const UserSettings& s) { return on_off(s.system_dialog); },
      [](UserSettings& s, std::string_view v) { s.system_dialog = v == "on"; }},
-    {"restore", "Offer to restore", kFlag, kOnOff, 0, 0, false,
-     "offer to open the files of a window that ended unexpectedly",
+    {"restore", "Restore after a crash", kFlag, kOnOff, 0, 0, false, "offers to open the files again after a crash",
      [](const UserSettings& s) { return on_off(s.offers_to_restore); },
      [](UserSettings& s, std::string_view v) { s.offers_to_restore = v == "on"; }},
-    {"log-file", "Keep a log", kFlag, kOnOff, 0, 0, false, "write what the Log panel says into a file as well",
+    {"log-file", "Log file", kFlag, kOnOff, 0, 0, false, "writes the entries of the Log panel to a file",
      [](const UserSettings& s) { return on_off(s.writes_log); },
      [](UserSettings& s, std::string_view v) { s.writes_log = v == "on"; }},
-    {"up", "What is up", kChoice, "auto x -x y -y z -z ", 0, 0, false,
-     "in files that are opened; auto: as the file says, or as its format has it; --up counts before it",
+    {"up", "Up axis", kChoice, "auto x -x y -y z -z ", 0, 0, false,
+     "up axis of opened files; auto uses the axis of the file or format; --up overrides it",
      [](const UserSettings& s) { return std::string(name_of(s.up)); },
      [](UserSettings& s, std::string_view v) { s.up = find_up_axis(v).value_or(UpAxis::automatic); }},
-    {"backdrop", "Gradient behind things", kFlag, kOnOff, 0, 0, false,
-     "behind meshes, volumes and splats; VRML97 worlds have the background that their authors gave them, or black",
+    {"backdrop", "Gradient background", kFlag, kOnOff, 0, 0, false,
+     "behind meshes, volumes and splats; VRML97 worlds keep their own background, or black",
      [](const UserSettings& s) { return on_off(s.backdrop); },
      [](UserSettings& s, std::string_view v) { s.backdrop = v == "on"; }},
-    {"axes", "Axes in a corner", kFlag, kOnOff, 0, 0, false,
-     "of meshes, volumes and splats: a click on one shows that side",
+    {"axes", "Coordinate axes", kFlag, kOnOff, 0, 0, false,
+     "in a corner of meshes, volumes and splats; click an axis to view that side",
      [](const UserSettings& s) { return on_off(s.axes); },
      [](UserSettings& s, std::string_view v) { s.axes = v == "on"; }},
-    {"first-steps", "First steps", kFlag, kOnOff, 0, 0, false, "what to do first, in three lines over the demo world",
+    {"first-steps", "First steps", kFlag, kOnOff, 0, 0, false, "shows three lines of help over the demo world",
      [](const UserSettings& s) { return on_off(s.first_steps); },
      [](UserSettings& s, std::string_view v) { s.first_steps = v == "on"; }},
-    {"memory", "Memory of a world", kNumber, "", 0.25, 1024, false,
-     "about so many GiB may be taken for a file that is opened; what would take more is left out; --memory counts "
-     "before "
-     "it",
+    {"memory", "Memory limit", kNumber, "", 0.25, 1024, false,
+     "maximum memory per file in GiB; the excess is left out; --memory overrides it",
      [](const UserSettings& s) { return text_of_number(s.memory); },
      [](UserSettings& s, std::string_view v) { s.memory = number_in(v); }},
-    {"budget", "Detail of clouds", kNumber, "", 0, kMostVectors, true,
-     "most vectors that a window draws; 0: what suits most machines; --budget counts before it",
+    {"budget", "Vector budget", kNumber, "", 0, kMostVectors, true,
+     "maximum number of vectors drawn in a window; 0 chooses automatically; --budget overrides it",
      [](const UserSettings& s) { return std::to_string(s.budget); },
      [](UserSettings& s, std::string_view v) { s.budget = static_cast<std::size_t>(number_in(v)); }},
 };
@@ -158,8 +155,7 @@ ReadSettings read_settings(std::string_view text) {
 }
 
 std::string settings_text(const UserSettings& settings) {
-  std::string text =
-      "# Settings of GhostSpace: name = value. The preferences of its window (Ctrl+,) write this file.\n";
+  std::string text = "# Settings of GhostSpace: name = value. The preferences (Ctrl+,) write this file.\n";
   for (const SettingRow& row : kSettings) {
     const std::string value = row.get(settings);
     text += "\n# " + std::string(row.help) + ": " + expected_by(row) + "\n";

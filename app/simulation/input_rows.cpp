@@ -78,10 +78,10 @@ std::optional<InputRow> read_pointer(const LineReader& in, const Json& row, cons
   constexpr double kFarthest = 1e6, kFarthestPlace = 1e12;
   const Json& value = row.at(std::string(kind.name));
   double numbers[3] = {};
-  std::string expected = "[X,Y] in pixels from the upper left";
+  std::string expected = "[X,Y] in pixels from the upper left corner";
   bool good = false;
   if (kind.kind == InputRow::Kind::visit) {
-    expected = "[X,Y,Z] in the world's coordinates";
+    expected = "[X,Y,Z] in world coordinates";
     good = read_numbers(value, kFarthestPlace, numbers);
     result.place = {numbers[0], numbers[1], numbers[2]};
   } else if (kind.kind == InputRow::Kind::press && value.is_string()) {
@@ -108,7 +108,7 @@ std::optional<InputRow> read_row(const LineReader& in, double earliest) {
   try {
     row = Json::parse(in.line);
   } catch (const Json::parse_error& problem) {
-    in.error({in.number, static_cast<std::uint32_t>(std::max<std::size_t>(1, problem.byte))}, "this is no JSON");
+    in.error({in.number, static_cast<std::uint32_t>(std::max<std::size_t>(1, problem.byte))}, "not JSON");
     return std::nullopt;
   } catch (const Json::exception&) {
     in.error({in.number, 1}, "a number is too large");
@@ -121,12 +121,12 @@ std::optional<InputRow> read_row(const LineReader& in, double earliest) {
   InputRow result;
   const auto time = row.find("t");
   if (time == row.end() || !time->is_number() || !std::isfinite(time->get<double>()) || time->get<double>() < 0) {
-    in.error(in.place_of("t"), "expected \"t\": seconds since the world began, 0 or more");
+    in.error(in.place_of("t"), "expected \"t\": seconds since the start of the world, 0 or more");
     return std::nullopt;
   }
   result.time = time->get<double>();
   if (result.time < earliest) {
-    in.error(in.place_of("t"), "rows must be in the order of time");
+    in.error(in.place_of("t"), "lines must be in the order of time");
     return std::nullopt;
   }
   static constexpr std::array<std::string_view, 8> kSubjects = {"set",     "viewpoint", "move", "press",

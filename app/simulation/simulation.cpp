@@ -66,8 +66,8 @@ std::optional<std::string> Simulation::sensor_action(const InputRow& row, Action
   action.node = action.scene->resolve(names_->find(row.name));
   if (!action.node) return "no node '" + row.name + "'; expected a DEF name or Type#number";
   const vrml::NodeType& type = *action.scene->node(action.node).type;
-  if (!type.behaviour || !type.behaviour->pointing) return type.name + " is no pointing-device sensor";
-  action.trouble.message = "nothing is shown that '" + row.name + "' senses, or it is disabled; it is not pressed";
+  if (!type.behaviour || !type.behaviour->pointing) return type.name + " is not a pointing-device sensor";
+  action.trouble.message = "no visible object is sensed by '" + row.name + "', or it is disabled; not pressed";
   return std::nullopt;
 }
 

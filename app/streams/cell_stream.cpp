@@ -82,8 +82,8 @@ void CellStream::take(net::CellEvent& event) {
     // After lost contact, the server may have a new version of the file.
     if (version_ && *version_ != event.version)
       return end(name_ +
-                 ": the file changed on the server while it was read; shown is what came before, and reading it again "
-                 "shows the new one");
+                 ": the file changed on the server during the transfer; the earlier version is shown; reload to get "
+                 "the new one");
     version_ = event.version;
     answered_ = true;
     if (!std::exchange(granted_, true)) sink_.granted();

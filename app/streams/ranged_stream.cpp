@@ -25,7 +25,7 @@ RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed
     : loader_(loader), feed_(std::move(feed)), place_(std::move(place)) {
   place_.ledger->follow(place_.row, feed_.get(), true);
   if (place_.total - place_.directory > kMostDirectory)
-    give_up("its directory is too long");
+    give_up("its directory exceeds the limit");
   else
     directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
   // Until views can choose chunks, the file order is a good order.
@@ -89,7 +89,7 @@ bool RangedStream::take(net::LoadEvent& event) {
       take_data(batch->second, *data);
   } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
     loader_.cancel(event.id);
-    give_up("it has changed on the server; reading it again shows the new one");
+    give_up("it changed on the server; reload to get the new version");
   } else if (std::holds_alternative<net::LoadDone>(event.what)) {
     failures_ = 0;
     if (of_directory) {
@@ -138,7 +138,7 @@ void RangedStream::stop_front() {
 void RangedStream::give_up(const std::string& why) {
   stop();
   place_.ledger->end(place_.row, LoadStage::failed, why);
-  feed_->fail("no finer vectors of " + place_.url + " can be read: " + why);
+  feed_->fail("finer vectors of " + place_.url + " cannot be read: " + why);
 }
 
 void RangedStream::cancel() {

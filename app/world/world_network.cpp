@@ -120,8 +120,8 @@ void WorldLoading::State::take(Fetch& fetch, net::LoadEvent& event) {
       loader->cancel(fetch.request);
       over();
       return finish(fetch,
-                    "the file changed on the server while it was read; shown is what came before, and reading "
-                    "it again shows the new one");
+                    "the file changed on the server during the transfer; the earlier version is shown; reload to get "
+                    "the new one");
     }
   } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
     over();

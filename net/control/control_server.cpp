@@ -45,7 +45,7 @@ std::string error_text() { return std::strerror(errno); }
 std::optional<std::string> make_room(const std::string& path, const sockaddr_un& address) {
   struct stat about {};
   if (::lstat(path.c_str(), &about) != 0) return std::nullopt;
-  if (!S_ISSOCK(about.st_mode)) return path + " is there and is no socket; it is not replaced";
+  if (!S_ISSOCK(about.st_mode)) return path + " already exists and is not a socket; it is not replaced";
   const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 || errno != ECONNREFUSED)
     return path + " is the socket of a program that runs";

@@ -55,7 +55,7 @@ std::optional<std::string> write_control_token(const std::string& path, const st
   const auto problem = [&] { return path + ": " + std::strerror(errno); };
   struct stat about {};
   if (::lstat(path.c_str(), &about) == 0 && !is_token_file(path))
-    return path + " is there and holds no token; it is not written over";
+    return path + " already exists and has no token; not overwritten";
   std::string made = path + ".XXXXXX";
   Descriptor file(::mkostemp(made.data(), O_CLOEXEC));  // with mode 0600
   if (!file) return problem();

@@ -99,7 +99,7 @@ std::optional<std::string> unknown_word(const std::string& word) {
   std::string names;
   for (const CommandRow& command : command_rows().subspan(1))
     names += (names.empty() ? "" : ", ") + std::string(command.name);
-  return "neither a file nor a command; expected a file, a URL or one of " + names;
+  return "not a file or command; expected a file, a URL or one of " + names;
 }
 
 // Replaces "-" among the inputs by standard input. Returns the problem, or nullopt.
@@ -108,7 +108,7 @@ std::optional<std::string> take_standard_input(Options& options, const CommandRo
   const std::span<std::string> inputs = std::span(options.files).first(options.files.size() - (writes ? 1 : 0));
   const auto count = std::count(inputs.begin(), inputs.end(), net::kStandardInput);
   if (count == 0) return std::nullopt;
-  if (count > 1) return "standard input can be read once only";
+  if (count > 1) return "standard input can be used only once";
   std::replace(inputs.begin(), inputs.end(), std::string(net::kStandardInput), std::string(net::kStandardInputPath));
   return net::hold_standard_input(options.limits.memory);
 }
@@ -118,11 +118,9 @@ int parse_and_run(int count, char** arguments) {
   CLI::App parser("GhostSpace: a browser for VRML97 worlds and 3D models");
   parser.name("ghostspace");
   parser.set_version_flag("--version", "ghostspace " GHOSTSPACE_VERSION);
-  parser.footer(
-      "Files, gzip'd or not: " + content_type_list() +
-      ".\n"
-      "Exit status: 0 done, 1 a file could not be read or drawn or has errors, 2 wrong usage, 3 what was made "
-      "could not be written.");
+  parser.footer("Formats, also compressed with gzip: " + content_type_list() +
+                ".\nExit status: 0 success, 1 a file cannot be read or drawn or has errors, 2 wrong usage, 3 output "
+                "cannot be written.");
   const CommandRow* chosen = &command_rows().front();
   add_options(parser, command_rows().front(), options);
   std::vector<std::pair<CLI::App*, const CommandRow*>> subcommands;
@@ -149,11 +147,11 @@ int parse_and_run(int count, char** arguments) {
       throw CLI::ValidationError("--time, --input and --press-sensors", "expected with --snapshot");
     const bool controlled = !options.control_paths.empty() || !options.control_ports.empty();
     if (controlled && !options.snapshot.empty())
-      throw CLI::ValidationError("--control", "expected without --snapshot: clients can ask for pictures");
+      throw CLI::ValidationError("--control", "expected without --snapshot; clients can request pictures");
     if (!controlled && !options.control_token.empty())
       throw CLI::ValidationError("--control-token", "expected with --control");
     if (!options.confine.empty() && chosen == &command_rows().front() && options.snapshot.empty())
-      throw CLI::ValidationError("--confine", "a window needs more than that; expected --snapshot");
+      throw CLI::ValidationError("--confine", "a window needs wider access; expected --snapshot");
     if (chosen->check)
       if (const auto problem = chosen->check(options)) throw CLI::ValidationError(std::string(chosen->name), *problem);
   } catch (const CLI::Success& help) {
@@ -174,7 +172,7 @@ int parse_and_run(int count, char** arguments) {
   return chosen->run(options);
 }
 
-constexpr char kNoMemory[] = "ghostspace: error: there is not enough memory for this";
+constexpr char kNoMemory[] = "ghostspace: error: not enough memory";
 
 // Handles an uncaught exception of any thread. Prints one line; if memory ran out, exits instead of crashing.
 [[noreturn]] void end_at_exception() {
@@ -221,23 +219,21 @@ std::string manual_page() {
       out += ".\n";
     }
   }
-  out += ".SH FILES\nRead, gzip'd or not: " + content_type_list() +
-         ".\n.PP\nWritten by export: " + export_format_list() + ".\n";
-  out += ".SH KEYS\nOf a window, besides those that move the viewer (F1 shows them).\n";
+  out += ".SH FILES\nInput, also compressed with gzip: " + content_type_list() +
+         ".\n.PP\nOutput of export: " + export_format_list() + ".\n";
+  out += ".SH KEYS\nActions in a window. F1 also lists the keys that move the viewer.\n";
   for (const ActionRow& row : actions())
     if (const std::string keys = keys_of(row); !keys.empty())
       out += ".TP\n.B " + escaped(keys) + "\n" + std::string(row.help) + ".\n";
   out +=
-      ".SH SETTINGS\nOf a window: lines NAME = VALUE of $XDG_CONFIG_HOME/ghostspace/settings.conf "
-      "(~/.config/ghostspace/settings.conf) or of the file of \\-\\-config; its preferences write them. Bookmarks "
-      "stand "
-      "beside it; what the program remembers, and its log, in $XDG_STATE_HOME/ghostspace.\n";
+      ".SH SETTINGS\nLines NAME = VALUE in $XDG_CONFIG_HOME/ghostspace/settings.conf (default "
+      "~/.config/ghostspace/settings.conf) or in the file of \\-\\-config. The preferences write them. Bookmarks are "
+      "stored in the same folder, other state and the log in $XDG_STATE_HOME/ghostspace.\n";
   for (const SettingRow& row : setting_rows())
     out += ".TP\n.B " + escaped(row.name) + "\n" + std::string(row.help) + " (" + standard_of(row) + ").\n";
   out +=
-      ".SH EXIT STATUS\n0: done. 1: a file could not be read or drawn, or has errors (check). 2: wrong usage. 3: what "
-      "was made could not be "
-      "written, on a full disk for example.\n";
+      ".SH EXIT STATUS\n0: success. 1: a file cannot be read or drawn, or has errors. 2: wrong usage. 3: output cannot "
+      "be written, for example on a full disk.\n";
   return out;
 }
 
@@ -248,7 +244,7 @@ int run_command_line(int count, char** arguments) {
   std::set_terminate(end_at_exception);
   // Commands without a window end when a Script hangs; windows wait for the user (EndOverdueScripts).
   ScriptRunner::on_overdue([](const std::string& message) {
-    complain("%s; it cannot be interrupted, so the command ends", message.c_str());
+    complain("%s; it cannot be interrupted, so the command exits", message.c_str());
     std::_Exit(kFailed);
   });
   int status = kFailed;

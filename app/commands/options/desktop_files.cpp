@@ -168,11 +168,10 @@ std::string metainfo() {
          std::string(kDesktopName) +
          "</id>\n  <metadata_license>CC0-1.0</metadata_license>\n  <name>GhostSpace</name>\n"
          "  <summary>Browser for 3D worlds and remote scientific data</summary>\n  <description>\n"
-         "    <p>GhostSpace opens VRML97 worlds, which move and answer to the pointer, meshes, volumes and Gaussian "
-         "splats, from disk or over the network, and shows them while they come.</p>\n"
-         "    <p>It says what is wrong with a file by line and column while it shows the rest, and turns any of them "
-         "into "
-         "streams of which the first kilobytes are already a whole picture.</p>\n  </description>\n"
+         "    <p>GhostSpace opens interactive VRML97 worlds, meshes, volumes and Gaussian splats from disk or over the "
+         "network, and shows them while they load.</p>\n"
+         "    <p>It reports problems of a file by line and column and shows the rest. It converts all of them to "
+         "streams that show a complete picture after the first kilobytes.</p>\n  </description>\n"
          "  <launchable type=\"desktop-id\">" +
          std::string(kDesktopName) + ".desktop</launchable>\n  <icon type=\"stock\">" + std::string(kDesktopName) +
          "</icon>\n  <categories>\n    <category>Graphics</category>\n    <category>3DGraphics</category>\n"
@@ -183,10 +182,10 @@ std::string metainfo() {
 }
 
 constexpr DesktopFile kDesktopFiles[] = {
-    {"entry", "the entry of the desktop's menu", desktop_entry},
-    {"mime", "types of files, by name and first bytes (shared-mime-info)", shared_mime_info},
-    {"thumbnailer", "the entry for the makers of thumbnails", thumbnailer_entry},
-    {"metainfo", "what software centres show (AppStream)", metainfo},
+    {"entry", "entry for the desktop menu", desktop_entry},
+    {"mime", "file types by name and first bytes (shared-mime-info)", shared_mime_info},
+    {"thumbnailer", "entry for thumbnail makers", thumbnailer_entry},
+    {"metainfo", "entry for software centres (AppStream)", metainfo},
     {"bash", "completion for bash", bash_completion},
     {"zsh", "completion for zsh", zsh_completion},
     {"fish", "completion for fish", fish_completion},

@@ -83,14 +83,14 @@ TEST_CASE("reads the lines of --input, and reports errors with their positions")
       "\"drag\", \"key\" and \"viewer\"";
   CHECK(complaint("{\"t\":1}\n{\"t\":") == "in.jsonl:1:1: error: " + expected);
   CHECK(complaint("{\"t\":1,\"move\":[1,2],\"press\":[1,2]}") == "in.jsonl:1:1: error: " + expected);
-  CHECK(complaint("\n{\"t\":1,") == "in.jsonl:2:8: error: this is no JSON");
+  CHECK(complaint("\n{\"t\":1,") == "in.jsonl:2:8: error: not JSON");
   CHECK(complaint("[1]") == "in.jsonl:1:1: error: expected a JSON object");
   CHECK(complaint("{\"t\":-1,\"viewpoint\":\"A\"}").find("in.jsonl:1:2: error: expected \"t\"") == 0);
   CHECK(complaint("{\"t\":1e999,\"viewpoint\":\"A\"}") == "in.jsonl:1:1: error: a number is too large");
   CHECK(complaint("{\"t\":2,\"viewpoint\":\"A\"}\n{\"t\":1,\"viewpoint\":\"A\"}") ==
-        "in.jsonl:2:2: error: rows must be in the order of time");
+        "in.jsonl:2:2: error: lines must be in the order of time");
   const std::string pixels =
-      "in.jsonl:1:8: error: expected \"press\": [X,Y] in pixels from the upper left, or the name of a sensor";
+      "in.jsonl:1:8: error: expected \"press\": [X,Y] in pixels from the upper left corner, or the name of a sensor";
   for (const char* place : {"[1]", "[1,2,3]", "1", "[1,\"2\"]", "[1,1e99]", "{}"})
     CHECK(complaint("{\"t\":1,\"press\":" + std::string(place) + "}") == pixels);
   CHECK(complaint("{\"t\":1,\"key\":\"hyper\",\"down\":true}") ==
@@ -228,7 +228,7 @@ DEF G Group { })";
   CHECK(dragged.find("PlaneSensor#1.offset_changed 0.") != std::string::npos);
   // Lines cannot be met.
   CHECK(pointed(world, "", "{\"t\":0.1,\"press\":\"L\"}\n")
-            .find("in.jsonl:1:10: warning: nothing is shown that 'L' senses, or it is disabled; it is not pressed\n") !=
+            .find("in.jsonl:1:10: warning: no visible object is sensed by 'L', or it is disabled; not pressed\n") !=
         std::string::npos);
   const ScratchFolder folder;
   const std::string file = folder.write("world.wrl", world);
@@ -237,7 +237,7 @@ DEF G Group { })";
     CHECK(result.status == kFailed);
     return result.output;
   };
-  CHECK(wrong("{\"t\":0.1,\"press\":\"G\"}\n").find("Group is no pointing-device sensor") != std::string::npos);
+  CHECK(wrong("{\"t\":0.1,\"press\":\"G\"}\n").find("Group is not a pointing-device sensor") != std::string::npos);
   CHECK(wrong("{\"t\":0.1,\"press\":\"N\"}\n").find("no node 'N'") != std::string::npos);
 }
 

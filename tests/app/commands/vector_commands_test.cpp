@@ -194,7 +194,7 @@ TEST_CASE("encode: reads a mesh that exceeds the memory from its file, and thins
   const Run result = run("encode --displaced" + small + quoted(mesh) + " " + quoted(out));
   INFO(result.output);
   REQUIRE(result.status == kDone);
-  CHECK(result.output.find("thinned to 20971") != std::string::npos);
+  CHECK(result.output.find("simplified to 20971") != std::string::npos);
   nlohmann::json facts = info(out);
   CHECK(facts["payload"] == "displaced");
   CHECK(facts["two_sided"] == true);

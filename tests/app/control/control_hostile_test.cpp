@@ -31,7 +31,7 @@ int code_of(World& world, const std::string& message) { return only(world, messa
 TEST_CASE("answers invalid calls with the errors of JSON-RPC 2.0") {
   World world(kBox);
   CHECK(code_of(world, "hello") == -32700);
-  CHECK(only(world, "{\"id\":1,")["error"]["message"] == "this is no JSON: expected the name of a member (byte 9)");
+  CHECK(only(world, "{\"id\":1,")["error"]["message"] == "not JSON: expected the name of a member (byte 9)");
   CHECK(only(world, "hello")["id"].is_null());
   CHECK(code_of(world, std::string(100'000, '[')) == -32700);
   CHECK(code_of(world, "7") == -32600);

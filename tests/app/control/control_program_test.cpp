@@ -80,7 +80,7 @@ TEST_CASE("ends for a client, prints the token, and reports wrong options in one
   CHECK(none.output.find("ghostspace: control token ") != std::string::npos);
   const Run there = run_shell(at + program() + " --backend osmesa --control world.wrl world.wrl");
   CHECK(there.status == 1);
-  CHECK(there.output.find("world.wrl is there and is no socket; it is not replaced\n") != std::string::npos);
+  CHECK(there.output.find("world.wrl already exists and is not a socket; it is not replaced\n") != std::string::npos);
   CHECK(folder.read("world.wrl") == world());
   const Run token =
       run_shell(at + program() + " --backend osmesa --control socket --control-token world.wrl world.wrl");

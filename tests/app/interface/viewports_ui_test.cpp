@@ -295,7 +295,7 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
     REQUIRE(given.wait_for([&] { return given.sees("Raise memory limit"); }));
     given.settle();
     given.click("Raise memory limit");
-    CHECK(given.sees("Memory of a world"));
+    CHECK(given.sees("Memory limit"));
   }
   Driver user;
   UserSettings settings;

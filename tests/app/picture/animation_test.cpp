@@ -59,7 +59,7 @@ TEST_CASE("refuses animations without movement or without end") {
   CHECK(plan_animation(request, steps)->find("not both") != std::string::npos);
   request.tour.clear();
   request.pictures = 1'000'000;
-  CHECK(plan_animation(request, steps)->find("no more than") != std::string::npos);
+  CHECK(plan_animation(request, steps)->find("at most") != std::string::npos);
   request.pictures = 0;
   request.length = 86400;
   request.rate = 240;

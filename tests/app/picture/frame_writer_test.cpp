@@ -32,7 +32,7 @@ TEST_CASE("writes pictures of an animation with numbers from 0, over pictures on
   folder.write("a.01.png", "a world");
   auto again = open(folder.path("a.%02d.png"));
   CHECK_FALSE(again->add(plain(1)));
-  CHECK(again->add(plain(1))->find("is no PNG picture") != std::string::npos);
+  CHECK(again->add(plain(1))->find("is not a PNG picture") != std::string::npos);
   CHECK(folder.read("a.01.png") == "a world");
 }
 
@@ -48,7 +48,7 @@ TEST_CASE("writes a movie file at the end, over movies only") {
   folder.write("w.webm", "a world");
   auto refused = FrameWriter::open(folder.path("w.webm"), {16, 8}, 25, 0);
   REQUIRE(std::holds_alternative<std::string>(refused));
-  CHECK(std::get<std::string>(refused).find("is no movie") != std::string::npos);
+  CHECK(std::get<std::string>(refused).find("is not a movie") != std::string::npos);
 }
 
 TEST_CASE("refuses names of no kind of animation, and lists the kinds") {

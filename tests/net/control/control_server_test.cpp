@@ -192,7 +192,7 @@ TEST_CASE("restricts the socket to its owner, removes it at the end, and replace
   };
   CHECK(problem(served.path()) == served.path() + " is the socket of a program that runs");
   const std::string file = served.folder.write("file", "text");
-  CHECK(problem(file) == file + " is there and is no socket; it is not replaced");
+  CHECK(problem(file) == file + " already exists and is not a socket; it is not replaced");
   CHECK(served.folder.read("file") == "text");
   CHECK(problem(std::string(200, 'x')).find("expected a path of 1 to 107 bytes") != std::string::npos);
   const std::string path = served.path();
@@ -231,7 +231,7 @@ TEST_CASE("restricts the token file to its owner, and overwrites no other file")
   CHECK_FALSE(write_control_token(path, make_control_token()));
   CHECK(folder.read("token") != kToken + "\n");
   const std::string world = folder.write("world.wrl", "#VRML V2.0 utf8\n");
-  CHECK(write_control_token(world, kToken) == world + " is there and holds no token; it is not written over");
+  CHECK(write_control_token(world, kToken) == world + " already exists and has no token; not overwritten");
   CHECK(folder.read("world.wrl") == "#VRML V2.0 utf8\n");
   CHECK(write_control_token(folder.path("no/folder"), kToken));
 }

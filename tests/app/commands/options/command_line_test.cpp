@@ -214,7 +214,7 @@ TEST_CASE("snapshot gives up a world in one line that takes too long, and leaves
                          quoted(folder.write("boxes.wrl", text)));
   INFO(result.output);
   CHECK(result.status == kFailed);
-  CHECK(result.output.find("drawing takes longer than --timeout") != std::string::npos);
+  CHECK(result.output.find("drawing exceeded --timeout") != std::string::npos);
   CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
   CHECK(folder.read("out.png").empty());
 }

@@ -62,7 +62,7 @@ TEST_CASE("reads standard input for -, from a file or a pipe, once, for inputs o
 TEST_CASE("reports a word that is neither file nor command as wrong usage, without a window") {
   const Run result = run("frobnicate");
   CHECK(result.status == 2);
-  CHECK(result.output.starts_with("ghostspace: frobnicate: neither a file nor a command"));
+  CHECK(result.output.starts_with("ghostspace: frobnicate: not a file or command"));
   CHECK(result.output.find("serve") != std::string::npos);
   const ScratchFolder folder;
   folder.write("frobnicate", kBall);

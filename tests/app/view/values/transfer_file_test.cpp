@@ -62,7 +62,7 @@ TEST_CASE("scales a function without a range to the range of the data") {
 }
 
 TEST_CASE("rejects invalid transfer functions with their position and the expected text") {
-  CHECK(problem("{\"points\":\n [}").starts_with("t.json:2:3: error: this is no JSON"));
+  CHECK(problem("{\"points\":\n [}").starts_with("t.json:2:3: error: not JSON"));
   CHECK(problem("[]").find("expected an object with an array `points`") != std::string::npos);
   CHECK(problem(R"({"points":[]})").find("expected 1 to 64") != std::string::npos);
   CHECK(problem(R"({"points":[{"value":"a","color":"#000000","opacity":1}]})").find("points[0]: value: expected") !=
