@@ -40,7 +40,7 @@ template <class Number>
   count = static_cast<Number>(number);
   return true;
 }
-inline constexpr std::string_view kExpectedBytes = "expected a number of bytes, or with k, M or G behind it: 400k";
+inline constexpr std::string_view kExpectedBytes = "expected a number of bytes, optionally with k, M or G: 400k";
 
 /// Passes the parts of "a,b,c" to `take`. Returns false as soon as `take` does.
 [[nodiscard]] bool each_of(std::string_view list, const std::function<bool(const std::string&)>& take);

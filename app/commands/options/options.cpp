@@ -26,7 +26,7 @@ Problem set_size(Options& options, const std::string& value) {
   double size[2];
   if (!read_list(value, 'x', size) || size[0] < 1 || size[1] < 1 || size[0] > kMostPictureSide ||
       size[1] > kMostPictureSide)
-    return "expected WIDTHxHEIGHT in pixels, each from 1 to 65536, or with mm, cm or in behind it: 210x297mm";
+    return "expected WIDTHxHEIGHT in pixels, each from 1 to 65536, or with mm, cm or in: 210x297mm";
   options.size_given = true;
   options.width = static_cast<int>(size[0]);
   options.height = static_cast<int>(size[1]);
@@ -39,7 +39,7 @@ Problem set_snapshot(Options& options, const std::string& value) {
   const std::string extension = lower_case(std::filesystem::path(value).extension().string());
   if (value.empty()) return "expected a file";
   return extension.empty() || extension == ".png" ? Problem{}
-                                                  : "pictures are written as PNG: expected a name that ends in .png";
+                                                  : "expected a name that ends in .png, because pictures are PNG files";
 }
 
 Problem set_samples(Options& options, const std::string& value) {
@@ -102,8 +102,7 @@ Problem set_splats(Options& options, const std::string& value) {
 }
 
 Problem set_budget(Options& options, const std::string& value) {
-  return read_count(value, options.budget) && options.budget > 0 ? Problem{}
-                                                                 : "expected a number of vectors, more than 0";
+  return read_count(value, options.budget) && options.budget > 0 ? Problem{} : "expected a number of vectors above 0";
 }
 
 Problem set_loss(Options& options, const std::string& value) {
@@ -111,34 +110,33 @@ Problem set_loss(Options& options, const std::string& value) {
   const bool good = read(std::string_view(value).substr(0, colon), options.loss) && options.loss >= 0 &&
                     options.loss <= 1 &&
                     (colon == std::string::npos || read(std::string_view(value).substr(colon + 1), options.loss_seed));
-  return good ? Problem{} : "expected a share from 0 to 1, with :SEED behind it where it matters which";
+  return good ? Problem{} : "expected a share from 0 to 1, optionally followed by :SEED";
 }
 
 Problem set_allowed(Options& options, const std::string& value) {
   std::error_code error;
-  if (!std::filesystem::exists(value, error)) return "expected a folder that is there";
+  if (!std::filesystem::exists(value, error)) return "expected an existing folder";
   options.allowed.push_back(value);
   return {};
 }
 
 Problem set_timeout(Options& options, const std::string& value) {
   options.timeout_given = true;
-  return read(value, options.timeout_seconds) && options.timeout_seconds > 0 ? Problem{}
-                                                                             : "expected seconds, more than 0";
+  return read(value, options.timeout_seconds) && options.timeout_seconds > 0 ? Problem{} : "expected seconds above 0";
 }
 
 Problem set_memory(Options& options, const std::string& value) {
   constexpr std::uint64_t kLeast = std::uint64_t{16} << 20, kMost = std::uint64_t{1} << 46;
   std::uint64_t bytes = 0;
   if (!read_bytes(value, bytes) || bytes > kMost || bytes < kLeast)
-    return "expected a number of bytes, or with K, M or G behind it, from 16M on";
+    return "expected a number of bytes, optionally with K, M or G, of at least 16M";
   options.limits.memory = bytes;
   return {};
 }
 
 Problem set_port(std::optional<std::uint16_t>& port, const std::string& value) {
   std::uint16_t number = 0;
-  if (!read(value, number)) return "expected a port, 0 (any free one) to 65535";
+  if (!read(value, number)) return "expected a port from 0 to 65535; 0 is any free port";
   port = number;
   return {};
 }
@@ -157,7 +155,7 @@ Problem set_control(Options& options, const std::string& value) {
 Problem set_rate(Options& options, const std::string& value) {
   return read_count(value, options.rate) && options.rate > 0
              ? Problem{}
-             : "expected bits a second, more than 0, or with k, M or G behind the number: 200k";
+             : "expected bits per second above 0, optionally with k, M or G: 200k";
 }
 
 Problem set_congestion(Options& options, const std::string& value) {
@@ -177,7 +175,7 @@ Problem set_host_names(Options& options, const std::string& value) {
     options.host_names.push_back(name);
     return net::host_of(name) || net::ip_address_of(name);
   });
-  return good ? Problem{} : "expected names as they stand in URLs, parted by commas";
+  return good ? Problem{} : "expected host names separated by commas";
 }
 
 Problem set_origins(Options& options, const std::string& value) {
@@ -187,7 +185,7 @@ Problem set_origins(Options& options, const std::string& value) {
     const std::size_t host = origin.find("://");
     return host != std::string::npos && host > 0 && net::host_of(std::string_view(origin).substr(host + 3)).has_value();
   });
-  return good ? Problem{} : "expected * or origins like https://example.org, parted by commas";
+  return good ? Problem{} : "expected * or origins such as https://example.org, separated by commas";
 }
 
 Problem set_proxies(Options& options, const std::string& value) {
@@ -196,102 +194,98 @@ Problem set_proxies(Options& options, const std::string& value) {
     if (block) options.proxies.push_back(*block);
     return block.has_value();
   });
-  return good ? Problem{} : "expected addresses or blocks of them like 10.0.0.0/8, parted by commas";
+  return good ? Problem{} : "expected addresses or blocks such as 10.0.0.0/8, separated by commas";
 }
 
 constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ", set_snapshot},
-    {"--size", "WxH", "1024x768",
-     "size of the picture or the window in pixels; of a picture also in mm, cm or in: 210x297mm", "open animate trace ",
-     set_size},
+    {"--size", "WxH", "1024x768", "size of the window or picture in pixels; pictures also in mm, cm or in: 210x297mm",
+     "open animate trace ", set_size},
     {"--time", "SECONDS", "0",
-     "the picture after so much simulated time, in steps of at most 1/60 s; the simulated clock begins at 946684800, "
+     "draw the picture after this simulated time, in steps of at most 1/60 s. The simulated clock starts at 946684800, "
      "which is 2000-01-01T00:00:00Z",
      "open ", [](Options& o, const std::string& v) { return set_seconds(o.time, v); }},
-    {"--until", "SECONDS", "", "end after so much simulated time", "trace ", set_until},
-    {"--sound", "FILE.wav", "", "write what is heard meanwhile, at most an hour of it", "open trace ",
+    {"--until", "SECONDS", "", "end after this simulated time", "trace ", set_until},
+    {"--sound", "FILE.wav", "", "write the sound of the simulated time, at most one hour", "open trace ",
      [](Options& o, const std::string& v) {
        o.sound = v;
        return Problem{};
      }},
-    {"--mute", "", "", "no sound in a window, until M asks for it", "open ",
+    {"--mute", "", "", "start without sound; M turns it on", "open ",
      [](Options& o, const std::string&) {
        o.muted = true;
        return Problem{};
      }},
-    {"--reuse", "", "", "open the files in the window that is there already, if there is one: for desktops", "open ",
+    {"--reuse", "", "", "open the files in the existing window, if there is one", "open ",
      [](Options& o, const std::string&) {
        o.reuse = true;
        return Problem{};
      }},
-    {"--config", "FILE", "",
-     "keep the settings of a window in FILE, in the place of ~/.config/ghostspace/settings.conf", "open ",
+    {"--config", "FILE", "", "use FILE as settings file instead of ~/.config/ghostspace/settings.conf", "open ",
      [](Options& o, const std::string& v) {
        o.config = v;
        return v.empty() ? Problem("expected a file") : Problem{};
      }},
     {"--no-config", "", "",
-     "a window reads and writes nothing of yours: no settings, bookmarks, recent files or log. So it is anyway for "
-     "pictures, and where the program is controlled",
+     "read and write no user data: settings, bookmarks, recent files or log. Always on for pictures and controlled "
+     "programs",
      "open ",
      [](Options& o, const std::string&) {
        o.no_config = true;
        return Problem{};
      }},
     {"--input", "FILE", "",
-     "what somebody does meanwhile: JSON lines in the order of time, such as {\"t\":3,\"viewpoint\":\"NAME\"}, which "
-     "binds a Viewpoint, {\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"}, which sends an event, and "
-     "{\"t\":5,\"move\":[X,Y]}, press or release in the place of move, which points at a pixel of --size, from the "
-     "upper left, with the left button; {\"t\":6,\"press\":\"NAME\"}, which presses a sensor by its DEF name or "
-     "Type#number wherever it is, then {\"t\":7,\"drag\":[X,Y]} by pixels and {\"t\":8,\"release\":true}; "
-     "{\"t\":9,\"viewer\":[X,Y,Z]}, which takes the viewer there",
+     "apply user input from JSON lines in the order of time. {\"t\":3,\"viewpoint\":\"NAME\"} binds a Viewpoint. "
+     "{\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"} sends an event. {\"t\":5,\"move\":[X,Y]}, or press or "
+     "release instead of move, uses the left button at a pixel of --size, from the upper left corner. "
+     "{\"t\":6,\"press\":\"NAME\"} presses a sensor by DEF name or Type#number, {\"t\":7,\"drag\":[X,Y]} drags it by "
+     "pixels, {\"t\":8,\"release\":true} releases it. {\"t\":9,\"viewer\":[X,Y,Z]} moves the viewer",
      "open trace ",
      [](Options& o, const std::string& v) {
        o.input = v;
        return Problem{};
      }},
     {"--press-sensors", "", "",
-     "somebody tries everything meanwhile: presses, drags and releases each pointing-device sensor and Anchor, "
-     "whatever "
-     "lies before it, and goes to each ProximitySensor; a line at the end says how many",
+     "press, drag and release every pointing-device sensor and Anchor, even if hidden, and visit every "
+     "ProximitySensor. The last line reports their number",
      "open trace ",
      [](Options& o, const std::string&) {
        o.press_sensors = true;
        return Problem{};
      }},
     {"--control", "PATH|PORT", "",
-     "let other programs of this machine control it: JSON-RPC over a Unix socket that is made at PATH, or over "
-     "WebSockets on PORT (0: any free one) of 127.0.0.1; may be given several times. They must know a token. With "
-     "--backend osmesa or egl there is no window, and it runs until it is told to end",
+     "accept control by local programs with a token: JSON-RPC over a Unix socket at PATH, or over WebSockets on PORT "
+     "of 127.0.0.1 (0 is any free port). May be repeated. With --backend osmesa or egl there is no window, and the "
+     "program runs until a client ends it",
      "open ", set_control, true},
     {"--control-token", "FILE", "",
-     "write the token for --control into FILE, which only its owner may read, and not to standard error", "open ",
+     "write the token for --control to FILE, readable by its owner only, instead of standard error", "open ",
      [](Options& o, const std::string& v) {
        o.control_token = v;
        return v.empty() ? Problem("expected a file") : Problem{};
      }},
-    {"--samples", "N", "4", "anti-aliasing: samples a pixel", "open animate ", set_samples},
-    {"--viewpoint", "NAME|N", "", "start at the Viewpoint of this description, DEF name or number (from 1)",
+    {"--samples", "N", "4", "anti-aliasing samples per pixel", "open animate ", set_samples},
+    {"--viewpoint", "NAME|N", "", "start at the Viewpoint with this description, DEF name or number (from 1)",
      "open animate ",
      [](Options& o, const std::string& v) {
        o.viewpoint = v;
        return Problem{};
      }},
     {"--layout", "SPLIT", "",
-     "how the viewports share the window: their numbers from 1, which are those of the files, '|' between those beside "
-     "each other, '/' between those above each other, brackets, ':N' behind one that is N times as large: '1:2|(2/3)'",
+     "arrange the viewports, numbered from 1 like the files. '|' places them side by side, '/' above each other, "
+     "brackets group them, and ':N' makes one N times as large: '1:2|(2/3)'",
      "open ", set_layout},
-    {"--orbit", "AZ,EL", "", "look at the whole scene from this azimuth and elevation in degrees; 0,0 is from +Z",
-     "open animate ", set_orbit},
-    {"--headlight", "on|off", "", "in place of what the world says", "open animate ", set_headlight},
-    {"--backend", "auto|glfw|egl|osmesa", "auto", "where to draw", "open animate ", set_backend},
-    {"--splats", "auto|gl|cpu", "auto", "where the discs of clouds are drawn", "open animate ", set_splats},
-    {"--budget", "VECTORS", "", "draw no more vectors than this in a viewport", "open animate ", set_budget},
-    {"--loss", "P[:SEED]", "", "drop this share of a stream's packets, as if they had never come", "open fetch ",
-     set_loss},
+    {"--orbit", "AZ,EL", "",
+     "frame the whole scene from this azimuth and elevation in degrees; 0,0 is the view from +Z", "open animate ",
+     set_orbit},
+    {"--headlight", "on|off", "", "override the headlight of the world", "open animate ", set_headlight},
+    {"--backend", "auto|glfw|egl|osmesa", "auto", "select the drawing backend", "open animate ", set_backend},
+    {"--splats", "auto|gl|cpu", "auto", "select the splat renderer", "open animate ", set_splats},
+    {"--budget", "VECTORS", "", "limit the vectors drawn in a viewport", "open animate ", set_budget},
+    {"--loss", "P[:SEED]", "", "drop this share of the packets of a stream", "open fetch ", set_loss},
     {"--max-bytes", "SIZE", "",
-     "take only so many bytes of the file, as if the rest had not arrived; encode: write at most so many. Bytes, or "
-     "with K, M or G behind the number: 400k",
+     "read only this number of bytes of the file; encode: limit the size of the output. Bytes, optionally with K, M or "
+     "G: 400k",
      "open check info encode fetch trace ", set_max_bytes},
 };
 
@@ -302,96 +296,89 @@ constexpr OptionRow kOtherOptions[] = {
        return Problem{};
      }},
     {"--timeout", "SECONDS", "30",
-     "for loading; what has not come by then is left out. Drawing a snapshot may take as long again. A window "
-     "waits for ever unless this is given",
+     "limit loading and leave out the rest. Drawing a snapshot may take as long again. By default, a window waits "
+     "without limit",
      "open animate check print info encode export fetch trace ", set_timeout},
     {"--memory", "SIZE", "2G",
-     "about so much memory may be taken for one world (bytes, or with K, M or G behind the number); what would take "
-     "more "
-     "is left out, and a message names the limit",
+     "limit the memory of one world (bytes, optionally with K, M or G). The excess is left out, and a message names "
+     "the limit",
      "open animate check print info encode export fetch trace ", set_memory},
-    {"--offline", "", "", "read nothing over the network", "open animate check print info encode export trace ",
+    {"--offline", "", "", "disable the network", "open animate check print info encode export trace ",
      [](Options& o, const std::string&) {
        o.offline = true;
        return Problem{};
      }},
-    {"--allow-network", "", "", "let Scripts that have read other local files use the network without a question",
+    {"--allow-network", "", "", "allow network access, without a question, to Scripts that have read other local files",
      "open animate trace ",
      [](Options& o, const std::string&) {
        o.allow_network = true;
        return Problem{};
      }},
-    {"--allow", "FOLDER", "",
-     "a world of this machine may read files of this folder and below it, too, and not only of its own; may be given "
-     "several times",
+    {"--allow", "FOLDER", "", "let a local world also read this folder and its subfolders; may be repeated",
      "open animate check print info encode export fetch trace ", set_allowed, true},
     {"--confine", "FOLDER", "",
-     "for files of strangers: the kernel lets it read nothing but FOLDER and the system's libraries, write nothing but "
-     "into the folder of OUT, and open no connection (Landlock and seccomp, where the kernel has them)",
+     "restrict the process, for untrusted files: it reads only FOLDER and the system libraries, writes only to the "
+     "folder of OUT and opens no connection. Needs Landlock and seccomp in the kernel",
      "open check print info encode export trace ",
      [](Options& o, const std::string& v) {
        o.confine = v;
        o.offline = true;
        return v.empty() ? Problem("expected a folder") : Problem{};
      }},
-    {"--http", "PORT", "8080", "serve by HTTP on this port; 0: any free one. Not if only --cells is given", "serve ",
+    {"--http", "PORT", "8080", "serve HTTP on this port; 0 is any free port. Off if only --cells is given", "serve ",
      [](Options& o, const std::string& v) { return set_port(o.http_port, v); }},
-    {"--cells", "PORT", "", "serve streams as ATM cells in UDP on this port", "serve ",
+    {"--cells", "PORT", "", "serve streams as ATM cells over UDP on this port", "serve ",
      [](Options& o, const std::string& v) { return set_port(o.cells_port, v); }},
-    {"--bind", "ADDRESS|*", "127.0.0.1", "which of this machine's addresses to listen at; *: all", "serve ",
+    {"--bind", "ADDRESS|*", "127.0.0.1", "listen at this address; * is all", "serve ",
      [](Options& o, const std::string& v) {
        o.bind = v;
        return Problem{};
      }},
     {"--host", "NAME,...", "",
-     "names that the server goes by besides localhost and its address: listening at 127.0.0.1 or another address of "
-     "this "
-     "machine alone it answers for no others, lest pages of foreign sites read it (DNS rebinding)",
+     "further names of the server besides localhost and its address. A local server rejects all other names, against "
+     "DNS rebinding",
      "serve ", set_host_names},
-    {"--cors", "ORIGIN,...|*", "none, all with --bind",
-     "pages of which sites may read what is served; all may where it is served to others than this machine", "serve ",
+    {"--cors", "ORIGIN,...|*", "none; all with --bind", "sites with access from their web pages", "serve ",
      set_origins},
     {"--proxies", "ADDRESS,...", "",
-     "proxies in front of the server, by addresses or blocks (10.0.0.0/8): their X-Forwarded-For is believed, so that "
-     "the "
-     "limits of one address are for their clients and not for them",
+     "trusted proxies, as addresses or blocks (10.0.0.0/8). Per-client limits apply to the client in their "
+     "X-Forwarded-For",
      "serve ", set_proxies},
     {"--rate", "BIT/S", "",
-     "serve: all clients together get no more than this; else: ask servers of cells for this, and take no faster from "
-     "others; in a window for each viewport, where it can be changed",
+     "serve: limit the traffic of all clients together; otherwise: request this rate from cell servers and limit other "
+     "servers to it. In a window the limit applies to each viewport and can be changed there",
      "serve open fetch ", set_rate},
     {"--congestion", "NAME", "equation",
-     "how cells answer to losses: equation (as TCP would), delay-aware (only losses that came with a queue count: for "
-     "links that lose by themselves) or reserved (none: for paths on which the rate is reserved)",
+     "response of cells to losses: equation (like TCP), delay-aware (ignores losses without a queue, for lossy links) "
+     "or reserved (ignores all losses, for paths with a reserved rate)",
      "serve ", set_congestion},
-    {"--cache", "FOLDER", "", "where thumbnails and streams that were made are kept", "serve ",
+    {"--cache", "FOLDER", "", "keep thumbnails and encoded streams in this folder", "serve ",
      [](Options& o, const std::string& v) {
        o.cache = v;
        return Problem{};
      }},
-    {"--log", "FILE", "-", "the access log; - is standard output", "serve ",
+    {"--log", "FILE", "-", "write the access log to FILE; - is standard output", "serve ",
      [](Options& o, const std::string& v) {
        o.log = v;
        return Problem{};
      }},
-    {"--scripts", "", "", "compile the programs of Scripts as well", "check ",
+    {"--scripts", "", "", "also compile the programs of Scripts", "check ",
      [](Options& o, const std::string&) {
        o.scripts = true;
        return Problem{};
      }},
     {"--stats", "FILE.json", "",
-     "write measurements of the run: seconds of its phases, bytes, triangles, memory; - is standard output",
-     "open check ",
+     "write measurements of the run: seconds per phase, bytes, triangles, memory; - is standard output", "open check ",
      [](Options& o, const std::string& v) {
        o.stats = v;
        return Problem{};
      }},
-    {"--markdown", "", "", "as Markdown tables", "nodes ",
+    {"--markdown", "", "", "print Markdown tables", "nodes ",
      [](Options& o, const std::string&) {
        o.markdown = true;
        return Problem{};
      }},
-    {"--wrl", "", "", "as PROTO declarations (the default)", "nodes ",
+    {"--wrl", "", "", "print PROTO declarations (the default)", "nodes ",
      [](Options& o, const std::string&) {
        o.wrl = true;
        return Problem{};

@@ -60,13 +60,13 @@ std::optional<std::string> read_stereo(std::string_view text, PictureRequest& re
 std::optional<std::string> read_eye_distance(std::string_view text, PictureRequest& request) {
   if (read(text, request.eye_distance) && request.eye_distance > 0 && std::isfinite(request.eye_distance))
     return std::nullopt;
-  return "expected a length, more than 0";
+  return "expected a length above 0";
 }
 
 std::optional<std::string> read_dots(std::string_view text, PictureRequest& request) {
   if (read(text, request.dots_per_inch) && request.dots_per_inch >= 1 && request.dots_per_inch <= kMostDots)
     return std::nullopt;
-  return "expected dots an inch, from 1 to 20000";
+  return "expected dots per inch, from 1 to 20000";
 }
 
 std::optional<std::pair<double, double>> read_times(std::string_view text) {
@@ -92,12 +92,12 @@ OptionProblem set_background(Options& options, const std::string& value) {
 OptionProblem set_slice(Options& options, const std::string& value) {
   const auto wish = read_slice_wish(value);
   if (wish) options.slices.push_back(*wish);
-  return wish ? OptionProblem{} : "expected x=, y= or z= with a voxel from 0 on, or a part like 50%";
+  return wish ? OptionProblem{} : "expected x=, y= or z= with a voxel number from 0, or a percentage such as 50%";
 }
 
 OptionProblem set_window(Options& options, const std::string& value) {
   double ends[2];
-  if (!read_list(value, ',', ends) || !(ends[0] < ends[1])) return "expected LOW,HIGH, the second one larger";
+  if (!read_list(value, ',', ends) || !(ends[0] < ends[1])) return "expected LOW,HIGH with LOW below HIGH";
   options.slice_look.window = {static_cast<float>(ends[0]), static_cast<float>(ends[1])};
   return {};
 }
@@ -113,25 +113,25 @@ OptionProblem set_tour(Options& options, const std::string& value) {
     return !name.empty();
   });
   return good && options.animation.tour.size() > 1 ? OptionProblem{}
-                                                   : "expected two Viewpoints or more, parted by commas";
+                                                   : "expected at least two Viewpoints, separated by commas";
 }
 
 OptionProblem set_pictures(Options& options, const std::string& value) {
   return read(value, options.animation.pictures) && options.animation.pictures > 0
              ? OptionProblem{}
-             : "expected a number of pictures, more than 0";
+             : "expected a number of pictures above 0";
 }
 
 OptionProblem set_picture_rate(Options& options, const std::string& value) {
   return read(value, options.animation.rate) && options.animation.rate >= 0.1 && options.animation.rate <= 240
              ? OptionProblem{}
-             : "expected pictures a second, from 0.1 to 240";
+             : "expected pictures per second, from 0.1 to 240";
 }
 
 OptionProblem set_animation_length(Options& options, const std::string& value) {
   return read(value, options.animation.length) && options.animation.length > 0 && options.animation.length <= 86400
              ? OptionProblem{}
-             : "expected seconds, more than 0";
+             : "expected seconds above 0";
 }
 
 OptionProblem set_up(Options& options, const std::string& value) {
@@ -159,68 +159,63 @@ OptionProblem set_camera(Options& options, const std::string& value) {
 
 constexpr OptionRow kPictureOptions[] = {
     {"--camera", "POSE", "",
-     "look from there: position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS, and height=H for parallel rays, "
-     "or the text of a Viewpoint; Copy camera in the window's menu gives both",
+     "use this camera: position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS, with height=H for parallel "
+     "projection, or the text of a Viewpoint. Copy camera in the menu of a window writes both",
      "open animate ", set_camera},
     {"--display", "surface|edges|wireframe|points", "surface",
-     "how faces are drawn: surface, edges (with the edges of their triangles), wireframe or points; clouds of discs "
-     "and "
-     "volumes stay as they are",
+     "display faces as surface, edges (surface and edges of triangles), wireframe or points; splats and volumes stay "
+     "unchanged",
      "open animate ", set_display},
     {"--up", "AXIS", "auto",
-     "what is up: x, -x, y, -y, z or -z; auto: as the file says, or as its format has it (docs/formats.md). --orbit "
-     "and "
-     "--turntable follow it; encode writes it into streams",
+     "set the up axis: x, -x, y, -y, z, -z, or auto for the axis of the file or its format (docs/formats.md). --orbit "
+     "and --turntable use it; encode stores it in streams",
      "open animate encode ", set_up},
-    {"--orthographic", "", "", "parallel rays, without perspective", "open animate ",
+    {"--orthographic", "", "", "use parallel projection", "open animate ",
      [](Options& o, const std::string&) {
        o.orthographic = true;
        return OptionProblem{};
      }},
     {"--background", "COLOR", "",
-     "one colour in place of the world's Background: R,G,B from 0 to 1, #rrggbb; gradient: a neutral one; or, of a "
-     "picture, transparent",
+     "replace the Background of the world: R,G,B from 0 to 1, #rrggbb, gradient, or transparent for pictures",
      "open animate ", set_background},
     {"--stereo", "side-by-side|anaglyph", "",
-     "a picture for two eyes: one half for each, or red for the left one and green and blue for the right one",
-     "open animate ", [](Options& o, const std::string& v) { return read_stereo(v, o.picture); }},
+     "draw a picture for each eye: side by side, or red for the left and cyan for the right eye", "open animate ",
+     [](Options& o, const std::string& v) { return read_stereo(v, o.picture); }},
     {"--eye-distance", "LENGTH", "",
-     "between the eyes, in metres of the world; by itself a thirtieth of the distance to its middle", "open animate ",
+     "distance of the eyes in metres of the world (default: 1/30 of the distance to its centre)", "open animate ",
      [](Options& o, const std::string& v) { return read_eye_distance(v, o.picture); }},
-    {"--dpi", "N", "",
-     "of a picture that is printed: dots an inch, which the file tells (300 for sizes in mm, cm or in)",
-     "open animate ", [](Options& o, const std::string& v) { return read_dots(v, o.picture); }},
-    {"--color-bar", "", "", "a bar beside a volume that says what its colours stand for", "open animate ",
+    {"--dpi", "N", "", "dots per inch for print, stored in the file (300 for sizes in mm, cm or in)", "open animate ",
+     [](Options& o, const std::string& v) { return read_dots(v, o.picture); }},
+    {"--color-bar", "", "", "draw a bar with the values of the colours beside a volume", "open animate ",
      [](Options& o, const std::string&) {
        o.picture.color_bar = true;
        return OptionProblem{};
      }},
     {"--transfer", "MAP|FILE", "",
-     "colours and opacities of volumes: a colour map (grey, viridis, cividis, inferno, magma, turbo, coolwarm) or a "
-     "JSON file that was saved in the window",
+     "transfer function of volumes: a colour map (grey, viridis, cividis, inferno, magma, turbo, coolwarm) or a JSON "
+     "file saved in the window",
      "open animate ",
      [](Options& o, const std::string& v) {
        o.transfer = v;
        return v.empty() ? OptionProblem("expected a colour map or a file") : OptionProblem{};
      }},
     {"--slice", "AXIS=PLACE", "",
-     "show a plane of a volume's voxels: x=, y= or z= with a voxel from 0 on, or a part like 50%; once for each axis",
+     "show a plane of voxels: x=, y= or z= with a voxel number from 0, or a percentage such as 50%; once per axis",
      "open animate ", set_slice, true},
-    {"--slices-alone", "", "", "show the planes without the volume", "open animate ",
+    {"--slices-alone", "", "", "hide the volume and show only its planes", "open animate ",
      [](Options& o, const std::string&) {
        o.slice_look.alone = true;
        return OptionProblem{};
      }},
-    {"--window", "LOW,HIGH", "", "the values that have the first and the last colour of a plane", "open animate ",
-     set_window},
-    {"--slice-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "grey", "the colour map of the planes",
+    {"--window", "LOW,HIGH", "", "values of the first and last colour of the planes", "open animate ", set_window},
+    {"--slice-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "grey", "colour map of the planes",
      "open animate ", set_slice_map},
     {"--turntable", "", "", "turn once about the up axis", "animate ",
      [](Options& o, const std::string&) {
        o.animation.turntable = true;
        return OptionProblem{};
      }},
-    {"--during", "FROM..TO", "", "seconds of the world's own time that go by", "animate ",
+    {"--during", "FROM..TO", "", "show these seconds of simulated time", "animate ",
      [](Options& o, const std::string& v) {
        o.animation.times = read_times(v);
        return o.animation.times ? OptionProblem{}
@@ -228,11 +223,10 @@ constexpr OptionRow kPictureOptions[] = {
      }},
     {"--tour", "NAME,NAME,...", "", "go from Viewpoint to Viewpoint, by description, DEF name or number (from 1)",
      "animate ", set_tour},
-    {"--frames", "N", "", "so many pictures in all", "animate ", set_pictures},
-    {"--fps", "N", "25", "pictures a second; files a second of a series like run.%04d.vti", "open animate ",
+    {"--frames", "N", "", "total number of pictures", "animate ", set_pictures},
+    {"--fps", "N", "25", "pictures per second, or files per second of a series such as run.%04d.vti", "open animate ",
      set_picture_rate},
-    {"--seconds", "S", "", "of a turntable (8), or from one Viewpoint to the next (3)", "animate ",
-     set_animation_length},
+    {"--seconds", "S", "", "duration of a turntable (8) or of each tour section (3)", "animate ", set_animation_length},
 };
 
 }  // namespace

@@ -171,7 +171,7 @@ TEST_CASE("allows files that the command line names") {
   CHECK(allowed.output.empty());
   const Run wrong = run(snapshot + " --allow " + quoted(folder.path("none")) + " " + quoted(world));
   CHECK(wrong.status == 2);
-  CHECK(wrong.output.find("--allow: expected a folder that is there") != std::string::npos);
+  CHECK(wrong.output.find("--allow: expected an existing folder") != std::string::npos);
   CHECK(run("info " + quoted(world)).output.find("--allow") != std::string::npos);
 }
 
