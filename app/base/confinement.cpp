@@ -88,7 +88,7 @@ std::optional<std::string> confine_files(const Confinement& confinement, int ver
   if (version >= 6) set.scoped = kAbstractSockets | kSignals;
   // Older kernels accept a longer structure if the unknown members are zero.
   const net::Descriptor rules(static_cast<int>(::syscall(SYS_landlock_create_ruleset, &set, sizeof set, 0)));
-  if (!rules) return reason("no rules of Landlock can be made");
+  if (!rules) return reason("Landlock rules cannot be created");
   for (const char* path : kSystem)
     if (!allow(rules, path, kRead & all) && errno != ENOENT && errno != ENOTDIR && errno != EACCES) return reason(path);
   if (!allow(rules, "/dev/null", (kRead | LANDLOCK_ACCESS_FS_WRITE_FILE) & all)) return reason("/dev/null");
@@ -104,8 +104,8 @@ std::string ConfinementSupport::text() const {
   std::string text;
   if (landlock > 0 && seccomp) return "Landlock (version " + std::to_string(landlock) + ") and seccomp";
   if (landlock == 0)
-    text = "this kernel has no Landlock (it may be switched off): they may read and write what this user may";
-  if (!seccomp) text += std::string(text.empty() ? "" : "; ") + "this kernel has no seccomp: they may open sockets";
+    text = "this kernel has no Landlock (or it is disabled), so they have the file access of this user";
+  if (!seccomp) text += std::string(text.empty() ? "" : "; ") + "this kernel has no seccomp, so they may open sockets";
   return text;
 }
 

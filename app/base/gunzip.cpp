@@ -50,7 +50,7 @@ struct Gunzip::State {
     if (mark < 2) return;
     between = false;
     mark = 0;
-    if (inflateReset(&stream) != Z_OK) return fail("zlib could not be set up");
+    if (inflateReset(&stream) != Z_OK) return fail("zlib cannot be initialised");
     stream.next_in = const_cast<Bytef*>(kMark);
     stream.avail_in = 2;
     stream.next_out = reinterpret_cast<Bytef*>(piece.data());
@@ -83,7 +83,7 @@ struct Gunzip::State {
       over = stopped = true;
       return;
     }
-    if (budget->stopped()) return fail("the time is over before all of it was unpacked");
+    if (budget->stopped()) return fail("the time limit was reached during unpacking");
     if (!room) return fail("unpacks to " + budget->refusal(vrml::Resource::unpacked));
     if (status == Z_STREAM_END)
       between = true;
@@ -96,7 +96,7 @@ struct Gunzip::State {
 
 Gunzip::Gunzip(WorldBudget budget) : state_(std::make_unique<State>()) {
   state_->budget = std::move(budget);
-  if (inflateInit2(&state_->stream, kGzipWindow) != Z_OK) state_->fail("zlib could not be set up");
+  if (inflateInit2(&state_->stream, kGzipWindow) != Z_OK) state_->fail("zlib cannot be initialised");
 }
 
 Gunzip::~Gunzip() { inflateEnd(&state_->stream); }
@@ -115,7 +115,7 @@ bool Gunzip::push(std::span<const std::byte> bytes, const Sink& sink) {
 }
 
 std::optional<std::string> Gunzip::finish() {
-  if (!state_->problem && !state_->between && !state_->over) state_->problem = "the gzip data ends too early";
+  if (!state_->problem && !state_->between && !state_->over) state_->problem = "the gzip data is truncated";
   return state_->stopped ? std::nullopt : state_->problem;
 }
 

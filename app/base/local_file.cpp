@@ -71,7 +71,7 @@ ReadFile reader_beside(const std::string& path, const std::vector<std::string>& 
           policy = policy_of_world(path, allowed)](const std::string& reference) -> BytesResult {
     const net::Url url = net::resolve(base, net::parse_url(reference));
     if (const auto refused = policy.refuse(from, url)) return reference + ": " + refused->message;
-    if (url.scheme != "file") return reference + ": only files are read here";
+    if (url.scheme != "file") return reference + ": not a local file";
     LocalFile found = open_local_file(url, policy, from);
     if (!found.file) return found.problem;
     return shared_bytes(std::move(*found.file));

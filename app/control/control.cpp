@@ -61,7 +61,7 @@ RpcCall read_call(JsonCursor& json) {
         call.problem = "expected an id that is a number or a short string";
     } else if (name == "params") {
       call.parameters = text;
-      if (kind != JsonKind::list && kind != JsonKind::object) call.problem = "expected params in a list or an object";
+      if (kind != JsonKind::list && kind != JsonKind::object) call.problem = "expected params as a list or an object";
     } else if (name == "method") {
       call.problem = "expected the name of a method";
     } else if (name == "jsonrpc" && text != "\"2.0\"") {
@@ -90,7 +90,7 @@ std::optional<std::string> take_parameters(std::string_view text, const ServiceR
         for (place = 0; place < count && row.parameters[place].name != name;) ++place;
         if (place == count) return "unknown parameter '" + name.substr(0, 80) + "'";
       } else if (place >= count) {
-        return "expected " + std::to_string(count) + " parameters at most";
+        return "expected at most " + std::to_string(count) + " parameters";
       }
       given[place] = json.skip();
     }
@@ -213,7 +213,7 @@ void Control::answer(Session& session, ControlClient& client, const std::string&
   std::string out;
   if (const auto problem = check_json(message)) {
     append_error(out, "null", RpcError::parse,
-                 "this is no JSON: " + problem->why + " (byte " + std::to_string(problem->place + 1) + ")");
+                 "not JSON: " + problem->why + " (byte " + std::to_string(problem->place + 1) + ")");
     channel_.send(client.number, std::move(out));
     return;
   }
@@ -231,7 +231,7 @@ void Control::answer(Session& session, ControlClient& client, const std::string&
       if (!single.empty()) out += (out.empty() ? "[" : ",") + single;
     }
     if (!any) {
-      append_error(out, "null", RpcError::invalid, "expected a call");
+      append_error(out, "null", RpcError::invalid, "expected a call object");
     } else if (!out.empty()) {
       out += ']';
     }
@@ -255,8 +255,7 @@ void Control::answer_call(Session& session, ControlClient& client, JsonCursor js
     channel_.send(client.number, told + "}}");
   };
   const ServiceRow* const row = find_service(*asked.method);
-  if (!row)
-    return fail(RpcError::no_method, "there is no service '" + asked.method->substr(0, 80) + "'; see getServices");
+  if (!row) return fail(RpcError::no_method, "unknown service '" + asked.method->substr(0, 80) + "'; see getServices");
   ServiceCall call{*this, session, client, *row, {}};
   call.id = asked.id;
   if (const auto problem = take_parameters(asked.parameters, *row, call.given))
@@ -267,7 +266,7 @@ void Control::answer_call(Session& session, ControlClient& client, JsonCursor js
     const std::vector<std::size_t> sight = session.panes().visible();
     call.view = session.panes().at(sight[std::min(client.viewport, sight.size() - 1)]).view();
   } else if (row->needs_world) {
-    return fail(RpcError::failed, "there is no world yet; awaitWorld answers when there is");
+    return fail(RpcError::failed, "no world is open yet; awaitWorld answers when one is");
   }
   const bool good = row->run(call);
   changed_ = changed_ || call.changes;

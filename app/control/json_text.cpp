@@ -42,7 +42,7 @@ class Checker {
     while (good && depth_ > 0) good = go_on();
     if (!good) return problem_;
     blanks();
-    if (at_ != end_) (void)fail("something stands behind the value");
+    if (at_ != end_) (void)fail("trailing characters after the value");
     return problem_;
   }
 
@@ -59,11 +59,11 @@ class Checker {
   // Checks a value, or the start of a list or an object.
   bool value() {
     blanks();
-    if (at_ == end_) return fail("the text ends where a value is expected");
+    if (at_ == end_) return fail("the text ends before a value");
     switch (*at_) {
       case '[':
       case '{': {
-        if (depth_ == kDeepest) return fail("lists and objects lie too deep in each other");
+        if (depth_ == kDeepest) return fail("lists and objects are nested too deeply");
         is_object_[depth_++] = *at_ == '{';
         first_ = true;
         ++at_;
@@ -124,7 +124,7 @@ class Checker {
     }
     if (is('0')) {
       ++at_;
-      if (at_ != end_ && is_digit(*at_)) return fail("a number begins with 0");
+      if (at_ != end_ && is_digit(*at_)) return fail("a number starts with 0");
     } else if (!digits()) {
       return false;
     }
@@ -146,7 +146,7 @@ class Checker {
         ++at_;
         return true;
       }
-      if (c < 0x20) return fail("a control character in a string");
+      if (c < 0x20) return fail("a string contains a control character");
       if (c != '\\') continue;
       ++at_;
       if (at_ == end_) break;
@@ -154,7 +154,7 @@ class Checker {
         if (code_unit(at_ + 1, end_) < 0) return fail("expected four hexadecimal digits");
         at_ += 4;
       } else if (std::strchr("\"\\/bfnrt", *at_) == nullptr) {
-        return fail("an unknown escape");
+        return fail("unknown escape sequence");
       }
     }
     return fail("the text ends inside a string");

@@ -65,7 +65,7 @@ class ValueReader {
       if (json_.kind() != JsonKind::number) return expected("a number");
       const double number = json_.number();
       value = static_cast<T>(number);
-      return std::isfinite(value) || expected("a number that is not as large");
+      return std::isfinite(value) || expected("a smaller number");
     } else if constexpr (std::is_same_v<T, std::int32_t>) {
       return read_whole(std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max(), value);
     } else if constexpr (std::is_same_v<T, vrml::String>) {
@@ -120,11 +120,11 @@ class ValueReader {
         pixels = std::uint64_t{words[0]} * words[1];
         most = std::pow(256.0, word) - 1;
       } else if (i - 2 > pixels) {
-        return expected("a number a pixel");
+        return expected("one number per pixel");
       }
     }
     if (words.size() < 3 || words.size() - 3 != pixels)
-      return expected("width, height, components and a number a pixel");
+      return expected("width, height, components and one number per pixel");
     if (pixels == 0) words.clear();
     value.words = std::move(words);
     return true;

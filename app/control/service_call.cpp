@@ -28,9 +28,9 @@ std::optional<PlacedNode> ServiceCall::read_node(JsonCursor& json) {
     const bool whole = number >= 1 && number < 9e15 && number == std::trunc(number);
     const auto found = whole ? client.nodes.find(static_cast<std::uint64_t>(number)) : client.nodes.end();
     if (found == client.nodes.end()) {
-      problem = "there is no node of this number; expected one that getNode gave";
+      problem = "unknown node number; expected a number from getNode";
     } else if (!execution.has_scene(found->second.scene) || !found->second.scene->contains(found->second.id)) {
-      problem = "the node is gone";
+      problem = "the node no longer exists";
     } else {
       return found->second;
     }
@@ -43,7 +43,7 @@ std::optional<PlacedNode> ServiceCall::read_node(JsonCursor& json) {
   std::string made;
   const std::string_view name = json.string(made);
   if (const vrml::NodeId named = control.find_name(client, name)) return PlacedNode{document->world.scene.get(), named};
-  problem = "there is no node " + in_quotes(name) + "; expected a DEF name or Type#number";
+  problem = "unknown node " + in_quotes(name) + "; expected a DEF name or Type#number";
   return std::nullopt;
 }
 
@@ -191,7 +191,7 @@ bool ServiceCall::send(std::vector<ClientEvent>&& events) {
   if (!client.updates) return deliver(std::move(events));
   for (const std::optional<std::string_view>& one : given) client.update_bytes += one ? one->size() : 0;
   if (client.update_bytes > kMostUpdate) {
-    problem = "an update of more than " + std::to_string(kMostUpdate >> 20) + " MiB; expected endUpdate before";
+    problem = "an update exceeds " + std::to_string(kMostUpdate >> 20) + " MiB; expected endUpdate earlier";
     return false;
   }
   // The client's numbers keep the nodes alive until then.
@@ -211,7 +211,7 @@ bool ServiceCall::deliver(std::vector<ClientEvent>&& events) {
   changes = true;
   if (sent == events.size()) return true;
   problem = std::to_string(events.size() - sent) + " of " + std::to_string(events.size()) +
-            " events were not sent: their nodes are gone, or there is no room";
+            " events were not sent, because their nodes no longer exist or the limit of pending events is reached";
   return false;
 }
 
@@ -250,7 +250,7 @@ std::string services_as_markdown() {
     for (std::size_t i = 0; i < parameter_count(*row); ++i) {
       const ParameterRow& one = row->parameters[i];
       out += (i ? "<br>" : "") + ("`" + std::string(one.name)) + "`: " + std::string(one.type) +
-             (one.may_lack ? " (may lack)" : "");
+             (one.may_lack ? " (optional)" : "");
     }
     out += " | " + (row->result.empty() ? std::string() : "`" + std::string(row->result) + "`") + " | " +
            std::string(row->help) + " |\n";

@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr ParameterRow kUrl{"url", "string, or list of strings: tried in order"};
+constexpr ParameterRow kUrl{"url", "string or list of strings, tried in order"};
 constexpr ParameterRow kReceiver{"node", "node"};
 
 void put_member(std::string& out, std::string_view name, std::string_view text) {
@@ -111,7 +111,7 @@ bool create_from_string(ServiceCall& call) {
     append_json_string(messages, one.text());
   }
   if (made.outcome == vrml::ParseOutcome::refused) {
-    call.problem = "the text is no VRML97";
+    call.problem = "not VRML97 text";
     for (const vrml::Diagnostic& one : diagnostics.entries()) {
       call.problem += ": " + one.text();
       break;
@@ -136,7 +136,7 @@ bool create_from_url(ServiceCall& call) {
   request.node = node->id;
   request.event_in = event_for_nodes(*node->scene, node->id, *event);
   if (!request.event_in) {
-    call.fail_at(2, "the node has no eventIn of MFNode with this name");
+    call.fail_at(2, "the node has no eventIn of type MFNode with this name");
     return false;
   }
   request.location = node->scene->node(node->id).location;
@@ -211,7 +211,7 @@ bool await_world(ServiceCall& call) {
   constexpr std::size_t kMostWaiting = 1000;
   if (call.document) return true;
   if (call.client.waits_for_world.size() >= kMostWaiting) {
-    call.problem = "too many calls wait for a world already";
+    call.problem = "too many calls are waiting for a world";
     return false;
   }
   if (!call.id.empty()) call.client.waits_for_world.emplace_back(call.id);
@@ -252,69 +252,74 @@ constexpr ServiceRow kBrowserServices[] = {
     {"getBrowser",
      {},
      "{\"name\",\"version\",\"url\",\"title\",\"time\",\"speed\",\"frameRate\"}",
-     "the program and its world; the latter's members lack while there is none",
+     "name and version of the program, and its world; members of the world are absent before the first world",
      false,
      get_browser},
-    {"getName", {}, "string", "of the program", false, get_browser_name},
-    {"getVersion", {}, "string", "of the program", false, get_version},
-    {"getCurrentSpeed", {}, "number", "of the viewer, metres a second", true, get_speed},
-    {"getCurrentFrameRate", {}, "number", "steps a second, by the last one", true, get_frame_rate},
-    {"getWorldURL", {}, "string", "of the world", true, get_world_url},
+    {"getName", {}, "string", "returns the name of the program", false, get_browser_name},
+    {"getVersion", {}, "string", "returns the version of the program", false, get_version},
+    {"getCurrentSpeed", {}, "number", "speed of the viewer in metres per second", true, get_speed},
+    {"getCurrentFrameRate", {}, "number", "steps per second, from the last step", true, get_frame_rate},
+    {"getWorldURL", {}, "string", "returns the URL of the world", true, get_world_url},
     {"setDescription", {{{"text", "string"}}}, "", "shows a text to the user", true, set_description},
     {"loadURL",
-     {{kUrl, {"parameter", "string, or list of strings: as of an Anchor (VRML97 6.2)", true}}},
+     {{kUrl, {"parameter", "string or list of strings, as in an Anchor (VRML97 6.2)", true}}},
      "",
-     "goes to another world, or a Viewpoint (`#NAME`), as an Anchor of this world would; of files, opens only those "
-     "that the world may read; a page that is for a web browser is not opened",
+     "opens another world, or binds a Viewpoint (`#NAME`), like an Anchor of this world; opens only files that the "
+     "world may read, and no pages for a web browser",
      true,
      load_url},
     {"replaceWorld",
      {{{"nodes", "list of nodes"}}},
      "",
-     "shows these nodes in place of the world; nodes that nobody holds are gone",
+     "shows these nodes instead of the world; other nodes are deleted unless a client or Script uses them",
      true,
      replace_world},
     {"createVrmlFromString",
-     {{{"text", "string of VRML97"}}},
+     {{{"text", "VRML97 text"}}},
      "{\"nodes\":[...],\"messages\":[...]}",
-     "makes nodes, which are in no field yet; messages say what is wrong with the text",
+     "creates nodes that are in no field yet; messages report problems in the text",
      true,
      create_from_string},
     {"createVrmlFromURL",
-     {{kUrl, kReceiver, {"event", "string: an eventIn of MFNode"}}},
+     {{kUrl, kReceiver, {"event", "name of an eventIn of type MFNode"}}},
      "",
-     "reads a file as an Inline of this world would, and sends its nodes to the eventIn when it has come",
+     "reads a file like an Inline of this world, then sends its nodes to the eventIn",
      true,
      create_from_url},
     {"addRoute",
      {{{"from", "node"}, {"eventOut", "string"}, {"to", "node"}, {"eventIn", "string"}}},
      "{\"changed\":true}",
-     "adds a ROUTE; false: there was one",
+     "adds a ROUTE; false means it exists already",
      true,
      change_route<true>},
     {"deleteRoute",
      {{{"from", "node"}, {"eventOut", "string"}, {"to", "node"}, {"eventIn", "string"}}},
      "{\"changed\":true}",
-     "deletes a ROUTE; false: there was none",
+     "deletes a ROUTE; false means it does not exist",
      true,
      change_route<false>},
     {"beginUpdate",
      {},
      "",
-     "events of this client wait for `endUpdate` from now on, and then have one timestamp",
+     "holds later events of this client until `endUpdate`; they then share one timestamp",
      true,
      begin_update},
-    {"endUpdate", {}, "", "sends what has waited since `beginUpdate`, as one cascade", true, end_update},
+    {"endUpdate", {}, "", "sends the events held since `beginUpdate` as one cascade", true, end_update},
     {"adviseBrowser",
      {},
      "{\"initialized\":true}",
-     "tells this client from now on when a world has come (`initialized`) and when it goes (`shutdown`); whether one "
-     "is there",
+     "subscribes to the browser events `initialized` (a world was loaded) and `shutdown` (it ends); returns whether a "
+     "world is open",
      false,
      advise_browser},
-    {"unadviseBrowser", {}, "", "no longer", false, unadvise_browser},
-    {"awaitWorld", {}, "", "is answered when there is a world", false, await_world},
-    {"getServices", {}, "[{\"name\",\"parameters\",\"result\",\"help\"},...]", "this table", false, get_services},
+    {"unadviseBrowser", {}, "", "ends `adviseBrowser`", false, unadvise_browser},
+    {"awaitWorld", {}, "", "answers as soon as a world is open", false, await_world},
+    {"getServices",
+     {},
+     "[{\"name\",\"parameters\",\"result\",\"help\"},...]",
+     "returns this table",
+     false,
+     get_services},
     {"quit", {}, "", "ends the program", false, quit},
 };
 

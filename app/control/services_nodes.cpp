@@ -9,7 +9,7 @@ namespace gs::app {
 namespace {
 
 constexpr ParameterRow kNode{"node", "node"};
-constexpr ParameterRow kEventOut{"event", "string: an eventOut or exposedField"};
+constexpr ParameterRow kEventOut{"event", "name of an eventOut or exposedField"};
 constexpr std::size_t kMostWatches = 100'000, kMostNodes = 1'000'000;  // max numbers per client
 
 void put_node(ServiceCall& call, const PlacedNode& node) {
@@ -25,7 +25,7 @@ bool get_node(ServiceCall& call) {
   const auto node = call.node(0);
   if (!node) return false;
   if (call.client.nodes.size() >= kMostNodes) {
-    call.problem = "this client has " + std::to_string(kMostNodes) + " nodes; expected dispose before";
+    call.problem = "this client has " + std::to_string(kMostNodes) + " nodes; expected dispose earlier";
     return false;
   }
   put_node(call, *node);
@@ -78,7 +78,7 @@ bool get_value(ServiceCall& call) {
   if (!event) return false;
   const vrml::FieldValue* const value = call.document->living->execution().last_value(*node->scene, node->id, *event);
   if (!value) {
-    call.problem = "there is no room for the value";
+    call.problem = "the value exceeds the limit of pending events";
     return false;
   }
   call.result.clear();
@@ -110,7 +110,7 @@ bool set_values(ServiceCall& call) {
   while (json.more()) {
     auto one = call.event(json);
     if (!one) {
-      call.fail_at(0, "event " + std::to_string(events.size() + 1) + ": " + call.problem + "; none was sent");
+      call.fail_at(0, "event " + std::to_string(events.size() + 1) + ": " + call.problem + "; no event was sent");
       return false;
     }
     events.push_back(std::move(*one));
@@ -123,7 +123,7 @@ bool advise(ServiceCall& call) {
   const vrml::InterfaceDeclaration* const event = event_out(call, node);
   if (!event) return false;
   if (call.client.watches.size() >= kMostWatches) {
-    call.problem = "this client watches " + std::to_string(kMostWatches) + " eventOuts already";
+    call.problem = "this client already watches " + std::to_string(kMostWatches) + " eventOuts";
     return false;
   }
   call.result = "{\"watch\":" + std::to_string(call.control.watch(call.client, *node, *event)) + "}";
@@ -134,50 +134,45 @@ bool unadvise(ServiceCall& call) {
   const auto number = call.whole(0, 1, std::numeric_limits<std::int32_t>::max());
   if (!number) return false;
   if (call.client.world && call.control.unwatch(call.client, *number)) return true;
-  call.problem = "nothing is watched by this number";
+  call.problem = "unknown watch number";
   return false;
 }
 
 constexpr ServiceRow kNodeServices[] = {
     {"getNode",
-     {{{"node", "string: a DEF name, or `Type#number` as `trace` has it"}}},
+     {{{"node", "DEF name, or `Type#number` as in `trace`"}}},
      "{\"node\":1,\"type\":\"Transform\",\"name\":\"Box\"}",
-     "a number that stands for the node, which stays in memory until `dispose`, or until the client goes",
+     "returns a number for the node; the node stays in memory until `dispose` or until the client disconnects",
      true,
      get_node},
-    {"getType", {{kNode}}, "string", "the name of its type", true, get_type},
+    {"getType", {{kNode}}, "string", "returns the name of the node type", true, get_type},
     {"getInterface",
      {{kNode}},
      "[{\"name\",\"access\",\"type\"},...]",
-     "its fields and events, in the order of the declaration",
+     "returns the fields and events in the order of the declaration",
      true,
      get_interface},
-    {"dispose", {{{"node", "number of a node"}}}, "", "the number stands for nothing any more", true, dispose},
+    {"dispose", {{{"node", "number of a node"}}}, "", "releases the number", true, dispose},
     {"getValue",
      {{kNode, kEventOut}},
      "value",
-     "what an exposedField is, or what an eventOut sent last (else the zero of its type)",
+     "returns the value of an exposedField, or the last value of an eventOut (initially the zero of its type)",
      true,
      get_value},
     {"setValue",
-     {{kNode, {"event", "string: an eventIn or exposedField"}, {"value", "value"}}},
+     {{kNode, {"event", "name of an eventIn or exposedField"}, {"value", "value"}}},
      "",
-     "sends an event, and all that follows from it",
+     "sends an event and its whole cascade",
      true,
      set_value},
     {"setValues",
      {{{"events", "list of `[node, eventIn, value]`"}}},
      "",
-     "sends events that have one timestamp, all of them or, where one is wrong, none",
+     "sends events with one timestamp; if one is invalid, sends none",
      true,
      set_values},
-    {"advise",
-     {{kNode, kEventOut}},
-     "{\"watch\":1}",
-     "tells this client from now on what the eventOut sends",
-     true,
-     advise},
-    {"unadvise", {{{"watch", "number that `advise` gave"}}}, "", "no longer", true, unadvise},
+    {"advise", {{kNode, kEventOut}}, "{\"watch\":1}", "subscribes to the values of the eventOut", true, advise},
+    {"unadvise", {{{"watch", "number from `advise`"}}}, "", "ends `advise`", true, unadvise},
 };
 
 }  // namespace

@@ -52,8 +52,8 @@ bool set_viewpoint(ServiceCall& call) {
     request.text = std::to_string(*number);
   }
   if (!find_viewpoint(call.view->list->viewpoints, request.text)) {
-    call.fail_at(0, "there is no Viewpoint '" + request.text.substr(0, 80) + "'; " +
-                        viewpoint_list(call.view->list->viewpoints));
+    call.fail_at(
+        0, "unknown Viewpoint '" + request.text.substr(0, 80) + "'; " + viewpoint_list(call.view->list->viewpoints));
     return false;
   }
   call.session.serve(*call.document, request);
@@ -116,7 +116,7 @@ bool snapshot(ServiceCall& call) {
   const auto height = call.has(1) ? call.whole(1, 1, kMostSide) : kHeight;
   if (!width || !height) return false;
   if (!call.control.painter()) {
-    call.problem = "this program draws no pictures";
+    call.problem = "this program cannot draw pictures";
     return false;
   }
   (void)follow_world(*call.view);
@@ -158,41 +158,46 @@ constexpr ServiceRow kViewServices[] = {
     {"getViewpoints",
      {},
      "[{\"viewpoint\":1,\"description\",\"name\",\"bound\"},...]",
-     "the Viewpoints of the world",
+     "lists the Viewpoints of the world",
      true,
      get_viewpoints},
     {"setViewpoint",
-     {{{"viewpoint", "string: description or DEF name; or number"}}},
+     {{{"viewpoint", "description, DEF name or number"}}},
      "",
-     "binds a Viewpoint, and goes there",
+     "binds a Viewpoint and moves the viewer there",
      true,
      set_viewpoint},
     {"getViewer",
      {},
      "{\"position\":[x,y,z],\"orientation\":[x,y,z,angle],\"fieldOfView\"}",
-     "where the viewer is, in coordinates of the world: metres, axis and radians; `height` besides where rays are "
-     "parallel: how much the smaller side of the picture shows",
+     "returns the pose of the viewer in world coordinates: metres, axis and radians; in parallel projection also "
+     "`height`, the extent of the smaller side of the picture",
      true,
      get_viewer},
     {"setViewer",
      {{{"position", "list of 3 numbers", true}, {"orientation", "list of 4 numbers: axis and radians", true}}},
      "",
-     "puts the viewer there at once",
+     "moves the viewer there at once",
      true,
      set_viewer},
     {"snapshot",
-     {{{"width", "number of pixels, 1 to 4096: 1024 if it lacks", true},
-       {"height", "number of pixels, 1 to 4096: 768 if it lacks", true}}},
+     {{{"width", "number of pixels from 1 to 4096, default 1024", true},
+       {"height", "number of pixels from 1 to 4096, default 768", true}}},
      "{\"width\",\"height\",\"png\":\"...\"}",
-     "what the viewer sees, as a file of PNG in base64",
+     "returns the view as a PNG file in base64",
      true,
      snapshot},
-    {"getViewports", {}, "[{\"viewport\":1,\"file\",\"active\",\"used\"},...]", "those in sight", false, get_viewports},
+    {"getViewports",
+     {},
+     "[{\"viewport\":1,\"file\",\"active\",\"used\"},...]",
+     "lists the visible viewports",
+     false,
+     get_viewports},
     {"useViewport",
      {{{"viewport", "number"}}},
      "",
-     "calls of this client are about the world in that viewport from now on: the first one before. Numbers of nodes "
-     "and watches of the world before are gone",
+     "directs later calls of this client to the world in this viewport (initially the first); node numbers and watches "
+     "of the previous world become invalid",
      false,
      use_viewport},
 };

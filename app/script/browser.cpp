@@ -98,7 +98,7 @@ bool create_from_url(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!texts_argument(context, args, 0, request.urls) || !text_of_value(context, args.get(2), event)) return false;
   const NodeBox* const box = args.get(1).isObject() ? node_of(&args[1].toObject()) : nullptr;
   vrml::SceneGraph* const scene = box ? box->live_scene() : nullptr;
-  if (!scene) return fail(context, "createVrmlFromURL expects a node that gets the nodes");
+  if (!scene) return fail(context, "createVrmlFromURL expects a node that receives the nodes");
   request.event_in = event_for_nodes(*scene, box->id, event);
   if (!request.event_in) return fail(context, "the node has no MFNode eventIn '" + event.substr(0, 80) + "'");
   request.scene = scene;

@@ -28,10 +28,10 @@ ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::No
   const auto no = [](std::string why) { return Evaluation{std::move(why), true}; };
   const vrml::EventNode node = execution_.event_node(scene, script);
   Program* const program = node == 0 ? nullptr : program_of(node);
-  if (!program) return no("this is no Script, or its program has not begun");
-  if (program->waits) return no("the program of this Script has not come yet");
-  if (program->off) return no("the program of this Script is not run any more, after three faults");
-  if (!program->runs || !program->global) return no("this Script has no program that runs");
+  if (!program) return no("not a Script, or its program has not started");
+  if (program->waits) return no("the program of this Script is still loading");
+  if (program->off) return no("the program of this Script is switched off after three faults");
+  if (!program->runs || !program->global) return no("this Script has no running program");
   JSContext* const context = engine_.context();
   const vrml::Limits& limits = execution_.root().limits();
   Evaluation result;
@@ -50,8 +50,8 @@ ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::No
       bool recursion = false;
       const bool thrown = turn.stop() == Stop::none && JS_IsExceptionPending(context);
       const std::optional<vrml::Diagnostic> said = thrown ? take_exception(context, recursion) : std::nullopt;
-      result.text = turn.stop() == Stop::memory ? "it takes more memory than programs may have"
-                    : turn.stop() == Stop::time ? "it did not come to its end in time"
+      result.text = turn.stop() == Stop::memory ? "it exceeds the memory limit of programs"
+                    : turn.stop() == Stop::time ? "it exceeded the time limit"
                     : said                      ? said->text()
                                                 : "it failed";
       JS_ClearPendingException(context);

@@ -25,7 +25,7 @@ bool changed(JSContext* context, JS::HandleObject image) {
 
 bool this_image(JSContext* context, const JS::CallArgs& args, JS::MutableHandleObject image) {
   if (!args.thisv().isObject() || !is_image(&args.thisv().toObject()))
-    return fail(context, "called on something that is no SFImage");
+    return fail(context, "called on a value that is not an SFImage");
   image.set(&args.thisv().toObject());
   return true;
 }
@@ -145,7 +145,7 @@ bool image_of(JSContext* context, JS::HandleObject object, vrml::PixelImage& ima
   const vrml::Limits& limits = world_of(context).running().scene->limits();
   if (components > 4 || static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > limits.image_pixels ||
       !world_of(context).engine().may_have(static_cast<std::size_t>(width * height) * 4))
-    return fail(context, "an SFImage of these measures cannot be made");
+    return fail(context, "an SFImage of this size cannot be created");
   const JS::Value array = JS::GetReservedSlot(object, kArray);
   vrml::MFInt32 pixels;
   if (array.isObject())

@@ -172,7 +172,7 @@ class ListHandler final : public LiveProxyHandler {
     if (!is_length(context, id)) return result.succeed();  // has no other properties
     double length = 0;
     if (!JS::ToNumber(context, value, &length)) return false;
-    if (!(length >= 0 && length <= kMostElements)) return fail(context, "no length of a list");
+    if (!(length >= 0 && length <= kMostElements)) return fail(context, "invalid length of a list");
     return resize(context, proxy, static_cast<std::uint32_t>(length)) && result.succeed();
   }
 
@@ -298,12 +298,12 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
 bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   ListBox* const box = args.thisv().isObject() ? list_of(&args.thisv().toObject()) : nullptr;
-  if (!box) return fail(context, "called on something that is no list");
+  if (!box) return fail(context, "called on a value that is not a list");
   std::string text;
   static const vrml::SceneGraph nothing;
   const FieldValue* value = list_value(*box);
   if (value && count_of(*value) > kMostPrinted)
-    return fail_range(context, "a list of " + std::to_string(count_of(*value)) + " elements is too long for a text");
+    return fail_range(context, "a list of " + std::to_string(count_of(*value)) + " elements is too long for a string");
   const vrml::SceneGraph* const scene = box->scene.in(box->link.get());
   // Names of nodes are a part of them.
   FieldValue readable;
@@ -396,7 +396,7 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
   std::size_t before = block_bytes_of(*field);
   if (text && !is_new) before += std::get<vrml::MFString>(*field)[index].view().size();
   if (is_new) {
-    if (index >= kMostElements) return fail(context, "index beyond what a list may have");
+    if (index >= kMostElements) return fail(context, "index exceeds the maximum length of a list");
     if (!ListHandler::change_size(context, *field, index + 1)) return false;
   }
   std::visit(

@@ -47,7 +47,7 @@ bool give(JSContext* context, const JS::CallArgs& args, const glm::dmat4& matrix
 }
 
 bool this_matrix(JSContext* context, const JS::CallArgs& args, glm::dmat4& matrix) {
-  if (!is_matrix(args.thisv())) return fail(context, "called on something that is no VrmlMatrix");
+  if (!is_matrix(args.thisv())) return fail(context, "called on a value that is not a VrmlMatrix");
   matrix = matrix_of(&args.thisv().toObject());
   return true;
 }
@@ -201,10 +201,10 @@ template <int kColumn>
 bool get_number(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   if (!args.thisv().isObject() || JS::GetClass(&args.thisv().toObject()) != &kRowClass)
-    return fail(context, "called on something that is no row of a VrmlMatrix");
+    return fail(context, "called on a value that is not a row of a VrmlMatrix");
   JSObject* const row = &args.thisv().toObject();
   const JS::Value matrix = JS::GetReservedSlot(row, 0);
-  if (!matrix.isObject()) return fail(context, "called on something that is no row of a VrmlMatrix");
+  if (!matrix.isObject()) return fail(context, "called on a value that is not a row of a VrmlMatrix");
   args.rval().set(JS::GetReservedSlot(&matrix.toObject(),
                                       static_cast<std::uint32_t>(JS::GetReservedSlot(row, 1).toInt32() * 4 + kColumn)));
   return true;
@@ -215,7 +215,7 @@ bool set_number(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   double number = 0;
   if (!args.thisv().isObject() || JS::GetClass(&args.thisv().toObject()) != &kRowClass)
-    return fail(context, "called on something that is no row of a VrmlMatrix");
+    return fail(context, "called on a value that is not a row of a VrmlMatrix");
   JS::RootedObject row(context, &args.thisv().toObject());
   if (!JS::ToNumber(context, args.get(0), &number)) return false;
   const JS::Value matrix = JS::GetReservedSlot(row, 0);
@@ -230,7 +230,7 @@ bool set_number(JSContext* context, unsigned argc, JS::Value* vp) {
 template <int kRow>
 bool get_row(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  if (!is_matrix(args.thisv())) return fail(context, "called on something that is no VrmlMatrix");
+  if (!is_matrix(args.thisv())) return fail(context, "called on a value that is not a VrmlMatrix");
   JS::RootedObject prototype(context, library_of(context).row_prototype());
   JSObject* const row = JS_NewObjectWithGivenProto(context, &kRowClass, prototype);
   if (!row) return false;

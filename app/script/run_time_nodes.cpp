@@ -73,7 +73,7 @@ std::variant<vrml::Route, std::string> route_between(const vrml::SceneGraph& sce
   if (!route.event_out) return "no eventOut '" + event_out.substr(0, 80) + "'";
   if (!route.event_in) return "no eventIn '" + event_in.substr(0, 80) + "'";
   if (route.event_out->type != route.event_in->type)
-    return "'" + event_out + "' and '" + event_in + "' are of different types";
+    return "'" + event_out + "' and '" + event_in + "' have different types";
   return route;
 }
 

@@ -142,9 +142,8 @@ void World::report_failure(Program& program, const Engine::Turn& turn) {
   if (turn.stop() == Stop::none && JS_IsExceptionPending(context)) {
     report_exception(program);
   } else if (turn.stop() == Stop::memory) {
-    fault(program, "the program takes more memory than the " +
-                       std::to_string(execution_.root().limits().script_heap >> 20) +
-                       " MiB that programs of a world may have");
+    fault(program, "the program exceeds the " + std::to_string(execution_.root().limits().script_heap >> 20) +
+                       " MiB limit for the programs of a world");
   } else {
     fault(program, turn.stop() == Stop::time ? kLate : "the program failed");
   }
@@ -195,7 +194,7 @@ bool World::go_on(vrml::EventNode node) {
   const vrml::MFString urls = url ? std::get<vrml::MFString>(script.values[url->slot]) : vrml::MFString{};
   program.library = library_of_source(program.source);
   if (!program.library) {
-    report(vrml::Severity::error, program, "there is no memory for programs");
+    report(vrml::Severity::error, program, "not enough memory for programs");
     return false;
   }
   const std::string file = url ? program.scene->text_of(program.id, url->slot).file_name() : script.text->file_name();
@@ -331,7 +330,7 @@ bool World::has_time() {
 void World::begin_step() {
   if (const Program* const slowest = late_ ? program_of(slowest_) : nullptr)
     report(vrml::Severity::warning, *slowest,
-           "takes most of the time that there is for programs in a step; events wait for the next one");
+           "used the time for programs in this step; remaining events wait for the next step");
   spent_ = longest_ = {};
   late_ = false;
 }
@@ -422,14 +421,14 @@ bool World::create_from_string(JSContext* context, std::string_view text, vrml::
                                vrml::SceneGraph*& scene) {
   scene = running_->scene;
   if (text.size() > kMostCreated)
-    return fail_range(context, "a text of " + std::to_string(text.size()) + " bytes is too long to make nodes of");
+    return fail_range(context, "a text of " + std::to_string(text.size()) + " bytes is too long to create nodes from");
   if (ends_ || running_->ended) return fail(context, "shutdown() cannot create nodes");
   vrml::Diagnostics diagnostics;
   vrml::RunTimeNodes made =
       make_nodes(execution_, *scene, label(*running_), text, diagnostics, &text_of_program(*running_));
   for (const vrml::Diagnostic& one : diagnostics.entries())
     if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({one, false});
-  if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "the text is no VRML97");
+  if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "not VRML97 text");
   engine_.note_nodes(std::max({kWorthCollecting, made.roots.size(), text.size() / kTextOfNode}));
   nodes = std::move(made.roots);
   // Held by objects, which a collection may take away before the list has them: hold them by making the objects now.
@@ -462,7 +461,7 @@ void World::tell(ScriptMessage message) {
 void World::fault(Program& program, const std::string& why, std::optional<vrml::Diagnostic> at) {
   const bool last = ++program.faults >= kMostFaults;
   report(vrml::Severity::error, program,
-         why + (last ? "; it is the third fault, and the program is not run any more"
+         why + (last ? "; this third fault switches the program off"
                      : " (fault " + std::to_string(program.faults) + " of " + std::to_string(kMostFaults) + ")"),
          std::move(at));
   program.off = last;
@@ -472,7 +471,7 @@ void World::report_exception(Program& program) {
   const bool no_memory = JS_IsThrowingOutOfMemory(engine_.context());
   bool recursion = false;
   std::optional<vrml::Diagnostic> at = take_exception(engine_.context(), recursion);
-  if (no_memory) return fault(program, "the program takes more memory than there is for it");
+  if (no_memory) return fault(program, "the program exceeds the memory limit");
   if (!at) return fault(program, "the program failed");
   const vrml::Node& node = program.scene->node(program.id);
   if (at->file.empty()) at->file = node.text->file_name();

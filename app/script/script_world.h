@@ -188,7 +188,7 @@ class World final : public ScriptRunner {
   /// Reports whether every program finds this name in its library.
   [[nodiscard]] static bool is_own_name(std::string_view name);
 
-  static constexpr char kLate[] = "the program did not come to its end in time";
+  static constexpr char kLate[] = "the program exceeded the time limit";
 
  private:
   struct PostKey {

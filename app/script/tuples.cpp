@@ -56,7 +56,7 @@ const TupleKind* this_tuple(JSContext* context, const JS::CallArgs& args, double
       return kind;
     }
   }
-  (void)fail(context, "called on something that is no object of this type");
+  (void)fail(context, "called on an object of another type");
   return nullptr;
 }
 

@@ -146,7 +146,7 @@ bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml
       [[maybe_unused]] std::size_t text = 0;
       if (!JS_GetProperty(context, object, "length", &length) || !JS::ToNumber(context, length, &count)) return false;
       if (!world_of(context).engine().may_have(static_cast<std::size_t>(count) * sizeof(T)))
-        return fail(context, "more elements than a program may have memory for");
+        return fail(context, "too many elements for the memory limit of programs");
       for (std::uint32_t i = 0; i < count; ++i) {
         T one{};
         if (!JS_GetElement(context, object, i, &element)) return false;
@@ -154,7 +154,7 @@ bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml
         if constexpr (std::is_same_v<T, vrml::SFString>) {
           text += one.view().size();
           if (text > kMostListText || !world_of(context).engine().may_have(text))
-            return fail_range(context, "the texts of a list are longer than a Script may use");
+            return fail_range(context, "the strings of a list exceed the limit of a Script");
         }
         array.push_back(std::move(one));
         if (i % 4096 == 4095 && !JS_CheckForInterrupt(context)) return false;
@@ -197,7 +197,7 @@ bool text_of_value(JSContext* context, JS::HandleValue value, std::string& text)
   JS::RootedString string(context, JS::ToString(context, value));
   if (!string) return false;
   if (const std::size_t length = JS::GetStringLength(string); length > kMostCharacters)
-    return fail_range(context, "a string of " + std::to_string(length) + " characters; a Script may pass " +
+    return fail_range(context, "a string of " + std::to_string(length) + " characters; the limit is " +
                                    std::to_string(kMostCharacters));
   const JS::UniqueChars bytes = JS_EncodeStringToUTF8(context, string);
   if (!bytes) return false;

@@ -77,7 +77,7 @@ struct Call {
 bool check_search(JSContext* context, std::size_t text, std::size_t searched) {
   if (searched == 0 || text <= kMostComparisons / searched) return true;
   return fail_range(context, "a search for " + std::to_string(searched) + " characters in " + std::to_string(text) +
-                                 " takes too long; search a shorter text");
+                                 " takes too long; search a shorter string");
 }
 
 // indexOf, lastIndexOf
@@ -113,7 +113,7 @@ bool bound_includes(const Call& call) {
     JS::RootedObject object(call.context, &call.arguments[0].toObject());
     bool pattern = false;
     if (!is_pattern(call.context, object, pattern)) return false;
-    if (pattern) return fail_type(call.context, "String.prototype.includes expects no regular expression");
+    if (pattern) return fail_type(call.context, "String.prototype.includes does not accept a regular expression");
   }
   return bound_search(call);
 }
@@ -130,7 +130,7 @@ bool check_marks(JSContext* context, JS::HandleValue value) {
     }
     return sum;
   });
-  return work <= kMostReordered / 2 || fail_range(context, "a text has too many combining characters in a row");
+  return work <= kMostReordered / 2 || fail_range(context, "a string has too many consecutive combining characters");
 }
 
 bool bound_normalize(const Call& call) {
@@ -169,7 +169,7 @@ bool bound_json(const Call& call) {
                    characters, characters + count, [](auto c) { return c == '[' || c == '{' || c == ':'; }));
                return parts <= kMostJsonParts && longest_number(characters, count) <= kMostDigits;
              }) ||
-         fail_range(call.context, "a text of JSON has too many parts or digits for a Script");
+         fail_range(call.context, "a JSON text has too many parts or digits for a Script");
 }
 
 // toLowerCase and its relatives
@@ -220,7 +220,7 @@ bool bound_exec(const Call& call) {
   JS::RootedObject object(call.context, &call.self.toObject());
   if (!JS::ObjectIsRegExp(call.context, object, &is_compiled)) return false;
   // Rejects objects that imitate a RegExp: the methods would read the pattern again, after the check.
-  if (!is_compiled) return fail_type(call.context, "called on an object that is no RegExp");
+  if (!is_compiled) return fail_type(call.context, "called on an object that is not a RegExp");
   std::size_t length = 0;
   if (!call.argument_to_text(0, length)) return false;
   JS::RootedString pattern(call.context, JS::GetRegExpSource(call.context, object));
@@ -442,7 +442,7 @@ bool fail_range(JSContext* context, const std::string& why) {
 }
 
 bool too_long(JSContext* context, const char* what, std::size_t length, std::size_t most) {
-  return fail_range(context, std::string(what) + " has " + std::to_string(length) + " characters; a Script may use " +
+  return fail_range(context, std::string(what) + " has " + std::to_string(length) + " characters; the limit is " +
                                  std::to_string(most));
 }
 

@@ -44,21 +44,20 @@ TEST_CASE("answers invalid calls with the errors of JSON-RPC 2.0") {
   CHECK(only(world, R"({"id":")" + std::string(300, 'a') + R"(","method":"getName"})")["id"].is_null());
   const Json unknown = only(world, R"({"id":"a","method":"noSuch"})");
   CHECK(unknown["id"] == "a");
-  CHECK(unknown["error"] == Json{{"code", -32601}, {"message", "there is no service 'noSuch'; see getServices"}});
+  CHECK(unknown["error"] == Json{{"code", -32601}, {"message", "unknown service 'noSuch'; see getServices"}});
 }
 
 TEST_CASE("names missing, unknown and surplus parameters") {
   World world(kBox);
-  CHECK(world.problem("getNode") ==
-        "expected parameter 'node': string: a DEF name, or `Type#number` as `trace` has it");
+  CHECK(world.problem("getNode") == "expected parameter 'node': DEF name, or `Type#number` as in `trace`");
   CHECK(world.problem("getNode", {{"nod", "Box"}}) == "unknown parameter 'nod'");
-  CHECK(world.problem("getNode", Json::array({"Box", 1})) == "expected 1 parameters at most");
+  CHECK(world.problem("getNode", Json::array({"Box", 1})) == "expected at most 1 parameters");
   CHECK(world.problem("getName", {{"x", 1}}) == "unknown parameter 'x'");
   CHECK(world.problem("setDescription", {{"text", 1}}) == "parameter 'text': expected a string");
   CHECK(world.problem("loadURL", {{"url", Json::array({1})}}) == "parameter 'url': expected strings");
   CHECK(world.problem("replaceWorld", {{"nodes", "Box"}}) == "parameter 'nodes': expected a list of nodes");
   CHECK(world.problem("createVrmlFromURL", {{"url", "a.wrl"}, {"node", "Box"}, {"event", "translation"}}) ==
-        "parameter 'event': the node has no eventIn of MFNode with this name");
+        "parameter 'event': the node has no eventIn of type MFNode with this name");
   CHECK(world.problem("unadvise", {{"watch", -1}}) ==
         "parameter 'watch': expected a whole number from 1 to 2147483647");
 }

@@ -48,7 +48,7 @@ TEST_CASE("runs the Python example of docs/control.md, and ends on request") {
   CHECK(run.output.find("browser: GhostSpace ") == 0);
   CHECK(run.output.find("interface: True\nticks: 3\n") != std::string::npos);
   CHECK(run.output.find("translation: [0.9, 0, 0]\nscale: [2, 2, 2]\nviewer: [2, 2, 14]\n") != std::string::npos);
-  CHECK(run.output.find("problem: parameter 'node': there is no node 'None'; expected a DEF name or Type#number\n") !=
+  CHECK(run.output.find("problem: parameter 'node': unknown node 'None'; expected a DEF name or Type#number\n") !=
         std::string::npos);
   CHECK(run.output.find("status 0\n") != std::string::npos);
   CHECK(folder.read("picture.png").substr(1, 3) == "PNG");

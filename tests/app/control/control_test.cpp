@@ -28,9 +28,9 @@ TEST_CASE("finds a node by its DEF name, with number, type and interface (14772-
         has_translation || one == Json{{"name", "translation"}, {"access", "exposedField"}, {"type", "SFVec3f"}};
   CHECK(has_translation);
   CHECK(world.problem("getNode", {{"node", "None"}}) ==
-        "parameter 'node': there is no node 'None'; expected a DEF name or Type#number");
+        "parameter 'node': unknown node 'None'; expected a DEF name or Type#number");
   CHECK(world.problem("getNode", {{"node", 17}}) ==
-        "parameter 'node': there is no node of this number; expected one that getNode gave");
+        "parameter 'node': unknown node number; expected a number from getNode");
   CHECK(world.problem("getNode", {{"node", true}}) == "parameter 'node': expected a node: its number, or its DEF name");
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("sends time and value of a watched eventOut until the watch ends (1477
   (void)world.told("event");  // drops events from before the call
   world.step(1);
   CHECK(world.told("event").empty());
-  CHECK(world.problem("unadvise", {{"watch", watch}}) == "nothing is watched by this number");
+  CHECK(world.problem("unadvise", {{"watch", watch}}) == "unknown watch number");
 }
 
 TEST_CASE("sends the events that follow from a call before its answer") {
@@ -115,15 +115,15 @@ TEST_CASE("gives the events of a list one timestamp, and sends none if one is wr
   CHECK(told[0]["time"] == told[1]["time"]);
   CHECK(told[0]["value"] == Json{1, 0, 0});
   CHECK(told[1]["value"] == Json{2, 0, 0});
-  CHECK(
-      world.problem("setValues", {{"events", {{"A", "translation", {9, 0, 0}}, {"B", "translation", {1, 2}}}}}) ==
-      "parameter 'events': event 2: Transform.translation is of SFVec3f: expected a list of 3 numbers; none was sent");
+  CHECK(world.problem("setValues", {{"events", {{"A", "translation", {9, 0, 0}}, {"B", "translation", {1, 2}}}}}) ==
+        "parameter 'events': event 2: Transform.translation is of SFVec3f: expected a list of 3 numbers; no event was "
+        "sent");
   CHECK(world.told("event").empty());
   CHECK(world.call("getValue", {{"node", "A"}, {"event", "translation"}}) == Json{1, 0, 0});
   for (const char* wrong : {"[1]", "[[]]", "[[\"A\"]]", "[[\"A\",\"translation\"]]",
                             "[[\"A\",\"translation\",[1,2,3],4]]", "[[\"A\",1,[1,2,3]]]"})
     CHECK(world.problem("setValues", {{"events", Json::parse(wrong)}}) ==
-          "parameter 'events': event 1: expected [node, eventIn, value]; none was sent");
+          "parameter 'events': event 1: expected [node, eventIn, value]; no event was sent");
 }
 
 TEST_CASE("holds events between beginUpdate and endUpdate, and gives them one timestamp (14772-2)") {
@@ -211,7 +211,7 @@ TEST_CASE("adds and deletes ROUTEs (14772-2 addRoute, deleteRoute)") {
   CHECK(world.call("getValue", {{"node", "Other"}, {"event", "translation"}}) == Json{1, 0, 0});
   Json wrong = route;
   wrong["eventIn"] = "rotation";
-  CHECK(world.problem("addRoute", wrong) == "'translation' and 'rotation' are of different types");
+  CHECK(world.problem("addRoute", wrong) == "'translation' and 'rotation' have different types");
   wrong["eventIn"] = "none";
   CHECK(world.problem("addRoute", wrong) == "no eventIn 'none'");
 }
@@ -238,7 +238,7 @@ TEST_CASE("keeps nodes that only a client holds until it disposes of them or dis
   world.call("dispose", {{"node", made[0]}});
   CHECK(execution.remove_unheld() == 1);
   CHECK(world.problem("getType", {{"node", made[0]}}) ==
-        "parameter 'node': there is no node of this number; expected one that getNode gave");
+        "parameter 'node': unknown node number; expected a number from getNode");
   CHECK(world.call("getType", {{"node", made[1]}}) == "Transform");
   world.leave();
   CHECK(execution.remove_unheld() == 1);
@@ -293,8 +293,7 @@ TEST_CASE("lists and binds Viewpoints, and moves the viewer to any position") {
   CHECK(placed["position"] == Json{1.0, 2.0, 3.0});
   CHECK(placed["orientation"][1].get<double>() == Approx(1));
   CHECK(placed["orientation"][3].get<double>() == Approx(0.5).margin(1e-6));
-  CHECK(world.problem("setViewpoint", {{"viewpoint", "None"}}).find("there is no Viewpoint 'None'") !=
-        std::string::npos);
+  CHECK(world.problem("setViewpoint", {{"viewpoint", "None"}}).find("unknown Viewpoint 'None'") != std::string::npos);
   CHECK(world.problem("setViewpoint", {{"viewpoint", 3}}) ==
         "parameter 'viewpoint': expected a whole number from 1 to 2");
   CHECK(world.problem("setViewer", {{"orientation", {0, 0, 0, 1}}}) ==
@@ -304,7 +303,7 @@ TEST_CASE("lists and binds Viewpoints, and moves the viewer to any position") {
 
 TEST_CASE("draws a picture from the viewer's position, after all earlier events") {
   World world(kBox);
-  CHECK(world.problem("snapshot") == "this program draws no pictures");
+  CHECK(world.problem("snapshot") == "this program cannot draw pictures");
   int painted = 0;
   world.control.set_painter(
       [&](const View& view, int width, int height) -> std::variant<std::vector<std::byte>, std::string> {
@@ -335,7 +334,7 @@ TEST_CASE("controls a session in each viewport, and drops the nodes of a closed 
   World world;
   world.say(R"({"jsonrpc":"2.0","id":5,"method":"awaitWorld"})");
   CHECK(world.take().empty());
-  CHECK(world.problem("getNode", {{"node", "Box"}}) == "there is no world yet; awaitWorld answers when there is");
+  CHECK(world.problem("getNode", {{"node", "Box"}}) == "no world is open yet; awaitWorld answers when one is");
   CHECK(world.call("adviseBrowser")["initialized"] == false);
   world.open(kBox);
   world.step(0);

@@ -99,9 +99,9 @@ TEST_CASE("refuses values of other types and invalid numbers, and names the expe
   CHECK(problem_of("1", FieldType::SFBool) == "expected true or false");
   CHECK(problem_of("\"1\"", FieldType::SFFloat) == "expected a number");
   CHECK(problem_of("\"NaN\"", FieldType::SFTime) == "expected a number");
-  CHECK(problem_of("1e39", FieldType::SFFloat) == "expected a number that is not as large");
-  CHECK(problem_of("1e400", FieldType::SFTime) == "expected a number that is not as large");
-  CHECK(problem_of("[1,2,1e39]", FieldType::SFVec3f) == "expected a number that is not as large");
+  CHECK(problem_of("1e39", FieldType::SFFloat) == "expected a smaller number");
+  CHECK(problem_of("1e400", FieldType::SFTime) == "expected a smaller number");
+  CHECK(problem_of("[1,2,1e39]", FieldType::SFVec3f) == "expected a smaller number");
   CHECK(problem_of("1.5", FieldType::SFInt32) == "expected a whole number from -2147483648 to 2147483647");
   CHECK(problem_of("2147483648", FieldType::SFInt32) == "expected a whole number from -2147483648 to 2147483647");
   CHECK(problem_of("[1,2]", FieldType::SFVec3f) == "expected a list of 3 numbers");
@@ -115,13 +115,13 @@ TEST_CASE("refuses values of other types and invalid numbers, and names the expe
 }
 
 TEST_CASE("requires as many pixels as an image claims, in as many bytes (VRML97 5.5)") {
-  CHECK(problem_of("[2,1,1,5]", FieldType::SFImage) == "expected width, height, components and a number a pixel");
-  CHECK(problem_of("[1,1,1,5,6]", FieldType::SFImage) == "expected a number a pixel");
+  CHECK(problem_of("[2,1,1,5]", FieldType::SFImage) == "expected width, height, components and one number per pixel");
+  CHECK(problem_of("[1,1,1,5,6]", FieldType::SFImage) == "expected one number per pixel");
   CHECK(problem_of("[1,1,5,6]", FieldType::SFImage) == "expected 0 to 4 components");
   CHECK(problem_of("[1,1,1,256]", FieldType::SFImage) == "expected a whole number from 0 to 255");
   CHECK(problem_of("[4294967295,4294967295,4]", FieldType::SFImage) ==
-        "expected width, height, components and a number a pixel");
-  CHECK(problem_of("[1,1]", FieldType::SFImage) == "expected width, height, components and a number a pixel");
+        "expected width, height, components and one number per pixel");
+  CHECK(problem_of("[1,1]", FieldType::SFImage) == "expected width, height, components and one number per pixel");
   CHECK(again("[1,1,4,4294967295]", FieldType::SFImage) == "[1,1,4,4294967295]");
 }
 

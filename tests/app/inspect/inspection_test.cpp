@@ -206,7 +206,7 @@ TEST_CASE("runs lines in the selected Script, or alone") {
   world.choose("Java");
   world.inspection.evaluate("1");
   world.look();
-  CHECK(last().text == "this Script has no program that runs");
+  CHECK(last().text == "this Script has no running program");
 }
 
 // In a world without Scripts the console's own Script is not in the tree.

@@ -59,7 +59,7 @@ TEST_CASE("applies the time and memory limits of programs to a line") {
   limits.script_heap = std::size_t{8} << 20;
   World world("DEF S Script { url \"javascript: ;\" }", limits);
   world.start();
-  CHECK(evaluate(world, "S", "while (true) ;") == "! it did not come to its end in time");
+  CHECK(evaluate(world, "S", "while (true) ;") == "! it exceeded the time limit");
   CHECK(evaluate(world, "S", "var a = []; while (true) a.push('x' + a.length)").starts_with("! it "));
   CHECK(evaluate(world, "S", "2") == "2");
 }
@@ -69,11 +69,11 @@ TEST_CASE("reports that no program runs") {
       "DEF Java Script { url \"some.class\" } DEF Empty Script {} DEF Far Script { url \"far.js\" } DEF G Group {} "
       "DEF Bad Script { url \"javascript: function initialize( {\" }");
   world.start();
-  CHECK(evaluate(world, "Java", "1") == "! this Script has no program that runs");
-  CHECK(evaluate(world, "Empty", "1") == "! this Script has no program that runs");
-  CHECK(evaluate(world, "Far", "1") == "! the program of this Script has not come yet");
-  CHECK(evaluate(world, "Bad", "1") == "! this Script has no program that runs");
-  CHECK(evaluate(world, "G", "1") == "! this is no Script, or its program has not begun");
+  CHECK(evaluate(world, "Java", "1") == "! this Script has no running program");
+  CHECK(evaluate(world, "Empty", "1") == "! this Script has no running program");
+  CHECK(evaluate(world, "Far", "1") == "! the program of this Script is still loading");
+  CHECK(evaluate(world, "Bad", "1") == "! this Script has no running program");
+  CHECK(evaluate(world, "G", "1") == "! not a Script, or its program has not started");
 }
 
 // vrmlscript: holds programs of the same language here (C.3.1).

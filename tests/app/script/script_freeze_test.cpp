@@ -109,7 +109,7 @@ TEST_CASE("throws on operators with strings that are too long to flatten") {
 TEST_CASE("rejects a program with an overlong number or with BigInt") {
   const Outcome number = outcome_of("var x = 0." + std::string(100'000, '1') + ";");
   REQUIRE(number.problems.size() == 1);
-  CHECK(number.problems.front().find("RangeError: a number has 100002 characters; a Script may use 65536") !=
+  CHECK(number.problems.front().find("RangeError: a number has 100002 characters; the limit is 65536") !=
         std::string::npos);
   const Outcome integer = outcome_of("var x = 1n << 5n;");
   REQUIRE(integer.problems.size() == 1);
@@ -140,7 +140,7 @@ TEST_CASE("keeps bounded built-in functions unchanged for short texts") {
   CHECK(value("(function () { try { String.prototype.indexOf.call(null) } catch (e) { return e.name } })()") ==
         "TypeError");
   CHECK(value("(function () { try { 'a'.repeat(1 << 26).toLowerCase() } catch (e) { return e.name + ': ' + e.message } "
-              "})()") == "RangeError: a text has 67108864 characters; a Script may use 4194304");
+              "})()") == "RangeError: a text has 67108864 characters; the limit is 4194304");
   CHECK(value("eval('1 + 1') + Function('a', 'return a * 2')(4)") == "10");
   CHECK(value("(function () { class R extends RegExp { test(s) { return !super.test(s) } } return new R('a').test('b') "
               "})()") == "true");
@@ -152,7 +152,7 @@ TEST_CASE("applies the limit of single blocks to the engine's allocations") {
       outcome_of("var s = big(23, 'a'); s[0]; print(s.length); s = big(27, 'a'); s[0]; print('no');");
   CHECK(outcome.printed == Lines{"8388608"});
   REQUIRE(outcome.problems.size() == 1);
-  CHECK(outcome.problems.front().find("more memory than there is for it") != std::string::npos);
+  CHECK(outcome.problems.front().find("exceeds the memory limit") != std::string::npos);
 }
 
 TEST_CASE("cuts or rejects long arguments of browser functions before copying them") {
@@ -199,7 +199,7 @@ TEST_CASE("charges the texts of a list to the heap of programs") {
     CHECK(world.printed() == Lines{"replaced"});
     const Lines problems = world.problems();
     REQUIRE(problems.size() == 1);
-    CHECK(problems.front().find("more memory than") != std::string::npos);
+    CHECK(problems.front().find("the program exceeds the") != std::string::npos);
   }
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("reports an overdue program from another thread") {
               limits);
   world.start();
   ScriptRunner::on_overdue(nullptr);
-  CHECK(reported == "text.wrl:2:7: error: Script S: the program did not come to its end in time");
+  CHECK(reported == "text.wrl:2:7: error: Script S: the program exceeded the time limit");
   CHECK(world.problems().size() == 1);
 }
 

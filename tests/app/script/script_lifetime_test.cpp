@@ -118,7 +118,7 @@ TEST_CASE("stops endless promise jobs like any program") {
   world.start();
   const Lines problems = world.problems();
   REQUIRE(problems.size() == 1);
-  CHECK(problems[0].find("did not come to its end in time") != std::string::npos);
+  CHECK(problems[0].find("exceeded the time limit") != std::string::npos);
 }
 
 TEST_CASE("stops an endless getter named eventsProcessed") {

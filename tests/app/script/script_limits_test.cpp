@@ -35,8 +35,7 @@ std::string problem_of(const std::string& program, const std::string& interface 
 }  // namespace
 
 TEST_CASE("stops an endless program, which cannot catch that") {
-  const std::string stopped =
-      "text.wrl:2:9: error: Script Bad: the program did not come to its end in time (fault 1 of 3)";
+  const std::string stopped = "text.wrl:2:9: error: Script Bad: the program exceeded the time limit (fault 1 of 3)";
   CHECK(problem_of("for (;;) {}") == stopped);
   CHECK(problem_of("for (;;) try { for (;;) {} } catch (e) {} finally { for (;;) {} }") == stopped);
   CHECK(problem_of("Promise.resolve().then(function () { for (;;) {} });") == stopped);
@@ -54,7 +53,7 @@ TEST_CASE("stops a program with endless recursion") {
 }
 
 TEST_CASE("stops a program that exceeds its memory") {
-  const std::string stopped = "takes more memory than";
+  const std::string stopped = "the program exceeds the";
   vrml::Limits limits = small_limits();
   limits.script_seconds = 100;
   for (const std::string program :
@@ -80,9 +79,9 @@ TEST_CASE("switches a Script off after three faults") {
   CHECK(world.printed() == Lines{"runs", "runs", "runs"});
   const Lines problems = world.problems();
   REQUIRE(problems.size() == 3);
-  CHECK(problems.back() ==
-        "text.wrl:2:7: error: Script S: the program did not come to its end in time; it is the third "
-        "fault, and the program is not run any more");
+  CHECK(
+      problems.back() ==
+      "text.wrl:2:7: error: Script S: the program exceeded the time limit; this third fault switches the program off");
 }
 
 TEST_CASE("confines programs to their world") {
@@ -237,9 +236,8 @@ TEST_CASE("postpones programs beyond the time of a step to the next one") {
   CHECK(world.runner().is_late());
   world.step(2);
   CHECK(world.printed() == Lines{"b2 1001"});
-  CHECK(world.problems() ==
-        Lines{"text.wrl:2:7: warning: Script A: takes most of the time that there is for programs in a "
-              "step; events wait for the next one"});
+  CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script A: used the time for programs in this step; remaining "
+                                  "events wait for the next step"});
   CHECK_FALSE(world.runner().is_late());
 }
 

@@ -31,8 +31,9 @@ TEST_CASE("ends on SIGTERM and SIGINT while a Script is overdue") {
                   "killer=$!; wait $pid; echo \"status $?\"; kill $killer");
     INFO(signal << run.output << folder.read("log"));
     CHECK(run.output.find("status 1\n") != std::string::npos);
-    CHECK(folder.read("log").find("Script S: the program did not come to its end in time; it cannot be interrupted, so "
-                                  "GhostSpace ends\n") != std::string::npos);
+    CHECK(folder.read("log").find(
+              "Script S: the program exceeded the time limit; it cannot be interrupted, so GhostSpace exits\n") !=
+          std::string::npos);
   }
 }
 
@@ -43,8 +44,9 @@ TEST_CASE("ends a command without a window when a Script is overdue") {
     const Run run = run_shell("cd " + quoted(folder.path("")) + "; timeout -s KILL 60 " + program() + " " + command);
     INFO(command << ": " << run.output);
     CHECK(run.status == 1);
-    CHECK(run.output.find("Script S: the program did not come to its end in time; it cannot be interrupted, so the "
-                          "command ends\n") != std::string::npos);
+    CHECK(run.output.find(
+              "Script S: the program exceeded the time limit; it cannot be interrupted, so the command exits\n") !=
+          std::string::npos);
   }
 }
 
