@@ -101,8 +101,8 @@ bool is_sog(Bytes bytes) {
          text.find("means_l.webp") != std::string_view::npos;
 }
 ImportedCloud refuse_sog(Bytes, const WorldBudget&) {
-  return "SOG (splats as WebP pictures) is not read; expected splats as PLY, compressed PLY, SPZ, KSplat or .splat, "
-         "which PlayCanvas' splat-transform makes of it";
+  return "SOG (splats as WebP pictures) is not supported; convert it with PlayCanvas splat-transform to PLY, "
+         "compressed PLY, SPZ, KSplat or .splat";
 }
 
 // Known types that are not read. Messages name them.
@@ -152,7 +152,7 @@ std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first
   if (is_gzip(first)) return std::nullopt;
   const ContentType& type = content_type_of(path, first);
   if (text_of(first).starts_with(type.mark)) return std::nullopt;
-  return "it is no " + std::string(type.name) + " file; expected '" + std::string(type.mark) + "' as its first bytes";
+  return "not in " + std::string(type.name) + " format; expected '" + std::string(type.mark) + "' as its first bytes";
 }
 
 std::vector<std::byte> first_bytes(Bytes bytes) {

@@ -37,7 +37,7 @@ std::unique_ptr<vrml::SceneGraph> import_mesh(const ContentType& type, const std
     diagnostics.add({Severity::error, path, {}, budget->refusal(vrml::Resource::nodes) + "; the rest is left out"});
   if (!scene->roots().empty()) return scene;
   if (diagnostics.errors() == errors)
-    diagnostics.add({Severity::error, path, {}, "holds nothing to show; read as " + std::string(type.name)});
+    diagnostics.add({Severity::error, path, {}, "has nothing to show; read as " + std::string(type.name)});
   return nullptr;
 }
 

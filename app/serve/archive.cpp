@@ -70,15 +70,13 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
 std::optional<std::string> prepare(const std::string& cache, const std::string& served) {
   std::error_code error;
   fs::create_directories(cache, error);
-  if (error || !fs::is_directory(cache, error)) return cache + ": cannot be made a folder for the cache";
+  if (error || !fs::is_directory(cache, error)) return cache + ": the cache folder cannot be created";
   fs::permissions(cache, fs::perms::owner_all, error);
   const std::string inner = fs::canonical(cache, error).string();
   const std::string outer = error ? std::string() : fs::canonical(served, error).string();
   if (error) return served + ": cannot be found: " + error.message();
   if (inner == outer || inner.starts_with(outer == "/" ? outer : outer + "/"))
-    return cache +
-           " lies in the folder that is served; expected another place "
-           "for the cache";
+    return cache + " is inside the served folder; expected another folder for the cache";
   return std::nullopt;
 }
 
@@ -112,9 +110,8 @@ std::string archive_cache_folder() {
 std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const ArchiveOptions& options) {
   std::error_code folder_error;
   if (!fs::is_directory(options.folder, folder_error))
-    return options.folder +
-           (fs::exists(options.folder, folder_error) ? ": is no folder" : ": there is no such folder") +
-           "; expected the folder to be served";
+    return options.folder + (fs::exists(options.folder, folder_error) ? ": not a folder" : ": no such folder") +
+           "; expected a folder to serve";
   std::unique_ptr<Archive> archive(new Archive());
   const bool both = options.http_port && options.cells_port;
   const std::uint64_t rate = both ? options.rate / 2 : options.rate;
@@ -128,9 +125,7 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
     }
     cells.session.response = options.congestion;
     if (options.bind != "*" && options.bind != "127.0.0.1" && options.bind != "::1")
-      return "cells are served on this machine (127.0.0.1) or on all "
-             "interfaces ('*'), not on " +
-             options.bind;
+      return "cells are served on 127.0.0.1 or on all interfaces ('*') only, not on " + options.bind;
     auto started = net::CellServerDriver::start(cells, std::get<std::shared_ptr<CellArchive>>(library),
                                                 *options.cells_port, options.bind != "*");
     if (auto* problem = std::get_if<net::UdpError>(&started)) return problem->message;

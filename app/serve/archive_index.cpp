@@ -298,10 +298,10 @@ net::FolderPage archive_index(const net::FolderListing& listing, const net::Fold
     page += html_row(entry, made);
   }
   page += "</table>\n";
-  if (!listing.complete) page += "<p>There are more; they are not listed.</p>\n";
+  if (!listing.complete) page += "<p>More files exist; they are not listed.</p>\n";
   page += "<footer>" + std::to_string(entries.size()) + (entries.size() == 1 ? " entry, " : " entries, ") +
           readable_size(bytes) +
-          ". A click opens a scene in GhostSpace while it comes. <a href=\"?json\">JSON</a></footer></body></html>\n";
+          ". Click a scene to open it in GhostSpace. <a href=\"?json\">JSON</a></footer></body></html>\n";
   return {"text/html; charset=utf-8", page};
 }
 

@@ -113,7 +113,7 @@ std::optional<std::string> QnvSource::read() {
   bool need_more = false;
   auto decoded = qnv::decode_header(start, header_bytes, need_more);
   if (const auto* problem = std::get_if<qnv::StreamProblem>(&decoded)) return problem->message;
-  if (need_more || header_bytes == 0) return "the file ends in its header";
+  if (need_more || header_bytes == 0) return "the file ends within its header";
   const auto& header = std::get<qnv::StreamHeader>(decoded);
   payload_ = &qnv::row_of(header.payload);
   std::vector<Place> all = from_directory(header);
@@ -163,7 +163,7 @@ std::variant<std::shared_ptr<net::CellSource>, std::string> CellArchive::open(co
   std::weak_ptr<net::CellSource>& known = open_[file.stamp.etag() + names.text()];
   if (auto source = known.lock()) return source;
   auto source = std::make_shared<QnvSource>(std::move(file));
-  if (auto problem = source->read()) return "no QNV stream: " + *problem;
+  if (auto problem = source->read()) return "not a QNV stream: " + *problem;
   known = source;
   return std::shared_ptr<net::CellSource>(source);
 }

@@ -113,7 +113,8 @@ std::optional<ChildFailure> run_child(const std::string& program, const std::vec
     pollfd wait{watch.get(), POLLIN, 0};
     (void)::poll(&wait, 1, 50);
   }
-  if (killed) return stop.stop_requested() ? ChildFailure{"was stopped", false} : ChildFailure{"takes too long", true};
+  if (killed)
+    return stop.stop_requested() ? ChildFailure{"was stopped", false} : ChildFailure{"exceeded the time limit", true};
   return failure_of(status, last_line(errors));
 }
 

@@ -56,7 +56,7 @@ void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival) {
       held = arrival.cloud;
       world.diagnostics.add(
           {vrml::Severity::warning, node->text->file_name(), node->location,
-           "QNV: with a transfer of its own, " + scene.budget()->refusal(vrml::Resource::vectors) + "; left out"});
+           "QNV: with its own transfer function, " + scene.budget()->refusal(vrml::Resource::vectors) + "; left out"});
     }
   }
   if (!arrival.fallback) return;

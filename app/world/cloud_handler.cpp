@@ -48,7 +48,7 @@ void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::strin
   const ContentType& type = content_type_of(path, first_bytes(bytes));
   if (is_outline_stream(bytes)) {
     world_.report(Severity::warning, place_.file, place_.location,
-                  "QNV: " + path + " is a stream of outlines, which an OutlineGroup takes; expected vectors");
+                  "QNV: " + path + " is a stream of outlines; expected vectors, or an OutlineGroup for outlines");
     return;
   }
   if (!type.is_cloud()) {
@@ -76,7 +76,7 @@ void CloudHandler::give_up(vrml::Resource resource) {
   bytes_ = {};
   held_bytes_.shrink_to(0);
   world_.report(Severity::error, found_.path, {},
-                world_.budget->refusal(resource) + "; the vectors, or the finer ones, are left out");
+                world_.budget->refusal(resource) + "; all or the finer vectors are left out");
 }
 
 bool CloudHandler::count_decoded() {
@@ -169,7 +169,7 @@ void CloudHandler::show_records(bool last) {
 void CloudHandler::end(const std::optional<std::string>& problem) {
   if (problem)
     world_.report(Severity::warning, place_.file, place_.location,
-                  (place_.is_node ? "QNV: " : "") + *problem + "; shown is what has come");
+                  (place_.is_node ? "QNV: " : "") + *problem + "; the received part is shown");
   if (way_ == Way::done) return;
   const bool part = cut || problem;
   if (way_ == Way::pushed) {
@@ -179,7 +179,7 @@ void CloudHandler::end(const std::optional<std::string>& problem) {
     report_problems(decoder_->problems(), Severity::warning);
     if (decoder_->refused_chunks() > 0)
       world_.report(Severity::warning, found_.path, {},
-                    std::to_string(decoder_->refused_chunks()) + " chunks make no sense and are left out");
+                    std::to_string(decoder_->refused_chunks()) + " invalid chunks are left out");
     show_records(true);
     decoder_.reset();
   } else {

@@ -17,8 +17,8 @@ void tell_unlike(const NodeType& type, const NodeType& source, const std::string
   if (const vrml::InterfaceDeclaration* odd = vrml::unlike_prototype(type, source))
     report(Severity::warning, type.location,
            "PROTO " + source.name + " of " + file + " has no " + std::string(name_of(odd->access)) + ' ' +
-               std::string(name_of(odd->type)) + " '" + odd->name + "', as EXTERNPROTO " + type.name +
-               " says (VRML97 4.9.2)");
+               std::string(name_of(odd->type)) + " '" + odd->name + "', as declared by EXTERNPROTO " + type.name +
+               " (VRML97 4.9.2)");
 }
 
 }  // namespace
@@ -53,8 +53,7 @@ void tell_missing_prototype(const NodeType& type, const std::string& why, bool r
   if (own && own->url_content == vrml::UrlContent::vectors) return;
   if (replaced && vrml::built_in_node_of_urn(type.url)) return;  // the URN requests this built-in node
   report(Severity::warning, type.location,
-         "EXTERNPROTO " + type.name + ": " + why_missing(type.url, why) +
-             (replaced ? "; a stand-in takes its place" : ""));
+         "EXTERNPROTO " + type.name + ": " + why_missing(type.url, why) + (replaced ? "; a stand-in replaces it" : ""));
 }
 
 bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype>& awaited,
@@ -78,7 +77,7 @@ bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype
       source = prototype_in_own_text(text.origin(), *one.type, *one.own_name, report);
       if (source && vrml::stands_inside(*one.type, *source)) {
         report(Severity::error, one.type->location,
-               "EXTERNPROTO " + one.type->name + " stands inside its own PROTO " + source->name + "; left out");
+               "EXTERNPROTO " + one.type->name + " is inside its own PROTO " + source->name + "; left out");
         continue;
       }
     }
@@ -89,7 +88,7 @@ bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype
     if (!source) continue;
     any = true;
     if (!vrml::resolve_external(scene, *one.type, *source))
-      report(Severity::error, {}, "EXTERNPROTO instances make more nodes than the limit; the rest stay empty");
+      report(Severity::error, {}, "EXTERNPROTO instances exceed the limit of nodes; the rest stay empty");
   }
   return any;
 }

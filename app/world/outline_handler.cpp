@@ -49,7 +49,8 @@ void OutlineHandler::receive_cells(const net::CellEvent& event) {
 
 void OutlineHandler::end(const std::optional<std::string>& problem) {
   if (problem)
-    world_.report(vrml::Severity::warning, file_, location_, "OutlineGroup: " + *problem + "; shown is what has come");
+    world_.report(vrml::Severity::warning, file_, location_,
+                  "OutlineGroup: " + *problem + "; the received part is shown");
   reader_.end(name_, !problem && !cut);
   has_come();
 }

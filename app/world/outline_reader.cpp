@@ -40,8 +40,7 @@ void OutlineReader::end(const std::string& file, bool whole) {
                   world_.budget->refusal(vrml::Resource::nodes) + "; the rest of the polygons is left out");
   const std::size_t refused = decoder_.refused_records();
   if (refused > 0)
-    world_.report(vrml::Severity::warning, file, {},
-                  std::to_string(refused) + " polygons are damaged and are left out");
+    world_.report(vrml::Severity::warning, file, {}, std::to_string(refused) + " damaged polygons are left out");
 }
 
 std::vector<vrml::NodeId> OutlineReader::take_changed() {

@@ -30,7 +30,7 @@ bool SceneHandler::leads_back(const Found& found) const {
 
 bool SceneHandler::begin(const Found& found) {
   if (outer && leads_back(found)) {
-    world_.report(Severity::error, place_file, place, what + " leads back to " + found.path + "; left out");
+    world_.report(Severity::error, place_file, place, what + " refers back to " + found.path + "; left out");
     content = Content::refused;
     finished_reading();
     return false;
@@ -204,7 +204,7 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
     }
   }
   if (refused() && world_.world.diagnostics.errors() == errors_before_)
-    world_.report(Severity::error, found_.path, {}, "holds nothing to show");
+    world_.report(Severity::error, found_.path, {}, "has nothing to show");
   world_.changed = true;
   finished_reading();
 }

@@ -89,7 +89,7 @@ void SceneHandler::take_own_prototypes() {
       stand_in(*type);
     } else if (vrml::stands_inside(*type, *source)) {
       report(Severity::error, type->location,
-             "EXTERNPROTO " + type->name + " stands inside its own PROTO " + source->name + "; left out");
+             "EXTERNPROTO " + type->name + " is inside its own PROTO " + source->name + "; left out");
     } else {
       to_resolve_.emplace_back(type, source);
       resolve_types();  // so that the next one can be found in the body of this one
@@ -163,7 +163,7 @@ void SceneHandler::resolve_types() {
   std::erase_if(to_resolve_, [&](const auto& one) {
     if (open_types.contains(one.first)) return false;
     if (!vrml::resolve_external(*scene, *one.first, *one.second))
-      report(Severity::error, {}, "EXTERNPROTO instances make more nodes than the limit; the rest stay empty");
+      report(Severity::error, {}, "EXTERNPROTO instances exceed the limit of nodes; the rest stay empty");
     world_.changed = true;
     return true;
   });

@@ -45,8 +45,8 @@ bool WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
   }
   if (silent_servers.contains(url.authority) || silent_servers.size() >= kMostSilentServers) {
     fail_candidate(fetch, net::url_for_messages(url.text()) + (silent_servers.contains(url.authority)
-                                                                   ? ": its server has not answered before"
-                                                                   : ": too many servers have not answered"));
+                                                                   ? ": its server did not answer before"
+                                                                   : ": too many servers did not answer"));
     return false;
   }
   waiting_cells.push_back(&fetch);
@@ -104,7 +104,7 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
     }
   };
   sink.ended = [this, at](const std::optional<std::string>& problem) {
-    if (at->feed && problem) at->feed->fail("no finer vectors come: " + *problem);
+    if (at->feed && problem) at->feed->fail("finer vectors cannot be read: " + *problem);
     if (at->feed) ledger->end(at->row, problem ? LoadStage::failed : LoadStage::whole, problem.value_or(""));
     if (!at->fetch) return;
     if (!at->stream->answered()) silent_servers.insert(at->server);

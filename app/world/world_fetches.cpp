@@ -42,7 +42,7 @@ void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
       return;
     }
     if (options.offline) {
-      fail_candidate(fetch, net::url_for_messages(url.text()) + ": the network is not used (--offline)");
+      fail_candidate(fetch, net::url_for_messages(url.text()) + ": the network is disabled (--offline)");
       continue;
     }
     if (const net::Scheme* scheme = net::find_scheme(url.scheme);
@@ -178,7 +178,8 @@ void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes
 void WorldLoading::State::finish(Fetch& fetch, const std::optional<std::string>& problem) {
   ended.push_back(&fetch);
   fetch.handler->cut = fetch.cut;
-  if (fetch.stage == Fetch::Stage::refused) return ledger->end(fetch.row, LoadStage::failed, "it is of no use here");
+  if (fetch.stage == Fetch::Stage::refused)
+    return ledger->end(fetch.row, LoadStage::failed, "its format is not usable here");
   const bool before = std::exchange(changed, false);
   fetch.handler->end(problem);
   if (changed) ledger->show(fetch.row);

@@ -111,7 +111,7 @@ void WorldLoading::State::cancel(Fetch& fetch) {
   if (fetch.stage == Fetch::Stage::receiving)
     fetch.handler->end(std::nullopt);
   else if (fetch.stage == Fetch::Stage::seeking)
-    fetch.handler->missing("reading it was cancelled");
+    fetch.handler->missing("loading was cancelled");
   if (fetch.handler == root && !root->refused()) root->content = SceneHandler::Content::cut_short;
 }
 
@@ -125,7 +125,7 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
     busy = true;
   }
   if (!is_done() && !fetches.empty() && ended.size() < fetches.size() && limit.over())
-    stop("the time for loading is over; what is missing is left out");
+    stop("the time limit for loading was reached; the missing parts are left out");
   if (phase == Phase::too_many_files)
     stop("refers to more than " + std::to_string(budget->limits().files) + " files; the rest is left out");
   if (is_done() && streams.empty() && cells.empty()) return false;

@@ -181,7 +181,7 @@ ReadFile WorldLoading::State::reader_of(const net::Origin& origin) {
       if (!decoded) return std::string("malformed data: URL");
       return shared_bytes(std::move(decoded->bytes));
     }
-    if (options.offline) return name + ": the network is not used (--offline)";
+    if (options.offline) return name + ": the network is disabled (--offline)";
     return read_now(without_fragment(url), origin);
   };
 }
@@ -195,7 +195,7 @@ BytesResult WorldLoading::State::read_now(const std::string& url, const net::Ori
   const net::RequestId id = network()->request(std::move(wanted));
   std::vector<std::byte> bytes;
   vrml::Share share(budget, vrml::Resource::files);
-  std::optional<std::string> problem = "the time for loading is over";
+  std::optional<std::string> problem = "the time limit for loading was reached";
   bool over = false;
   while (!over && !limit.over()) {
     for (net::LoadEvent& event : loader->poll()) {

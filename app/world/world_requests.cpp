@@ -30,7 +30,7 @@ void WorldLoading::State::withdraw(const SceneHandler& handler) {
     const SceneHandler* const of = one->handler->makes_nodes_of();
     if (!of || !of->is_inside(handler)) continue;
     std::erase(local, one.get());
-    ledger->end(one->row, LoadStage::cancelled, "another url was set");
+    ledger->end(one->row, LoadStage::cancelled, "another URL was set");
     stop_cells(one.get());
     if (by_request.erase(one->request.value) > 0) loader->cancel(one->request);
     ended.push_back(one.get());

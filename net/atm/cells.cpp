@@ -115,12 +115,9 @@ std::variant<CellDatagram, CellError> decode_datagram(std::span<const std::byte>
   const auto flags = reader.integer<std::uint16_t>();
   CellDatagram datagram;
   datagram.sequence = reader.integer<std::uint16_t>();
-  if (!reader.good())
-    return CellError{
-        "a datagram of cells is too short; expected a label and a "
-        "control word"};
-  if ((entry & kBottomOfStack) == 0) return CellError{"a datagram of cells has several labels; expected one"};
-  if (flags >> 12 != 0) return CellError{"a datagram of cells has no control word (RFC 4385)"};
+  if (!reader.good()) return CellError{"a cell datagram is too short; expected a label and a control word"};
+  if ((entry & kBottomOfStack) == 0) return CellError{"a cell datagram has several labels; expected one"};
+  if (flags >> 12 != 0) return CellError{"a cell datagram has no control word (RFC 4385)"};
   datagram.label = entry >> 12;
   const std::size_t count = reader.rest().size() / kPackedCell;
   if (count == 0 || reader.rest().size() % kPackedCell != 0)

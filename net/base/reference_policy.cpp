@@ -63,7 +63,7 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
   const auto named = canonical_url(to);
   // Other parsers, such as curl's, would read a host from the path.
   if (!named)
-    return ReferenceRefusal{"it names no host or an invalid port; expected " + to.scheme + "://HOST:PORT/PATH", {}};
+    return ReferenceRefusal{"it has no host or an invalid port; expected " + to.scheme + "://HOST:PORT/PATH", {}};
   if (from.is_user()) return std::nullopt;
   if (target->transport == TransportKind::file) return refuse_file(from, path_of_url(to));
   Url own = parse_url(from.url);
@@ -76,21 +76,22 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
   // A relative reference keeps the user name and password that the user typed.
   const bool same_host = own.scheme == to.scheme && own.authority == named->authority;
   if (has_password(to) && !same_host)
-    return ReferenceRefusal{"a document may not name a user or a password; expected " + to.scheme + "://HOST/PATH", {}};
+    return ReferenceRefusal{"a document may not specify a user or password; expected " + to.scheme + "://HOST/PATH",
+                            {}};
   const auto place = host_and_port(named->authority);
   if (target->transport == TransportKind::cells && place && place->port.value_or(kFirstFreePort) < kFirstFreePort)
-    return ReferenceRefusal{"a document may not have datagrams sent to port " + std::to_string(*place->port) +
+    return ReferenceRefusal{"a document may not send datagrams to port " + std::to_string(*place->port) +
                                 "; expected one from " + std::to_string(kFirstFreePort) + " on",
                             {}};
   if (target->name == "ftp" && place && place->port && *place->port < kFirstFreePort && *place->port != kFtpPort)
-    return ReferenceRefusal{"a document may not have commands of FTP sent to port " + std::to_string(*place->port) +
+    return ReferenceRefusal{"a document may not send FTP commands to port " + std::to_string(*place->port) +
                                 "; expected " + std::to_string(kFtpPort) + ", or one from " +
                                 std::to_string(kFirstFreePort) + " on",
                             {}};
   const Scheme* const source = find_scheme(own.scheme);
   if (source && source->secure && target->has_host && !target->secure)
     return ReferenceRefusal{"a document of " + own.scheme + ": may not refer to " + to.scheme +
-                                ":, which anyone on the way can change; expected " + own.scheme + ":",
+                                ":, which is not protected against changes in transit; expected " + own.scheme + ":",
                             {}};
   return std::nullopt;
 }

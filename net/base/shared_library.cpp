@@ -5,7 +5,7 @@
 namespace gs::net {
 
 SharedLibrary::SharedLibrary(const char* name) : name_(name), handle_(dlopen(name, RTLD_NOW | RTLD_LOCAL)) {
-  if (!handle_) problem_ = name_ + " cannot be opened; expected it to be installed";
+  if (!handle_) problem_ = name_ + " cannot be opened; install it";
 }
 
 void* SharedLibrary::symbol(const char* name) {

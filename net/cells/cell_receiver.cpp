@@ -285,9 +285,7 @@ void CellClient::take_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt) {
 std::optional<std::vector<std::byte>> CellClient::next_hello(Instant now) {
   if (now < hello_at_) return std::nullopt;
   if (tries_ >= options_.most_tries) {
-    fail(
-        "no server of cells answers; expected a GhostSpace server on this "
-        "port of UDP");
+    fail("no cell server answers; expected a GhostSpace server on this UDP port");
     return std::nullopt;
   }
   hello_at_ = now + backed_off(options_.hello_again, tries_++);

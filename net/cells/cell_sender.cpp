@@ -90,7 +90,7 @@ CellSession* CellServer::session_for(const Endpoint& from, const RequestMessage&
     const auto same = std::count_if(sessions_.begin(), sessions_.end(),
                                     [&](const auto& entry) { return entry.first.address == from.address; });
     if (sessions_.size() >= options_.most_clients || static_cast<std::size_t>(same) >= options_.most_of_address) {
-      refuse(from, request, Refusal::full, "the server has as many clients as it takes; try again later");
+      refuse(from, request, Refusal::full, "the server has its maximum number of clients; try again later");
       return nullptr;
     }
   }
@@ -109,7 +109,7 @@ void CellServer::open(const Endpoint& from, CellSession& session, const RequestM
     return refuse(from, request, Refusal::not_found, std::move(*text));
   auto source = std::move(std::get<std::shared_ptr<CellSource>>(opened));
   if (!source || source->base().empty() || source->base().size() > kMostBase)
-    return refuse(from, request, Refusal::not_found, "the source has no base that can be sent");
+    return refuse(from, request, Refusal::not_found, "the source has no base to send");
   auto base = encoder(source, request.cells);
   session.set(request, std::move(source), std::move(base));
 }
@@ -200,7 +200,8 @@ Instant CellServer::deadline(Instant now) {
 }
 
 void CellServer::stop() {
-  for (const auto& [endpoint, session] : sessions_) answer(endpoint, ByeMessage{session->id(), "the server stops"});
+  for (const auto& [endpoint, session] : sessions_)
+    answer(endpoint, ByeMessage{session->id(), "the server is stopping"});
   sessions_.clear();
   opens_.clear();
 }

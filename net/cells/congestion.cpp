@@ -15,11 +15,10 @@ constexpr std::array<double, 8> kWeights{1, 1, 1, 1, 0.8, 0.6, 0.4, 0.2};
 constexpr double kLeastQueue = 10'000;  // microseconds; less is noise
 constexpr Instant kShortestTrip{500}, kLongestTrip{5'000'000};
 constexpr std::array<CongestionName, 3> kNames{{
-    {"equation", CongestionResponse::equation, "slows down at any loss, as TCP would: safe on every network"},
+    {"equation", CongestionResponse::equation, "slows down at any loss, like TCP; safe on every network"},
     {"delay-aware", CongestionResponse::delay_aware,
-     "slows down at losses that come with a queue: for links that lose by themselves, such as radio"},
-    {"reserved", CongestionResponse::reserved,
-     "keeps the granted rate whatever is lost: for paths where it is reserved"},
+     "slows down at losses with a queue; for lossy links such as radio"},
+    {"reserved", CongestionResponse::reserved, "keeps the granted rate at any loss; for paths with a reserved rate"},
 }};
 
 double seconds(Instant time) { return static_cast<double>(time.count()) * 1e-6; }

@@ -101,8 +101,8 @@ std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_
     if (!why) return *endpoint;
     if (!refused) refused = why;
   }
-  if (refused) return UdpError{"no datagrams are sent to " + host + ": " + *refused};
-  return UdpError{"cannot find the host " + host + ": it has no address of IPv4 or IPv6"};
+  if (refused) return UdpError{"datagrams cannot be sent to " + host + ": " + *refused};
+  return UdpError{"cannot find the host " + host + ": it has no IPv4 or IPv6 address"};
 }
 
 UdpSocket::UdpSocket(UdpSocket&& other) noexcept { *this = std::move(other); }
@@ -127,11 +127,11 @@ std::variant<UdpSocket, UdpError> UdpSocket::open(std::uint16_t port, bool loopb
     result.ipv6_ = false;
     result.socket_ = bound_socket(false, port, loopback);
   }
-  if (result.socket_ < 0) return UdpError{"cannot use port " + std::to_string(port) + " of UDP: " + reason()};
+  if (result.socket_ < 0) return UdpError{"cannot use UDP port " + std::to_string(port) + ": " + reason()};
   sockaddr_storage storage{};
   socklen_t size = sizeof storage;
   if (::getsockname(result.socket_, reinterpret_cast<sockaddr*>(&storage), &size) != 0)
-    return UdpError{"cannot tell the port of a socket of UDP: " + reason()};
+    return UdpError{"cannot read the port of a UDP socket: " + reason()};
   if (const auto local = endpoint_of(reinterpret_cast<const sockaddr*>(&storage))) result.port_ = local->port;
   result.buffer_.resize(kBuffer);
   return result;

@@ -32,7 +32,7 @@ std::variant<std::string, ControlCallError> call_control(const std::string& path
   const Clock::time_point until = Clock::now() + patience;
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof address.sun_path) return call_problem(path, "no path for a socket");
+  if (path.empty() || path.size() >= sizeof address.sun_path) return call_problem(path, "not a valid socket path");
   path.copy(address.sun_path, path.size());
   const Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket || ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
@@ -40,7 +40,7 @@ std::variant<std::string, ControlCallError> call_control(const std::string& path
   ucred peer{};
   socklen_t size = sizeof peer;
   if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return call_failure(path);
-  if (peer.uid != ::geteuid()) return call_problem(path, "it is another user's; nothing is told");
+  if (peer.uid != ::geteuid()) return call_problem(path, "it belongs to another user");
   const std::string text = token + "\n" + message + "\n";
   std::string_view left = text;
   std::string answer;
@@ -60,10 +60,10 @@ std::variant<std::string, ControlCallError> call_control(const std::string& path
     const ssize_t got = ::recv(socket.get(), buffer.data(), buffer.size(), 0);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (got < 0) return call_failure(path);
-    if (got == 0) return call_problem(path, "it ended without an answer");
+    if (got == 0) return call_problem(path, "it closed the connection without an answer");
     answer.append(buffer.data(), static_cast<std::size_t>(got));
     if (const std::size_t end = answer.find('\n'); end != std::string::npos) return answer.substr(0, end);
-    if (answer.size() > kMostAnswer) return call_problem(path, "its answer has no end");
+    if (answer.size() > kMostAnswer) return call_problem(path, "its answer is incomplete");
   }
 }
 

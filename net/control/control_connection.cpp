@@ -15,7 +15,7 @@ constexpr std::size_t kMostHead = 8192;         // bytes of a handshake
 constexpr std::size_t kMostFirstMessage = 256;  // bytes of the first message of a client that is not admitted
 constexpr std::size_t kWorthMoving = std::size_t{64} << 10;
 
-const char kWrongToken[] = "that is not the token of this program";
+const char kWrongToken[] = "wrong token";
 
 }  // namespace
 
@@ -38,7 +38,7 @@ void ControlConnection::receive_head(std::string_view bytes) {
     closing_ = true;
   };
   if (end == std::string::npos) {
-    if (head_.size() == kMostHead) refuse({431, "a request of more than 8192 bytes"});
+    if (head_.size() == kMostHead) refuse({431, "the request exceeds 8192 bytes"});
     return;
   }
   const auto parsed = parse_websocket_request(std::string_view(head_).substr(0, end + 2));
@@ -48,7 +48,7 @@ void ControlConnection::receive_head(std::string_view bytes) {
   const auto& request = std::get<WebSocketRequest>(parsed);
   // Refuse a page with a name that resolves to this machine (DNS rebinding), even with a token.
   static const HostNames names("127.0.0.1", {});
-  if (!names.admits(request.host)) return refuse({403, "this is not the name of this machine"});
+  if (!names.admits(request.host)) return refuse({403, "not a name of this machine"});
   const bool knows = request.token && same_secret(*request.token, terms_.token);
   if (request.token && !knows) return refuse({401, kWrongToken});
   if (request.origin && !knows) return refuse({403, "pages need the token: ws://.../?token=TOKEN"});
@@ -89,7 +89,7 @@ void ControlConnection::receive_lines(std::string_view bytes) {
     bytes.remove_prefix(end + 1);
     std::string line = std::exchange(head_, {});
     if (line.ends_with('\r')) line.pop_back();
-    if (!is_utf8(line)) return close(WebSocketClose::invalid_data, "text that is no UTF-8");
+    if (!is_utf8(line)) return close(WebSocketClose::invalid_data, "text is not UTF-8");
     if (!line.empty()) take(std::move(line));
   }
 }

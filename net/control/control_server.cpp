@@ -48,7 +48,7 @@ std::optional<std::string> make_room(const std::string& path, const sockaddr_un&
   if (!S_ISSOCK(about.st_mode)) return path + " already exists and is not a socket; it is not replaced";
   const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 || errno != ECONNREFUSED)
-    return path + " is the socket of a program that runs";
+    return path + " is the socket of a running program";
   if (::unlink(path.c_str()) != 0) return path + ": " + error_text();
   return std::nullopt;
 }
@@ -174,7 +174,7 @@ std::variant<std::unique_ptr<ControlServer>, std::string> ControlServer::start(C
   state->wake = std::move(wake);
   state->ports = std::move(options.ports);
   if (state->terms.token.empty()) return "a token is missing";
-  if (state->bell.descriptor() < 0) return "no event: " + error_text();
+  if (state->bell.descriptor() < 0) return "cannot create an event descriptor: " + error_text();
   const auto add = [&](std::variant<Listener, std::string>&& made) -> std::optional<std::string> {
     if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
     state->listeners.push_back(std::move(std::get<Listener>(made)));
@@ -187,7 +187,7 @@ std::variant<std::unique_ptr<ControlServer>, std::string> ControlServer::start(C
     if (!problem) problem = add(listen_at_path(path));
   if (!problem && options.ready) problem = options.ready();
   for (const Listener& one : state->listeners)
-    if (!problem && ::listen(one.socket.get(), SOMAXCONN) != 0) problem = "no connections: " + error_text();
+    if (!problem && ::listen(one.socket.get(), SOMAXCONN) != 0) problem = "cannot accept connections: " + error_text();
   std::unique_ptr<ControlServer> made(new ControlServer(std::move(state)));  // its destructor removes the sockets
   if (problem) return std::move(*problem);
   return made;
@@ -270,7 +270,7 @@ void ControlServer::State::run() {
   take_answers();  // answers to the clients that were served last
   for (const auto& peer : peers) {
     if (peer->gone) continue;
-    peer->connection.close(WebSocketClose::going_away, "the program ends");
+    peer->connection.close(WebSocketClose::going_away, "the program is ending");
     write(*peer);
   }
 }
@@ -456,7 +456,7 @@ void ControlServer::State::tidy() {
       if (peer->leaves) {
         peer->gone = true;
       } else {
-        send_away(*peer, WebSocketClose::policy, "the token did not come in time");
+        send_away(*peer, WebSocketClose::policy, "the token was not received in time");
       }
     }
     if (peer->gone) forget(*peer);

@@ -62,31 +62,29 @@ std::size_t WebSocketDecoder::push(std::string_view bytes, const std::function<b
 void WebSocketDecoder::begin_frame() {
   const unsigned first = static_cast<unsigned char>(header_[0]), second = static_cast<unsigned char>(header_[1]);
   const unsigned short_length = second & 0x7f;
-  if ((first & 0x70) != 0)
-    return fail(WebSocketClose::protocol_error, "reserved bits are set; no extension was agreed on");
-  if (!is_known(first & 0x0f)) return fail(WebSocketClose::protocol_error, "an unknown opcode");
+  if ((first & 0x70) != 0) return fail(WebSocketClose::protocol_error, "reserved bits are set without an extension");
+  if (!is_known(first & 0x0f)) return fail(WebSocketClose::protocol_error, "unknown opcode");
   if ((second & 0x80) == 0) return fail(WebSocketClose::protocol_error, "expected masked frames of a client");
   opcode_ = static_cast<WebSocketOpcode>(first & 0x0f);
   final_ = (first & 0x80) != 0;
   if (is_control(opcode_)) {
-    if (!final_) return fail(WebSocketClose::protocol_error, "a control frame in fragments");
-    if (short_length > kMostControl)
-      return fail(WebSocketClose::protocol_error, "a control frame of more than 125 bytes");
+    if (!final_) return fail(WebSocketClose::protocol_error, "fragmented control frame");
+    if (short_length > kMostControl) return fail(WebSocketClose::protocol_error, "control frame exceeds 125 bytes");
   } else if (opcode_ == WebSocketOpcode::binary) {
     return fail(WebSocketClose::unacceptable, "expected messages of text");
   } else if ((opcode_ == WebSocketOpcode::continuation) != in_message_) {
     return fail(WebSocketClose::protocol_error,
-                in_message_ ? "a message begins inside another one" : "a fragment that goes on with nothing");
+                in_message_ ? "a message starts inside another one" : "continuation without a message");
   }
   if (header_.size() < header_size()) return;  // wait for the rest
   const std::string_view rest = std::string_view(header_).substr(2);
   left_ = short_length < 126 ? short_length : big_endian(rest.substr(0, rest.size() - 4));
   if ((short_length == 126 && left_ < 126) || (short_length == 127 && left_ < 65536) || left_ >> 63 != 0)
-    return fail(WebSocketClose::protocol_error, "a length that is not written in the shortest way");
+    return fail(WebSocketClose::protocol_error, "length is not in its shortest form");
   if (!is_control(opcode_)) {
     if (left_ > most_ || message_.size() + left_ > most_)
       return fail(WebSocketClose::too_large, "a message of more than " + std::to_string(most_) + " bytes");
-    if (++fragments_ > kMostFragments) return fail(WebSocketClose::policy, "a message of too many fragments");
+    if (++fragments_ > kMostFragments) return fail(WebSocketClose::policy, "the message has too many fragments");
     in_message_ = true;
   }
   std::copy_n(rest.end() - 4, 4, mask_);
@@ -101,7 +99,7 @@ bool WebSocketDecoder::end_frame(const std::function<bool(WebSocketMessage&&)>& 
     std::string payload = std::exchange(control_, {});
     if (opcode_ == WebSocketOpcode::close && !payload.empty() &&
         (payload.size() < 2 || !may_be_sent(big_endian(payload.substr(0, 2))) || !is_utf8(payload.substr(2)))) {
-      fail(WebSocketClose::protocol_error, "a close frame without a reason that is known");
+      fail(WebSocketClose::protocol_error, "close frame with an invalid code");
       return false;
     }
     return take({opcode_, std::move(payload)});
@@ -111,7 +109,7 @@ bool WebSocketDecoder::end_frame(const std::function<bool(WebSocketMessage&&)>& 
   fragments_ = 0;
   std::string message = std::exchange(message_, {});
   if (!is_utf8(message)) {
-    fail(WebSocketClose::invalid_data, "text that is no UTF-8");
+    fail(WebSocketClose::invalid_data, "text is not UTF-8");
     return false;
   }
   return take({WebSocketOpcode::text, std::move(message)});

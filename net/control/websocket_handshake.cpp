@@ -62,17 +62,17 @@ std::variant<WebSocketRequest, WebSocketRefusal> parse_websocket_request(std::st
   const std::string_view first = line();
   const std::size_t one = first.find(' '), two = first.rfind(' ');
   if (one == std::string_view::npos || one == two || has_control(first) || !first.substr(two + 1).starts_with("HTTP/"))
-    return WebSocketRefusal{400, "this is no request of HTTP"};
+    return WebSocketRefusal{400, "not an HTTP request"};
   if (first.substr(0, one) != "GET") return WebSocketRefusal{405, "expected GET"};
   if (first.substr(two + 1) != "HTTP/1.1") return WebSocketRefusal{505, "expected HTTP/1.1"};
   const std::string_view target = first.substr(one + 1, two - one - 1);
   const std::size_t mark = std::min(target.find('?'), target.size());
-  if (target.substr(0, mark) != "/") return WebSocketRefusal{404, "there is nothing but /"};
+  if (target.substr(0, mark) != "/") return WebSocketRefusal{404, "only the path / exists"};
   std::map<std::string, std::string> headers;
   for (std::string_view text = line(); !text.empty(); text = line()) {
     const std::size_t colon = text.find(':');
     if (colon == std::string_view::npos || !is_header_name(text.substr(0, colon)) || has_control(text))
-      return WebSocketRefusal{400, "a header that is none"};
+      return WebSocketRefusal{400, "invalid header field"};
     std::string& value = headers[lower_case(text.substr(0, colon))];
     // A list may span several lines (RFC 9110 5.3). Repeated single values then become invalid.
     value += (value.empty() ? "" : ", ") + std::string(without_blanks(text.substr(colon + 1)));

@@ -40,7 +40,7 @@ struct Regular {
 
 std::variant<Regular, FileError> open_regular(const std::string& path) {
   if (path.empty()) return FileError{"cannot open a file without a name"};
-  if (path.find('\0') != std::string::npos) return FileError{"cannot open a file whose name has a zero byte"};
+  if (path.find('\0') != std::string::npos) return FileError{"cannot open a file name with a zero byte"};
   // Do not wait for the other end of a pipe, and do not take over a terminal.
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   struct stat status {};
@@ -102,7 +102,7 @@ std::optional<std::string> fill_and_rename(Descriptor& file, const std::string& 
 std::optional<std::string> MappedFile::changed() const {
   if (!file_) return std::nullopt;
   if (!mapping_.lost() && stamp_of(file_) == stamp_) return std::nullopt;
-  return "the file was changed while it was read; reading it again shows what it is now";
+  return "the file changed while it was read; reload to get the new version";
 }
 
 std::size_t RandomAccessFile::read(std::uint64_t offset, std::span<std::byte> to) const {
@@ -153,7 +153,7 @@ std::variant<MappedFile, FileError> map_file(const std::string& path, const Chec
 
 std::optional<FileError> write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {
   if (path.empty()) return FileError{"cannot write a file without a name"};
-  if (path.find('\0') != std::string::npos) return FileError{"cannot write a file whose name has a zero byte"};
+  if (path.find('\0') != std::string::npos) return FileError{"cannot write a file name with a zero byte"};
   std::string target = path;
   std::optional<mode_t> mode;
   struct stat status {};
@@ -161,7 +161,7 @@ std::optional<FileError> write_file_atomically(const std::string& path, std::spa
     if (S_ISLNK(status.st_mode)) {
       std::error_code error;
       target = std::filesystem::canonical(path, error).string();
-      if (error) return cannot_write(path, "it is a link to nothing: " + error.message());
+      if (error) return cannot_write(path, "it is a broken link: " + error.message());
       if (::stat(target.c_str(), &status) != 0) return cannot_write(path, reason(errno));
     }
     if (const auto what = not_a_regular_file(status)) return cannot_write(path, *what);

@@ -33,7 +33,7 @@ std::optional<std::string> hold_standard_input(std::uint64_t limit) {
   struct stat status {};
   if (::fstat(STDIN_FILENO, &status) != 0) return input_problem();
   if (S_ISREG(status.st_mode)) return std::nullopt;
-  if (::isatty(STDIN_FILENO) == 1) return "standard input is a terminal; expected a file or what a program writes";
+  if (::isatty(STDIN_FILENO) == 1) return "standard input is a terminal; expected a file or a pipe";
   const Descriptor memory(::memfd_create("stdin", MFD_CLOEXEC));
   if (!memory) return input_problem();
   std::array<char, 1 << 16> buffer;
@@ -44,7 +44,7 @@ std::optional<std::string> hold_standard_input(std::uint64_t limit) {
     if (got == 0) break;
     held += static_cast<std::uint64_t>(got);
     if (held > limit)
-      return "standard input has more than " + std::to_string(limit) + " bytes; --memory SIZE takes more";
+      return "standard input has more than " + std::to_string(limit) + " bytes; raise --memory to read more";
     if (!write_bytes(memory.get(), std::span(buffer).first(static_cast<std::size_t>(got)))) return input_problem();
   }
   return ::dup2(memory.get(), STDIN_FILENO) < 0 ? std::optional(input_problem()) : std::nullopt;

@@ -61,7 +61,7 @@ std::variant<LockedFolder, std::string> LockedFolder::make(const std::string& pa
   for (int attempt = 0; attempt < kTries; ++attempt) {
     std::string path = parent + "/" + std::string(prefix) + "-" + std::string(kEnding, 'X');
     if (!::mkdtemp(path.data()))
-      return "no folder can be made in " + parent + ": " + std::generic_category().message(errno);
+      return "cannot create a folder in " + parent + ": " + std::generic_category().message(errno);
     Descriptor folder = open_folder(path);
     // A concurrent cleanup may hold the lock. If locks do not work, no cleanup can run.
     if (!folder || (::flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) ||
@@ -72,7 +72,7 @@ std::variant<LockedFolder, std::string> LockedFolder::make(const std::string& pa
     made.locked_ = std::move(folder);
     return made;
   }
-  return "no folder can be made in " + parent;
+  return "cannot create a folder in " + parent;
 }
 
 LockedFolder& LockedFolder::operator=(LockedFolder&& other) noexcept {

@@ -10,10 +10,10 @@ TransferEnd describe_failure(CURLcode code, const std::string& detail, const Loa
   };
   switch (code) {
     case CURLE_URL_MALFORMAT:
-      return end(LoadErrorKind::bad_request, "the URL cannot be understood; expected http://host/path", false);
+      return end(LoadErrorKind::bad_request, "the URL is malformed; expected http://host/path", false);
     case CURLE_COULDNT_RESOLVE_HOST:
     case CURLE_COULDNT_RESOLVE_PROXY:
-      return end(LoadErrorKind::unreachable, "there is no such host", false);
+      return end(LoadErrorKind::unreachable, "no such host", false);
     case CURLE_COULDNT_CONNECT:
       return end(LoadErrorKind::unreachable, "the server cannot be reached", false);
     case CURLE_OPERATION_TIMEDOUT:
@@ -24,16 +24,16 @@ TransferEnd describe_failure(CURLcode code, const std::string& detail, const Loa
     case CURLE_SSL_CIPHER:
     case CURLE_SSL_CACERT_BADFILE:
     case CURLE_SSL_ISSUER_ERROR:
-      return end(LoadErrorKind::insecure, "the server cannot be trusted; expected a valid certificate", false);
+      return end(LoadErrorKind::insecure, "the certificate of the server is not valid", false);
     case CURLE_UNSUPPORTED_PROTOCOL:
     case CURLE_WEIRD_SERVER_REPLY:
       return end(LoadErrorKind::bad_response, "the server does not speak HTTP", false);
     case CURLE_REMOTE_FILE_NOT_FOUND:
     case CURLE_REMOTE_ACCESS_DENIED:
     case CURLE_FTP_COULDNT_RETR_FILE:
-      return end(LoadErrorKind::not_found, "the server has no such file, or gives it to nobody", false);
+      return end(LoadErrorKind::not_found, "the server has no such file, or does not permit access", false);
     case CURLE_LOGIN_DENIED:
-      return end(LoadErrorKind::http_status, "the server wants a name and a password", false);
+      return end(LoadErrorKind::http_status, "the server requires a user name and password", false);
     case CURLE_FTP_WEIRD_PASS_REPLY:
     case CURLE_FTP_WEIRD_PASV_REPLY:
     case CURLE_FTP_WEIRD_227_FORMAT:
@@ -43,11 +43,11 @@ TransferEnd describe_failure(CURLcode code, const std::string& detail, const Loa
     case CURLE_BAD_CONTENT_ENCODING:
       return end(LoadErrorKind::bad_response, "the compressed body is damaged", false);
     case CURLE_OUT_OF_MEMORY:
-      return end(LoadErrorKind::too_large, "a block of the body decompresses to more than can be held", false);
+      return end(LoadErrorKind::too_large, "a block of the body decompresses to more than the limit", false);
     case CURLE_GOT_NOTHING:
-      return end(LoadErrorKind::broken, "the server closed the connection without answer", true);
+      return end(LoadErrorKind::broken, "the server closed the connection without an answer", true);
     default:
-      return end(LoadErrorKind::broken, "the connection broke", true);
+      return end(LoadErrorKind::broken, "the connection was interrupted", true);
   }
 }
 

@@ -180,7 +180,7 @@ void LoadEngine::let_run(const Candidate& candidate, Load& load) {
   if (transport == transports_.end()) {
     const auto refused = refused_transports_.find(job->scheme()->transport);
     job->fail(LoadErrorKind::unsupported,
-              "there is no transport for the scheme " + std::string(job->scheme()->name) + ":" +
+              "no transport for the scheme " + std::string(job->scheme()->name) + ":" +
                   (refused == refused_transports_.end() ? "" : " (" + refused->second + ")"));
     touched_.insert(job->id());
     return;

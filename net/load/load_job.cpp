@@ -66,13 +66,13 @@ std::optional<std::string> LoadJob::refusal() const {
   if (!data && url_.size() > kLongestUrl) return "it is longer than " + std::to_string(kLongestUrl) + " bytes";
   if (!data && has_control_or_blank(url_, true))
     return "it contains a blank or a control character; expected percent-encoding";
-  if (has_control_or_blank(request_.accept, false)) return "the media types to accept contain a control character";
+  if (has_control_or_blank(request_.accept, false)) return "the accepted media types contain a control character";
   if (request_.ranges.size() > context_.options.max_ranges)
-    return std::to_string(request_.ranges.size()) + " ranges were asked for; expected at most " +
+    return std::to_string(request_.ranges.size()) + " ranges were requested; expected at most " +
            std::to_string(context_.options.max_ranges);
   for (const ByteRange& range : request_.ranges)
     if (range.empty())
-      return "an empty range was asked for (" + std::to_string(range.begin) + " to " + std::to_string(range.end) + ")";
+      return "an empty range was requested (" + std::to_string(range.begin) + " to " + std::to_string(range.end) + ")";
   return std::nullopt;
 }
 
@@ -226,7 +226,7 @@ bool LoadJob::clamp() {
     for (const ByteRange& range : request_.ranges)
       if (range.begin > 0 && range.begin >= *total_) {
         fail(LoadErrorKind::bad_request,
-             "byte " + std::to_string(range.begin) + " was asked for; it has " + std::to_string(*total_) + " bytes");
+             "byte " + std::to_string(range.begin) + " was requested; it has " + std::to_string(*total_) + " bytes");
         return false;
       }
     needed_ = needed_.within(ByteRange{0, *total_});
@@ -245,7 +245,7 @@ bool LoadJob::void_version(LoadErrorKind kind, const std::string& why) {
   stop_all();
   if (received_ > 0 || head_sent_) ++restarts_;
   if (restarts_ > context_.options.max_restarts) {
-    fail(kind, why + "; expected to read one version to its end (tried " + std::to_string(restarts_) + " times)");
+    fail(kind, why + "; no version was received completely (tried " + std::to_string(restarts_) + " times)");
     return false;
   }
   writer_.reset();
@@ -282,7 +282,7 @@ bool LoadJob::pump(TimePoint now) {
     const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(room, range.size()));
     const auto bytes = cached_->read(range.begin, most);
     if (!bytes) {
-      restart(LoadErrorKind::changed, "what the cache has of it is damaged", now);
+      restart(LoadErrorKind::changed, "its cache entry is damaged", now);
       return true;
     }
     budget -= bytes->size();

@@ -73,7 +73,7 @@ HeadVerdict LoadJob::on_head(Fetch& fetch, const ResponseHead& head) {
 HeadVerdict LoadJob::accept_empty(Fetch& fetch, const ResponseHead& head) {
   const auto total = head.content_range ? head.content_range->total : std::nullopt;
   if (cached_ && !head_sent_) {
-    restart(LoadErrorKind::changed, "it has become shorter", {});
+    restart(LoadErrorKind::changed, "it became shorter", {});
   } else if (total && (head_sent_ ? !total_ : fetch.position == 0 && *total == 0)) {
     fetch.finished = true;
     stop(fetch);
@@ -86,7 +86,7 @@ HeadVerdict LoadJob::accept_empty(Fetch& fetch, const ResponseHead& head) {
     }
   } else {
     fail(LoadErrorKind::bad_request,
-         "byte " + std::to_string(fetch.position) + " was asked for; it has " +
+         "byte " + std::to_string(fetch.position) + " was requested; it has " +
              (total ? std::to_string(*total) : "fewer") + " bytes",
          head.status);
   }
@@ -100,17 +100,17 @@ bool LoadJob::check_answer(Fetch& fetch, const ResponseHead& head) {
     return false;
   };
   if (!request_.validator.empty() && !request_.validator.agrees(head.validator)) {
-    fail(LoadErrorKind::changed, "it is no longer the version that was asked for");
+    fail(LoadErrorKind::changed, "it is no longer the requested version");
     return false;
   }
   if (head.status != 206) return true;
   const std::string expected = "; expected bytes " + range_text(fetch.position, fetch.range.end);
   if (fetch.position == 0 && fetch.range.end == kOpenEnd)
-    return bad("the server answered 206 Partial Content; expected the whole");
+    return bad("the server answered 206 Partial Content; expected the whole file");
   if (head.content_type.starts_with("multipart/byteranges")) return bad("the server sent several ranges" + expected);
-  if (head.encoded) return bad("the server sent a part of something compressed" + expected);
+  if (head.encoded) return bad("the server sent part of a compressed body" + expected);
   if (!head.content_range || !head.content_range->begin)
-    return bad("the server answered 206 Partial Content without saying which part" + expected);
+    return bad("the server answered 206 Partial Content without Content-Range" + expected);
   if (*head.content_range->begin != fetch.position || *head.content_range->end > fetch.range.end)
     return bad("the server sent bytes " + range_text(*head.content_range->begin, *head.content_range->end) + expected);
   if (head.content_length && *head.content_length != *head.content_range->end - fetch.position)
@@ -141,15 +141,15 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
                       version_.strong() == head.validator.strong();
   if (cached_ && !trusted_) {
     if (!proven && !whole_body) {
-      restart(LoadErrorKind::changed, "it has changed since it was cached", {});
+      restart(LoadErrorKind::changed, "it changed since it was cached", {});
       return HeadVerdict::stop;
     }
     settle_cached(head, proven);
   } else if (head_sent_ && (!agrees || (whole_body && received_ > 0 && !proven))) {
-    restart(LoadErrorKind::changed,
-            agrees ? "the server cannot go on where the connection broke"
-                   : "it was changed on the server while it was read",
-            {});
+    restart(
+        LoadErrorKind::changed,
+        agrees ? "the server cannot resume an interrupted transfer" : "it changed on the server during the transfer",
+        {});
     return HeadVerdict::stop;
   }
   if (!head_sent_) adopt(head, total);
@@ -225,8 +225,8 @@ DataVerdict LoadJob::deliver(Fetch& fetch, std::span<const std::byte> bytes) {
   const std::uint64_t begin = fetch.position, end = begin + bytes.size();
   const RangeSet pieces = needed_.within(ByteRange{begin, end});
   if (pieces.size() > request_.max_bytes - std::min(request_.max_bytes, received_)) {
-    fail(LoadErrorKind::too_large, "more than " + std::to_string(request_.max_bytes) + " bytes came" +
-                                       (encoded_ ? " out of its compressed form" : "") + "; expected at most so many");
+    fail(LoadErrorKind::too_large, "more than " + std::to_string(request_.max_bytes) + " bytes were received" +
+                                       (encoded_ ? " after decompression" : "") + ", the limit of this request");
     return DataVerdict::stop;
   }
   if (writer_) writer_->append(begin, bytes);
@@ -301,8 +301,8 @@ void LoadJob::follow(const std::string& location, AddressSpace space) {
   constexpr std::size_t kLongest = 8192;
   if (redirects_ >= context_.options.max_redirects)
     return fail(LoadErrorKind::too_many_redirects,
-                "the server redirects for ever; expected at most " + std::to_string(redirects_) + " redirects");
-  if (location.size() > kLongest) return fail(LoadErrorKind::bad_response, "the server redirects to no sensible URL");
+                "too many redirects; expected at most " + std::to_string(redirects_) + " redirects");
+  if (location.size() > kLongest) return fail(LoadErrorKind::bad_response, "the server redirects to an invalid URL");
   const Url target = resolve(parse_url(url_), parse_url(tidy_url(location)));
   const Scheme* const scheme = find_scheme(target.scheme);
   // Tests redirect within the memory: scheme.
@@ -316,7 +316,7 @@ void LoadJob::follow(const std::string& location, AddressSpace space) {
     return fail(LoadErrorKind::forbidden,
                 "the server redirects to " + url_for_messages(target.text()) + ": " + why->message);
   const bool sent = head_sent_;
-  if (sent && !void_version(LoadErrorKind::changed, "the server began to redirect while it was read")) return;
+  if (sent && !void_version(LoadErrorKind::changed, "the server started to redirect during the transfer")) return;
   stop_all();
   ++redirects_;
   set_url(target.text());
@@ -349,7 +349,7 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
   const bool asks_too_much = retry_after && *retry_after > longest;
   if (!transient || asks_too_much || fetch.failures > options.max_retries || fetch.attempts >= options.max_attempts) {
     std::string what = error.message;
-    if (asks_too_much) what += "; it asks to come back in " + std::to_string(*retry_after) + " s";
+    if (asks_too_much) what += "; retry in " + std::to_string(*retry_after) + " s";
     if (fetch.attempts > 1) what += " (after " + std::to_string(fetch.attempts) + " attempts)";
     return fail(error.kind, what, error.http_status);
   }
@@ -361,7 +361,7 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
   if (retry_after) delay = std::max(delay, Milliseconds(*retry_after * 1000));
   fetch.not_before = now + delay;
   if (received_ > 0 && (encoded_ || version_.strong().empty()))
-    return restart(error.kind, error.message + ", and nothing tells whether it is still the same", fetch.not_before);
+    return restart(error.kind, error.message + ", and the server gives no validator for its version", fetch.not_before);
   const RangeSet rest = needed_.within(fetch.range);
   fetch.finished = rest.empty();
   if (!fetch.finished) fetch.position = rest.ranges().front().begin;

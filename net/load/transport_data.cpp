@@ -99,7 +99,7 @@ class DataTransport final : public Transport {
     auto decoded = decode_data_url(transfer.request.url);
     if (!decoded) {
       fail(id, transfer, sink, LoadErrorKind::bad_request,
-           "it is no data; expected data:[type][;base64],content as in RFC 2397");
+           "malformed data: URL; expected data:[type][;base64],content (RFC 2397)");
       return false;
     }
     transfer.begun = true;
@@ -113,7 +113,7 @@ class DataTransport final : public Transport {
       if (range->begin >= transfer.bytes.size()) {
         fail(
             id, transfer, sink, LoadErrorKind::bad_request,
-            "byte " + std::to_string(range->begin) + " was asked for; it has " + std::to_string(transfer.bytes.size()));
+            "byte " + std::to_string(range->begin) + " was requested; it has " + std::to_string(transfer.bytes.size()));
         return false;
       }
       head.status = 206;

@@ -80,9 +80,9 @@ class FileTransport final : public Transport {
     const Url url = parse_url(transfer.request.url);
     if (!url.authority.empty() && url.authority != "localhost")
       return failure(LoadErrorKind::bad_request,
-                     "files of the host " + url.authority.substr(0, 64) + " cannot be reached; expected file:///path");
+                     "files on the host " + url.authority.substr(0, 64) + " cannot be reached; expected file:///path");
     const std::string path = path_of_url(url);
-    if (path.empty()) return failure(LoadErrorKind::bad_request, "it names no file; expected file:///path");
+    if (path.empty()) return failure(LoadErrorKind::bad_request, "it has no file name; expected file:///path");
     // Do not wait for the other end of a pipe, and do not take over a terminal.
     transfer.file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     const int code = errno;
@@ -110,7 +110,7 @@ class FileTransport final : public Transport {
     if (range && unchanged && (range->begin > 0 || range->end < size)) {
       if (range->begin >= size)
         return failure(LoadErrorKind::bad_request,
-                       "byte " + std::to_string(range->begin) + " was asked for; it has " + std::to_string(size));
+                       "byte " + std::to_string(range->begin) + " was requested; it has " + std::to_string(size));
       head.status = 206;
       transfer.next = range->begin;
       transfer.end = std::min(range->end, size);
@@ -131,7 +131,7 @@ class FileTransport final : public Transport {
     // Checked after reading, so that bytes of a newer version are not accepted.
     struct stat status {};
     if (::fstat(transfer.file, &status) != 0 || version_of(status) != version_of(transfer.status) || got == 0)
-      return TransferEnd{LoadError{LoadErrorKind::changed, "the file was changed while it was read"}, true};
+      return TransferEnd{LoadError{LoadErrorKind::changed, "the file changed while it was read"}, true};
     transfer.next += static_cast<std::uint64_t>(got);
     const DataVerdict verdict = sink.on_data(id, std::span(block_).first(static_cast<std::size_t>(got)));
     transfer.over = verdict == DataVerdict::stop;

@@ -210,7 +210,7 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   const auto canonical = canonical_url(parse_url(request.url));
   // curl would read a host from the path.
   if (!canonical) {
-    transfer.refused_url = "it names no host or an invalid port";
+    transfer.refused_url = "it has no host or an invalid port";
     return;
   }
   const std::string url = canonical->text();
@@ -322,8 +322,8 @@ bool CurlTransport::begin_file(Transfer& transfer) {
   curl_off_t size = -1;
   curl().curl_easy_getinfo(transfer.easy.get(), CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &size);
   if (size < 0) {
-    transfer.failure =
-        LoadError{LoadErrorKind::bad_response, "the server does not say how long the file is; expected SIZE", 0};
+    transfer.failure = LoadError{LoadErrorKind::bad_response,
+                                 "the server does not support SIZE, which gives the length of the file", 0};
     return false;
   }
   transfer.left = static_cast<std::uint64_t>(size);
@@ -450,7 +450,7 @@ void CurlTransport::collect() {
     else if (code == CURLE_OK && transfer.by_ftp && begin_file(transfer))
       end(transfer, {});  // an empty file
     else if (code == CURLE_OK)
-      end(transfer, {LoadError{LoadErrorKind::bad_response, "the server sent no complete head", 0}, false});
+      end(transfer, {LoadError{LoadErrorKind::bad_response, "the server sent an incomplete header", 0}, false});
     else if (!transfer.head_done && !transfer.refused_host.empty())
       end(transfer, {LoadError{LoadErrorKind::forbidden, transfer.refused_host, 0}, false});
     else
@@ -463,7 +463,7 @@ void CurlTransport::watch_the_clock() {
     const bool held_back = transfer->paused || transfer->slowed || (transfer->wants_pause && transfer->head_done);
     if (transfer->over || held_back || now_ - transfer->progress < patience(*transfer)) continue;
     const std::string what =
-        transfer->head_done ? "no byte of the body came within " : "no complete head of an answer came within ";
+        transfer->head_done ? "no byte of the body was received within " : "no complete header was received within ";
     end(*transfer, {LoadError{LoadErrorKind::timed_out, what + milliseconds(patience(*transfer)), 0}, true});
   }
 }

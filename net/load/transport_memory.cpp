@@ -53,7 +53,8 @@ class MemoryTransport final : public Transport {
     MemoryAnswer& answer = transfer.answer;
     if (answer.refused) return end(id, transfer, sink, {answer.refused, false});
     if (!answer.answers || transfer.stalled)
-      return end(id, transfer, sink, {LoadError{LoadErrorKind::timed_out, "no more bytes came in time"}, true});
+      return end(id, transfer, sink,
+                 {LoadError{LoadErrorKind::timed_out, "no more bytes were received in time"}, true});
     if (!transfer.begun) {
       transfer.begun = true;
       const HeadVerdict verdict = sink.on_head(id, answer.head);
@@ -79,7 +80,7 @@ class MemoryTransport final : public Transport {
       return;
     }
     if (answer.break_after && transfer.next >= *answer.break_after)
-      return end(id, transfer, sink, {LoadError{LoadErrorKind::broken, "the connection broke"}, true});
+      return end(id, transfer, sink, {LoadError{LoadErrorKind::broken, "the connection was interrupted"}, true});
     if (answer.stall_after && transfer.next >= *answer.stall_after) {
       transfer.stalled = true;
       transfer.next_time = now + answer.stall_timeout;

@@ -47,7 +47,7 @@ std::optional<std::string> HttpLoop::listen() {
   four.sin_port = six.sin6_port = htons(options_.port);
   const bool is_four = !all && ::inet_pton(AF_INET, options_.bind.c_str(), &four.sin_addr) == 1;
   if (!all && !is_four && ::inet_pton(AF_INET6, options_.bind.c_str(), &six.sin6_addr) != 1)
-    return "'" + options_.bind + "' is no address of IPv4 or IPv6, and not '*'";
+    return "'" + options_.bind + "' is not an IPv4 or IPv6 address or '*'";
   listener_ = Descriptor(::socket(is_four ? AF_INET : AF_INET6, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   bool plain = is_four;
   if (!listener_ && all) {  // system without IPv6
@@ -70,7 +70,7 @@ std::optional<std::string> HttpLoop::listen() {
 }
 
 std::optional<std::string> HttpLoop::start() {
-  if (!wake_) return problem("no event descriptor");
+  if (!wake_) return problem("cannot create an event descriptor");
   auto folder = ServedFolder::open(options_.folder, options_.resolve_beneath);
   if (auto* message = std::get_if<std::string>(&folder)) return *message;
   if (!options_.made_folder.empty()) {
@@ -96,7 +96,7 @@ std::optional<std::string> HttpLoop::start() {
       MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_URI_LOG_CALLBACK, &HttpLoop::on_target, this,
       MHD_OPTION_UNESCAPE_CALLBACK, &leave_encoded, nullptr, MHD_OPTION_NOTIFY_COMPLETED, &HttpLoop::on_completed, this,
       MHD_OPTION_NOTIFY_CONNECTION, &HttpLoop::on_connection, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
-  if (!daemon_) return "libmicrohttpd cannot serve";
+  if (!daemon_) return "libmicrohttpd cannot start";
   listener_.close();
   thread_ = std::thread([this] { run(); });
   return std::nullopt;

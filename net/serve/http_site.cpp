@@ -67,7 +67,7 @@ std::string message_for_clients(std::string message, const std::string& root) {
     else
       at += inside.size();
   for (std::size_t at = 0; (at = message.find('/', at)) != std::string::npos; ++at)
-    if (begins_path(at)) return "it cannot be read; the messages of the server say why";
+    if (begins_path(at)) return "it cannot be read; the server's log has the reason";
   return message;
 }
 
@@ -134,7 +134,7 @@ HttpAnswer HttpSite::text(const HttpRequest& request, const std::string& mime, s
   known.if_modified_since.clear();
   known.if_unmodified_since.clear();
   const Verdict verdict = evaluate(known, tag, 0);
-  if (verdict == Verdict::failed) return problem(412, "there is another version");
+  if (verdict == Verdict::failed) return problem(412, "the version differs");
   if (verdict == Verdict::not_modified) {
     answer.status = 304;
     return answer;
@@ -160,7 +160,7 @@ bool HttpSite::is_for_us(const HttpRequest& request) const {
 HttpSite::Reply HttpSite::answer(const HttpRequest& request) const {
   // These errors have no CORS headers, because a request by a foreign name comes from a page.
   if (request.hosts.size() > 1) return problem(400, "expected one Host field");
-  if (!is_for_us(request)) return problem(421, "this server does not go by the name that was asked for");
+  if (!is_for_us(request)) return problem(421, "unknown host name");
   Reply reply = answer_here(request);
   if (auto* answer = std::get_if<HttpAnswer>(&reply)) add_sharing(request, *answer);
   return reply;
@@ -329,7 +329,7 @@ HttpAnswer HttpSite::send(const HttpRequest& request, Representation chosen) con
   add_freshness(answer);
   add_common(answer);
   const Verdict verdict = evaluate(request.conditions, chosen.etag, modified);
-  if (verdict == Verdict::failed) return problem(412, "there is another version");
+  if (verdict == Verdict::failed) return problem(412, "the version differs");
   if (verdict == Verdict::not_modified) {
     answer.status = 304;
     return answer;
@@ -386,26 +386,26 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
     }
     // The maker may have read two versions.
     const Descriptor now(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-    if (!now || !(stamp_of(now) == stamp)) return MakeFailure{"the file was changed meanwhile", false};
+    if (!now || !(stamp_of(now) == stamp)) return MakeFailure{"the file changed during the request", false};
     return std::nullopt;
   };
   const MadeFile result = made_->request(lane, key, maker.extension, make_it);
   switch (result.state) {
     case MadeState::failed:
-      return result.failure.lasting ? problem(422, "cannot be made: " + result.failure.message)
-                                    : problem(503, "cannot be made now; come again");
+      return result.failure.lasting ? problem(422, "cannot be generated: " + result.failure.message)
+                                    : problem(503, "cannot be generated now; retry later");
     case MadeState::full:
-      return problem(503, "too much is being made; come again");
+      return problem(503, "too many files are being generated; retry later");
     case MadeState::waiting:
-      if (request.method == "HEAD") return problem(202, "is being made; come again");
-      if (!request.range.empty() || request.waited_long) return problem(503, "is being made; come again");
+      if (request.method == "HEAD") return problem(202, "is being generated; retry later");
+      if (!request.range.empty() || request.waited_long) return problem(503, "is being generated; retry later");
       return WaitForMade{lane, key, maker.wait};
     case MadeState::ready:
       break;
   }
   Representation chosen;
   chosen.file.descriptor = Descriptor(::open(result.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!chosen.file.descriptor) return problem(503, "was thrown away just now; come again");
+  if (!chosen.file.descriptor) return problem(503, "was removed from the cache; retry");
   chosen.file.stamp = stamp_of(chosen.file.descriptor);
   chosen.etag = chosen.file.stamp.etag("-m");
   chosen.modified = chosen.file.stamp.seconds;

@@ -148,10 +148,10 @@ std::optional<MakeFailure> MadeFiles::make(const Job& job, const std::stop_token
   try {
     if (auto failure = job.make(out, stop)) return failure;
   } catch (const std::bad_alloc&) {
-    return MakeFailure{"there is not enough memory", false};
+    return MakeFailure{"not enough memory", false};
   }
   if (::rename(out.c_str(), (options_.folder + "/" + job.name + job.extension).c_str()) != 0)
-    return MakeFailure{"what was made cannot be kept", false};
+    return MakeFailure{"the generated file cannot be stored", false};
   return std::nullopt;
 }
 

@@ -32,8 +32,8 @@ bool has_field_controls(std::string_view text) {
 std::optional<std::string> refuse_fields(std::span<const ReceivedField> fields, std::string_view version) {
   std::size_t lengths = 0, encodings = 0;
   for (const ReceivedField& field : fields) {
-    if (field.folded) return "a header field goes on in the next line; expected one line for each";
-    if (!is_token(field.name)) return "the name of a header field has a blank or another character that is not allowed";
+    if (field.folded) return "a header field spans several lines; expected one line per field";
+    if (!is_token(field.name)) return "the name of a header field has an invalid character";
     if (has_field_controls(field.value)) return "the value of a header field has a control character";
     if (same_word(field.name, "content-length")) ++lengths;
     if (!same_word(field.name, "transfer-encoding")) continue;

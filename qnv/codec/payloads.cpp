@@ -23,7 +23,7 @@ Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progres
   if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
     return encode_points(*cloud, options, progress);
   const TriangleSource* triangles = triangles_of(source);
-  if (!triangles) return EncodeError{"a packed stream is made of a surface; expected triangles or vectors"};
+  if (!triangles) return EncodeError{"a packed stream needs a surface; expected triangles or vectors"};
   options.payload = Payload::packed;
   return encode_surface(*triangles, options, progress);
 }
@@ -34,24 +34,24 @@ Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progre
   if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
     return encode_cloud(*cloud, options, progress);
   if (const auto* volume = std::get_if<VolumeVectors>(&source)) return encode_cloud(volume->cloud, options, progress);
-  return EncodeError{"a stream of records is made of a surface or of vectors; expected no outline groups"};
+  return EncodeError{"a records stream needs a surface or vectors; outline groups are not supported"};
 }
 
 Encoded encode_groups(const EncodeSource& source, EncodeOptions, Progress* progress) {
   const auto* polygons = std::get_if<OutlineSource>(&source);
-  if (!polygons) return EncodeError{"a stream of outlines is made of outline groups; expected these"};
+  if (!polygons) return EncodeError{"an outlines stream needs outline groups"};
   return encode_outlines(polygons->groups, polygons->appearances, polygons->options, progress);
 }
 
 Encoded encode_base_and_displacements(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const TriangleSource* triangles = triangles_of(source);
-  if (!triangles) return EncodeError{"a displaced stream is made of a surface; expected triangles"};
+  if (!triangles) return EncodeError{"a displaced stream needs a surface; expected triangles"};
   return encode_displaced(*triangles, options, progress);
 }
 
 Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const auto* volume = std::get_if<VolumeVectors>(&source);
-  if (!volume) return EncodeError{"a stream of voxels is made of a volume; expected its vectors and its layout"};
+  if (!volume) return EncodeError{"a voxels stream needs a volume; expected its vectors and its layout"};
   options.payload = Payload::voxels;
   return encode_voxels(*volume, options, progress);
 }

@@ -77,9 +77,9 @@ std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const 
       cloud.size() > std::numeric_limits<std::uint32_t>::max())
     return EncodeError{"the vectors cannot be encoded; expected fewer than 2^32, each with a normal and a weight"};
   StreamHeader header = header_of(cloud, options);
-  if (!(header.description.total > 0)) return EncodeError{"there are no vectors to encode"};
+  if (!(header.description.total > 0)) return EncodeError{"no vectors to encode"};
   if (!std::isfinite(header.description.total) || !finite(header.description.box.size()))
-    return EncodeError{"the vectors are too large, or too far apart, to encode"};
+    return EncodeError{"the vectors are too large or too far apart"};
   RecordsOptions records;
   records.seed = options.seed;
   records.first_layer = kFirstLayer;
@@ -91,8 +91,8 @@ std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const 
     constexpr std::size_t kAround = kRecordsHeaderBytes + 2 * kChunkHeaderBytes + kDirectoryEntryBytes;
     const std::size_t taken = encode_header(header).size() + kAround + kRecordBytes;
     if (options.max_bytes < taken)
-      return EncodeError{"a stream of one vector takes " + std::to_string(taken) + " bytes; at most " +
-                         std::to_string(options.max_bytes) + " were asked for"};
+      return EncodeError{"a stream of one vector has " + std::to_string(taken) + " bytes; expected at most " +
+                         std::to_string(options.max_bytes)};
     // Request about as many vectors as fit, so that the last layer is complete.
     const auto room = static_cast<double>(options.max_bytes - taken) / kBytesPerVector;
     records.vectors = std::min(records.vectors, static_cast<std::size_t>(room) + 1);
@@ -105,7 +105,7 @@ std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const 
   if (cancelled()) return EncodeError{"cancelled"};
   std::vector<OutgoingChunk> chunks = fitting(std::move(encoded), header, options.max_bytes);
   for (const OutgoingChunk& chunk : chunks) header.vectors += chunk.entry.vectors;
-  if (chunks.empty()) return EncodeError{"there are no vectors to encode"};
+  if (chunks.empty()) return EncodeError{"no vectors to encode"};
   return write_stream(std::move(header), std::move(chunks), options.max_bytes);
 }
 

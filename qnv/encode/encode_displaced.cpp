@@ -257,8 +257,8 @@ void keep_before(StageChunks& stages, double bytes, double tail) {
 std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& source, const EncodeOptions& options,
                                                         Progress* progress) {
   if (options.exact_bits > 0)
-    return EncodeError{"the mesh itself has more than " + std::to_string(options.most_triangles) +
-                       " triangles, which is what memory has room for; expected a smaller mesh, or more memory"};
+    return EncodeError{"the exact mesh has more than " + std::to_string(options.most_triangles) +
+                       " triangles, which exceed the memory limit; expected a smaller mesh, or a larger --memory"};
   auto thinned = thin_surface(source, options.most_triangles, progress);
   if (auto* error = std::get_if<EncodeError>(&thinned)) return std::move(*error);
   EncodeOptions rest = options;
@@ -289,8 +289,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     builder = displaced::MeshBuilder(true);  // frees its memory
     return encode_thinned(source, options, progress);
   }
-  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
-  if (!s.sound()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   if (progress) progress->stage = "joining";
   const displaced::Frame frame(s.box);
   const bool chosen = options.exact_bits == kExactWherePays;
@@ -307,7 +307,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     small = textured ? exact_mesh_of(*textured, frame, kFewBits) : exact_mesh_of(builder, frame, s.colored, kFewBits);
   displaced::Neighbours neighbours;
   displaced::SurfaceMesh mesh = builder.finish(&neighbours);
-  if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  if (mesh.triangles.empty()) return EncodeError{"no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
   if (progress) progress->stage = "simplifying";
   // While one thread finishes simplifying, the others build search trees of the target.
@@ -368,7 +368,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
             parted.add(some);
             return !cancelled();
           });
-          if (!again) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read again"};
+          if (!again) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
           small = exact_mesh_of(parted, frame, true, kFewBits);
         }
         auto split = textured ? std::nullopt : progressive::encode_progressive(*small, stage_options.most_bytes);
@@ -382,21 +382,19 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
         exact = std::move(small);
       }
       if (!fits)
-        return EncodeError{
-            "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
-            "a smooth surface",
-            true};
+        return EncodeError{"the surface has too many or too sharp parts for a base mesh; expected a smooth surface",
+                           true};
     }
     if (stages.empty() && exact) {
       tail_bits = options.exact_bits > 0 ? fewest_tail_bits(*exact) : first_tail_bits(*exact);
       tail_size = rough_tail_size(*exact, tail_bits);
       if (tail_size > exact::kMostTailBytes)
-        return EncodeError{"the mesh takes " + std::to_string(tail_size) + " bytes; expected at most " +
+        return EncodeError{"the mesh has " + std::to_string(tail_size) + " bytes; expected at most " +
                            std::to_string(exact::kMostTailBytes)};
       if (chosen && options.max_bytes != 0 && tail_size > options.max_bytes) exact.reset();
     }
     if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
-      return EncodeError{"the base takes " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
+      return EncodeError{"the base mesh has " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
                          std::to_string(kMostHeaderBytes / 2)};
     bases += stage.bytes.size();
     if (!stages.empty() && static_cast<double>(bases) > kBasesBeforeTail * room()) break;

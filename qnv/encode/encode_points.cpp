@@ -52,14 +52,14 @@ bool for_each_square(const Cloud& cloud, const TriangleSink& sink) {
 std::variant<EncodedStream, EncodeError> encode_points(const Cloud& cloud, const EncodeOptions& options,
                                                        Progress* progress) {
   if (cloud.description.kind != Kind::surface)
-    return EncodeError{"a packed stream is made of a surface; expected no gradients of a volume"};
+    return EncodeError{"a packed stream needs a surface; gradients of a volume are not supported"};
   if (cloud.normals.size() != cloud.size() || cloud.weights.size() != cloud.size() ||
       cloud.size() > std::numeric_limits<std::uint32_t>::max())
     return EncodeError{"the vectors cannot be encoded; expected fewer than 2^32, each with a normal and a weight"};
   const Description description = describe_vectors(cloud, options.metadata);
-  if (!(description.total > 0)) return EncodeError{"there are no vectors to encode"};
+  if (!(description.total > 0)) return EncodeError{"no vectors to encode"};
   if (!std::isfinite(description.total) || !finite(description.box.size()))
-    return EncodeError{"the vectors are too large, or too far apart, to encode"};
+    return EncodeError{"the vectors are too large or too far apart"};
   EncodeOptions rest = options;
   rest.payload = Payload::packed;
   rest.metadata = description.metadata;

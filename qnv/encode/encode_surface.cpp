@@ -139,8 +139,8 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
-  if (!survey(source, s, progress)) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
-  if (!s.sound()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  if (!survey(source, s, progress)) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   std::size_t vectors = options.vectors;
   if (vectors == 0)
     vectors = options.max_bytes != 0
@@ -170,7 +170,7 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
     if (progress) progress->done += triangles.size();
     return !cancelled();
   });
-  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read again"};
+  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
   std::vector<Voxel> voxels = voxelizer.finish();
   if (progress) {
     progress->stage = "encoding";
@@ -185,13 +185,13 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   }
   std::vector<OutgoingChunk> chunks = packed_chunks(std::move(voxels), level, header, options, progress);
   if (cancelled()) return EncodeError{"cancelled"};
-  if (chunks.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  if (chunks.empty()) return EncodeError{"no surface to encode; expected triangles with an area"};
   if (options.exact_bits != 0 && !append_mesh(source, s, options, header, chunks))
-    return EncodeError{cancelled() ? "cancelled" : "the surface could not be read again"};
+    return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
   EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
   if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
-    return EncodeError{"the coarsest picture takes " + std::to_string(stream.bytes.size()) + " bytes; at most " +
-                       std::to_string(options.max_bytes) + " were asked for"};
+    return EncodeError{"the coarsest picture has " + std::to_string(stream.bytes.size()) + " bytes; expected at most " +
+                       std::to_string(options.max_bytes)};
   return stream;
 }
 

@@ -111,7 +111,7 @@ class GradientEncoder {
       const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(batch, nz - z));
       const auto first = static_cast<std::int64_t>(z);
       if (!window.move_to(first - 1, first + count))
-        return VolumeError{"the slices from " + std::to_string(z) + " on cannot be read"};
+        return VolumeError{"the slices from " + std::to_string(z) + " onward cannot be read"};
       const std::size_t units = std::size_t{count} * blocks;
       const bool whole = parallel_for(
           units,
@@ -333,7 +333,7 @@ std::variant<Cloud, VolumeError> gradient_vectors(const VolumeSource& source, co
   if (!(options.fraction >= 0 && options.fraction <= 1))
     return VolumeError{"the fraction of the vectors is " + std::to_string(options.fraction) + "; expected 0 to 1"};
   if (options.vectors > kMostVectors)
-    return VolumeError{std::to_string(options.vectors) + " vectors are asked for; expected at most " +
+    return VolumeError{std::to_string(options.vectors) + " vectors were requested; expected at most " +
                        std::to_string(kMostVectors)};
   return GradientEncoder(source, options, progress).run();
 }

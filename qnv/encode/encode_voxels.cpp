@@ -126,16 +126,16 @@ std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volu
   const std::size_t size = cloud.size();
   if (cloud.normals.size() != size || cloud.weights.size() != size || cloud.classes.size() != size ||
       cloud.description.kind != Kind::volume)
-    return EncodeError{"the vectors are of no volume; expected each with a normal, a magnitude and a class"};
+    return EncodeError{"the vectors are not from a volume; expected a normal, a magnitude and a class for each"};
   StreamHeader header;
   header.payload = Payload::voxels;
   header.lattice = lattice_of(volume);
   if (!sound(header.lattice))
-    return EncodeError{size == 0 ? "there are no vectors to encode"
-                                 : "the voxels are too many, too large or too far apart to encode; expected at most "
-                                   "65536 an axis"};
+    return EncodeError{size == 0
+                           ? "no vectors to encode"
+                           : "the voxels are too many, too large or too far apart; expected at most 65536 per axis"};
   std::vector<LatticeVector> vectors = on_lattice(volume, header.lattice);
-  if (vectors.empty()) return EncodeError{"the vectors do not stand at the centres of the voxels of a volume"};
+  if (vectors.empty()) return EncodeError{"the vectors are not at the centres of voxels"};
   header.description = cloud.description;
   add_metadata(options, header.description);
   header.description.total = 0;
@@ -168,8 +168,8 @@ std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volu
   }
   EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
   if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
-    return EncodeError{"a stream of the coarsest voxels takes " + std::to_string(stream.bytes.size()) +
-                       " bytes; at most " + std::to_string(options.max_bytes) + " were asked for"};
+    return EncodeError{"a stream of the coarsest voxels has " + std::to_string(stream.bytes.size()) +
+                       " bytes; expected at most " + std::to_string(options.max_bytes)};
   return stream;
 }
 

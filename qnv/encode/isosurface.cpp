@@ -54,7 +54,7 @@ class Marcher {
       const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(batch, nz - 1 - z));
       const auto first = static_cast<std::int64_t>(z);
       if (!window.move_to(first - 1, first + count + 1))
-        return VolumeError{"the slices from " + std::to_string(z) + " on cannot be read"};
+        return VolumeError{"the slices from " + std::to_string(z) + " onward cannot be read"};
       if (!march(window, static_cast<std::uint32_t>(z), count)) {
         if (progress_ && progress_->cancelled) return VolumeError{"cancelled"};
         return std::nullopt;

@@ -197,8 +197,8 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& sou
     if (progress) progress->done += triangles.size();
     return !cancelled();
   });
-  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
-  if (!s.sound()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   const glm::vec3 size = s.box.size();
   const double longest = std::max({size.x, size.y, size.z}), finest = longest / ((1 << kCellBits) - 2);
   std::optional<CellGrid> best;
@@ -219,12 +219,12 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& sou
       return !cancelled();
     });
     if (cancelled()) return EncodeError{"cancelled"};
-    if (!whole && !full) return EncodeError{"the surface could not be read again"};
+    if (!whole && !full) return EncodeError{"the surface cannot be read again"};
     if (full) {
       // Assume that the rest has as many triangles per part.
       const double part = std::max(1e-3, static_cast<double>(done) / static_cast<double>(s.triangles));
       too_fine = std::max(too_fine, edge);
-      if (edge >= longest * 2) return EncodeError{"the surface cannot be made small enough"};
+      if (edge >= longest * 2) return EncodeError{"the surface cannot be simplified enough"};
       edge *= std::clamp(std::sqrt(1 / part) * kCautious, 1.2, 8.0);
       continue;
     }

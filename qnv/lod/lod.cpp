@@ -15,9 +15,8 @@ constexpr std::size_t kBytesPerRead = std::size_t{1} << 18;
 
 LodStream::Opened LodStream::make(StreamHeader header, std::size_t cache_bytes, bool grows) {
   if (header.payload != Payload::packed)
-    return StreamProblem{11, "a stream of records has no levels of detail; expected a packed one"};
-  if (header.meshed)
-    return StreamProblem{20, "the mesh itself takes the place of the levels of detail; it is held whole"};
+    return StreamProblem{11, "a records stream has no levels of detail; expected a packed stream"};
+  if (header.meshed) return StreamProblem{20, "the exact mesh replaces the levels of detail"};
   return std::unique_ptr<LodStream>(new LodStream(std::move(header), cache_bytes, grows));
 }
 
@@ -30,8 +29,7 @@ LodStream::Opened LodStream::open(std::vector<std::byte> bytes, std::size_t cach
   if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&opened)) {
     (*stream)->source_ = source;
     (*stream)->scan();
-    if ((*stream)->tree_.root() == kNoNode)
-      return StreamProblem{header_bytes, "holds no cluster that stands at the top"};
+    if ((*stream)->tree_.root() == kNoNode) return StreamProblem{header_bytes, "has no root cluster"};
   }
   return opened;
 }
@@ -49,14 +47,14 @@ LodStream::Opened LodStream::open(std::shared_ptr<const ChunkSource> source, std
   const std::size_t senseless = stream.tree_.set_directory(entries, stream.source_->size());
   if (stream.tree_.root() == kNoNode || !stream.directory_fits()) {
     if (!entries.empty())
-      stream.problem(stream.header_.directory, "the directory does not fit the chunks; all of them were read instead");
+      stream.problem(stream.header_.directory, "the directory does not match the chunks; all chunks were read instead");
     stream.tree_ = {};
     stream.scan();
   } else if (senseless > 0) {
     stream.problem(stream.header_.directory,
-                   std::to_string(senseless) + " entries of the directory make no sense and are left out");
+                   std::to_string(senseless) + " invalid entries of the directory are left out");
   }
-  if (stream.tree_.root() == kNoNode) return StreamProblem{header_bytes, "holds no cluster that stands at the top"};
+  if (stream.tree_.root() == kNoNode) return StreamProblem{header_bytes, "has no root cluster"};
   return opened;
 }
 
@@ -142,7 +140,7 @@ bool LodStream::set_directory(std::span<const std::byte> chunks) {
   if (entries.empty()) return false;
   const std::size_t senseless = tree_.expect(entries);
   if (senseless > 0)
-    problem(header_.directory, std::to_string(senseless) + " entries of the directory make no sense and are left out");
+    problem(header_.directory, std::to_string(senseless) + " invalid entries of the directory are left out");
   ++revision_;
   return true;
 }
@@ -171,7 +169,7 @@ bool LodStream::take(ChunkType type, std::span<const std::byte> payload, std::ui
   const std::uint32_t node = tree_.arrive(std::get<ClusterHeader>(header), offset, bytes, why);
   if (node != kNoNode && !arrived_->add(offset, encode_chunk(type, payload))) {
     tree_[node].broken = true;
-    why = "there is no memory for more chunks";
+    why = "not enough memory for more chunks";
   }
   if (!why.empty()) {
     problem(offset, std::move(why));

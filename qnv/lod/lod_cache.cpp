@@ -84,7 +84,7 @@ DecodedCluster LodCache::decode_one(const ChunkSource& source, std::uint32_t ind
   }
   const SoundChunk& sound = std::get<SoundChunk>(chunk);
   if (sound.type != ChunkType::packed) {
-    out.problem = "a chunk that is no cluster, where one is expected";
+    out.problem = "a chunk is not a cluster, but one is expected";
     return out;
   }
   const auto header = read_cluster_header(sound.payload);
@@ -102,14 +102,14 @@ DecodedCluster LodCache::decode_one(const ChunkSource& source, std::uint32_t ind
   auto cluster = std::make_unique<Cluster>(std::move(std::get<Cluster>(decoded)));
   const PackedVoxels& voxels = cluster->voxels;
   if (node.claimed && voxels.size() != node.voxels) {
-    out.problem =
-        "a cluster of " + std::to_string(voxels.size()) + " vectors; the directory says " + std::to_string(node.voxels);
+    out.problem = "a cluster of " + std::to_string(voxels.size()) + " vectors; the directory gives " +
+                  std::to_string(node.voxels);
     return out;
   }
   const float edge = header_.cube.edge / static_cast<float>(1 << cluster->level());
   if (node.boxed &&
       !holds(node.box, box_of_run(voxels, cluster->level(), 0, voxels.size()), edge, header_.description.box)) {
-    out.problem = "a cluster outside of the box that the directory gives";
+    out.problem = "a cluster exceeds its box in the directory";
     return out;
   }
   out.discs = discs_of(voxels, 0, voxels.size());
@@ -144,7 +144,7 @@ std::string LodCache::take(std::uint32_t index, DecodedCluster decoded, std::uin
       std::vector<bool>& divided = entries_[node.parent]->divided;
       divided.resize(entries_[node.parent]->voxels->voxels.size());
       for (std::size_t i = header.first; i < std::size_t{header.first} + header.count; ++i)
-        if (divided[i]) return "a cluster divides voxels that another has divided";
+        if (divided[i]) return "a cluster divides voxels of another cluster";
       std::fill_n(divided.begin() + header.first, header.count, true);
     }
     node.known = true;
@@ -157,7 +157,7 @@ std::string LodCache::take(std::uint32_t index, DecodedCluster decoded, std::uin
     if (!node.boxed) node.box = box_of_run(voxels, node.level, 0, voxels.size());
     node.boxed = true;
   } else if (voxels.size() != node.voxels || header.first != node.first || header.count != node.count) {
-    return "a cluster is not what it was before";
+    return "a cluster differs from its earlier version";
   }
   Entry& entry = made_entry(index);
   entry.voxels = std::move(decoded.cluster);

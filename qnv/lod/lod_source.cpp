@@ -70,7 +70,7 @@ std::variant<SoundChunk, std::string> sound_chunk(std::span<const std::byte> byt
 std::variant<SoundChunk, std::string> read_chunk(const ChunkSource& source, std::uint64_t offset, std::size_t bytes,
                                                  std::vector<std::byte>& buffer) {
   buffer.resize(std::min(bytes, kChunkHeaderBytes + kMostChunkBytes));
-  if (source.read(offset, buffer) != buffer.size()) return "a chunk cannot be read: the stream has become shorter";
+  if (source.read(offset, buffer) != buffer.size()) return "a chunk cannot be read, because the stream became shorter";
   return sound_chunk(buffer);
 }
 

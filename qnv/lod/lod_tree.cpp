@@ -88,7 +88,7 @@ std::uint32_t LodTree::arrive(const ClusterHeader& header, std::uint64_t offset,
   if (index != kNoNode) {
     LodNode& node = nodes_[index];
     if (node.present || node.offset != offset || node.bytes != bytes) {
-      why = "a cluster with the number of another; the one that came first stays";
+      why = "two clusters have the same number; the first one is used";
       return kNoNode;
     }
     why = misfit(index, header);
@@ -123,11 +123,11 @@ std::uint32_t LodTree::arrive(const ClusterHeader& header, std::uint64_t offset,
 std::string LodTree::misfit(std::uint32_t index, const ClusterHeader& header) const {
   const LodNode& node = nodes_[index];
   const bool top = node.parent == kNoNode;
-  if (index_of(header.id) != index) return "a cluster with another number than the directory says";
+  if (index_of(header.id) != index) return "the number of a cluster differs from the directory";
   if (top ? header.parent != kNoParent : header.parent == kNoParent || index_of(header.parent) != node.parent)
-    return "a cluster with another parent than the directory says";
+    return "the parent of a cluster differs from the directory";
   if (header.level + header.levels != node.level || (!top && header.level != nodes_[node.parent].level))
-    return "a cluster of another level than the directory says";
+    return "the level of a cluster differs from the directory";
   return {};
 }
 

@@ -155,7 +155,7 @@ bool OutlineDecoder::is_outlines() {
   if (refused_) return false;
   if (!header() || header()->payload == Payload::outlines) return true;
   refused_ = true;
-  other_payload_.push_back({11, "is no stream of outlines; expected payload 2"});
+  other_payload_.push_back({11, "not an outlines stream; expected payload 2"});
   return false;
 }
 

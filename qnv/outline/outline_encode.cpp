@@ -22,11 +22,13 @@ std::optional<std::string> problem_of(const OutlinePolygons& polygons) {
   const auto ascend = [](std::span<const std::uint32_t> ends, std::size_t last) {
     return std::is_sorted(ends.begin(), ends.end()) && (ends.empty() ? 0 : ends.back()) == last;
   };
-  if (!ascend(polygons.ring_ends, polygons.positions.size())) return "ring ends that do not ascend to the positions";
-  if (!ascend(polygons.polygon_ends, polygons.ring_ends.size())) return "polygon ends that do not ascend to the rings";
-  if (polygons.areas.size() != polygons.size()) return "not one area a polygon";
+  if (!ascend(polygons.ring_ends, polygons.positions.size()))
+    return "ring ends that do not ascend to the number of positions";
+  if (!ascend(polygons.polygon_ends, polygons.ring_ends.size()))
+    return "polygon ends that do not ascend to the number of rings";
+  if (polygons.areas.size() != polygons.size()) return "a number of areas that differs from its polygons";
   if (!polygons.texture_coordinates.empty() && polygons.texture_coordinates.size() != polygons.positions.size())
-    return "not one texture coordinate a position";
+    return "a number of texture coordinates that differs from its positions";
   return std::nullopt;
 }
 
@@ -216,13 +218,13 @@ StreamHeader header_of(const OutlineGroups& groups, std::span<const OutlineAppea
 std::optional<EncodeError> problem_of(const StreamHeader& header) {
   const std::vector<std::byte> bytes = encode_header(header);
   if (bytes.size() > kMostHeaderBytes)
-    return EncodeError{"the header with its appearances takes " + std::to_string(bytes.size()) +
+    return EncodeError{"the header with its appearances has " + std::to_string(bytes.size()) +
                        " bytes; expected at most " + std::to_string(kMostHeaderBytes)};
   std::size_t size = 0;
   bool need_more = false;
   const auto read = decode_header(bytes, size, need_more);
   if (const auto* problem = std::get_if<StreamProblem>(&read))
-    return EncodeError{"the model cannot be told in a header: " + problem->message};
+    return EncodeError{"the model does not fit a header: " + problem->message};
   return std::nullopt;
 }
 
@@ -239,7 +241,7 @@ std::variant<EncodedStream, EncodeError> encode_outlines(const OutlineGroups& gr
   if (auto problem = outline::problem_of(groups, appearances.size())) return std::move(*problem);
   const auto lattices = outline::choose_lattices(groups, std::clamp(options.position_bits, 1, kMostLatticeBits),
                                                  std::clamp(options.texture_bits, 1, 20));
-  if (!lattices) return EncodeError{"no polygon that is finite and not too far from the origin for the model's size"};
+  if (!lattices) return EncodeError{"no finite polygon close enough to the origin for the size of the model"};
   StreamHeader header = outline::header_of(groups, appearances, *lattices, options);
   const outline::LatticeBits bits(header.outlines);
   const std::size_t chunk_bytes = std::clamp<std::size_t>(options.chunk_bytes, 100, 60000);
@@ -253,7 +255,8 @@ std::variant<EncodedStream, EncodeError> encode_outlines(const OutlineGroups& gr
   const std::size_t most = outline::most_corners(bits);
   if (!outline::place_polygons(groups, order, true, *lattices, most, inner.pool) ||
       !outline::place_polygons(groups, order, false, *lattices, most, outlines.pool))
-    return EncodeError{"a polygon of more than " + std::to_string(most) + " corners whose rings cross cannot be cut"};
+    return EncodeError{"a polygon of more than " + std::to_string(most) +
+                       " corners cannot be triangulated, because its rings cross"};
   if (inner.pool.polygons.empty() && outlines.pool.polygons.empty())
     return EncodeError{"no polygon has an area at this precision"};
   outlines.counts.resize(groups.groups.size());
@@ -267,7 +270,7 @@ std::variant<EncodedStream, EncodeError> encode_outlines(const OutlineGroups& gr
   for (outline::Pass* pass : {&outlines, &inner}) {
     std::vector<outline::Finished> finished;
     if (!pass->encode(options.threads, progress, finished))
-      return EncodeError{pass->too_long ? "a polygon does not fit into a chunk" : "cancelled"};
+      return EncodeError{pass->too_long ? "a polygon exceeds a chunk" : "cancelled"};
     outline::append_chunks(std::move(finished), pass == &inner, bits, chunks);
     pass->pool = {};
   }

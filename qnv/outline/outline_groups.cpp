@@ -30,9 +30,10 @@ std::optional<OutlineError> problem_of(const PolygonModel& model) {
     return error("texture coordinates", model.texture_coordinates.size(), model.corners.size());
   if (!model.bent.empty() && model.bent.size() != model.ends.size())
     return error("marks of bent polygons", model.bent.size(), model.ends.size());
-  if (!std::is_sorted(model.ends.begin(), model.ends.end())) return OutlineError{"ends of polygons are not ascending"};
+  if (!std::is_sorted(model.ends.begin(), model.ends.end()))
+    return OutlineError{"the ends of polygons are not ascending"};
   if (!model.ends.empty() && model.ends.back() > model.corners.size())
-    return error("the last polygon ends beyond the corners", model.ends.back(), model.corners.size());
+    return error("the last polygon exceeds the corners", model.ends.back(), model.corners.size());
   return std::nullopt;
 }
 

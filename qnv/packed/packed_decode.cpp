@@ -177,7 +177,7 @@ std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> pay
       count = source->size();
     }
   }
-  if (!rans.finished()) return PackedError{"a cluster whose bits do not come out even"};
+  if (!rans.finished()) return PackedError{"the bits of a cluster do not end at a byte"};
   return cluster;
 }
 

@@ -83,9 +83,9 @@ std::variant<ClusterHeader, PackedError> read_cluster_place(std::span<const std:
   header.levels = static_cast<std::uint8_t>(byte_at(payload, 13));
   if (header.levels < 1 || header.level + header.levels > kDeepestLevel)
     return PackedError{"a cluster divides level " + std::to_string(header.level) + " " + std::to_string(header.levels) +
-                       " times; expected once at least, and no deeper than " + std::to_string(kDeepestLevel)};
+                       " times; expected at least once, and at most to level " + std::to_string(kDeepestLevel)};
   if (header.count == 0) return PackedError{"a cluster divides no voxel"};
-  if (header.id == kNoParent) return PackedError{"a cluster with the number that means none"};
+  if (header.id == kNoParent) return PackedError{"a cluster with the reserved number"};
   if (header.parent == kNoParent && (header.level != 0 || header.first != 0 || header.count != 1))
     return PackedError{"a cluster without a parent does not divide the root"};
   return header;

@@ -22,17 +22,15 @@ std::variant<RecordsHeader, RecordsError> decode_records_header(std::span<const 
   header.frame.weight_step = in.f32();
   header.cell_weight = in.f32();
   if (header.cell.depth > kDeepestRecordsCell)
-    return RecordsError{"a records chunk of cell depth " + std::to_string(header.cell.depth) +
-                        "; 0 to 20 were expected"};
+    return RecordsError{"a records chunk of cell depth " + std::to_string(header.cell.depth) + "; expected 0 to 20"};
   const std::uint32_t cells = 1u << header.cell.depth;
   if (header.cell.x >= cells || header.cell.y >= cells || header.cell.z >= cells)
     return RecordsError{"a records chunk of cell " + std::to_string(header.cell.x) + " " +
-                        std::to_string(header.cell.y) + " " + std::to_string(header.cell.z) + "; below " +
-                        std::to_string(cells) + " was expected"};
-  if (!valid(header.frame))
-    return RecordsError{"a records chunk whose box or weight step is no number of the kind that was expected"};
+                        std::to_string(header.cell.y) + " " + std::to_string(header.cell.z) + "; expected below " +
+                        std::to_string(cells)};
+  if (!valid(header.frame)) return RecordsError{"a records chunk with an invalid box or weight step"};
   if (!(header.cell_weight >= 0) || !std::isfinite(header.cell_weight))
-    return RecordsError{"a records chunk whose cell's weight is not a number from 0 on"};
+    return RecordsError{"a records chunk with an invalid cell weight; expected at least 0"};
   return header;
 }
 
@@ -87,7 +85,7 @@ std::variant<RecordsPatch, RecordsError> decode_records(std::span<const std::byt
     return range.first < std::min(range.last, kRecordsHeaderBytes);
   });
   if (payload.size() < kRecordsHeaderBytes || header_missing)
-    return RecordsError{"a records chunk without all of the 48 bytes of its header"};
+    return RecordsError{"a records chunk with a truncated header; expected 48 bytes"};
   auto header = decode_records_header(payload.first(kRecordsHeaderBytes));
   if (auto* error = std::get_if<RecordsError>(&header)) return std::move(*error);
   RecordsPatch patch;
@@ -95,7 +93,7 @@ std::variant<RecordsPatch, RecordsError> decode_records(std::span<const std::byt
   std::span<const std::byte> records = payload.subspan(kRecordsHeaderBytes);
   if (records.size() > patch.header.count * kRecordBytes)
     return RecordsError{"a records chunk of " + std::to_string(payload.size()) + " bytes; its " +
-                        std::to_string(patch.header.count) + " records take " +
+                        std::to_string(patch.header.count) + " records need " +
                         std::to_string(kRecordsHeaderBytes + patch.header.count * kRecordBytes)};
   std::vector<std::byte> whole;
   collect(records, missing, patch, whole);

@@ -191,10 +191,10 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   need_more = false;
   const std::size_t there = std::min(bytes.size(), kMagic.size());
   if (there > 0 && std::memcmp(bytes.data(), kMagic.data(), there) != 0)
-    return StreamProblem{0, "does not begin like a QNV stream; expected the bytes 89 51 4E 56 0D 0A 1A 0A"};
+    return StreamProblem{0, "not a QNV stream; expected the bytes 89 51 4E 56 0D 0A 1A 0A at the start"};
   if (bytes.size() < kFixedHeaderBytes) {
     need_more = true;
-    return StreamProblem{0, "the header is not whole"};
+    return StreamProblem{0, "the header is incomplete"};
   }
   ByteReader read(bytes);
   (void)read.bytes(kMagic.size());
@@ -205,16 +205,16 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   const auto kind = read.integer<std::uint8_t>(), payload = read.integer<std::uint8_t>();
   header_bytes = read.integer<std::uint32_t>();
   if (header_bytes < kFixedHeaderBytes || header_bytes > kMostHeaderBytes)
-    return StreamProblem{12, "the header claims " + std::to_string(header_bytes) + " bytes; expected " +
+    return StreamProblem{12, "the header states " + std::to_string(header_bytes) + " bytes; expected " +
                                  std::to_string(kFixedHeaderBytes) + " to " + std::to_string(kMostHeaderBytes)};
   if (bytes.size() < header_bytes) {
     need_more = true;
-    return StreamProblem{0, "the header is not whole"};
+    return StreamProblem{0, "the header is incomplete"};
   }
   const auto sum = read.integer<std::uint32_t>();
   std::vector<std::byte> copy(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(header_bytes));
   std::fill_n(copy.begin() + kChecksumAt, 4, std::byte{0});
-  if (checksum(0, copy) != sum) return StreamProblem{kChecksumAt, "the header is damaged: its checksum is wrong"};
+  if (checksum(0, copy) != sum) return StreamProblem{kChecksumAt, "the header is damaged; its checksum is wrong"};
   if (kind > 1) return StreamProblem{10, "holds vectors of kind " + std::to_string(kind) + "; expected 0 or 1"};
   const bool voxels = payload == static_cast<std::uint8_t>(Payload::voxels);
   if (payload > 4) return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 4"};
@@ -226,7 +226,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   if (kind == 1 && payload == 2)
     return StreamProblem{11, "holds outlines of a volume; expected records or voxels, or a surface"};
   if (version != kVersionWithoutOrigin && payload == 2)
-    return StreamProblem{8, "is of version 2 and holds outlines, which have lattices of their own; expected version 1"};
+    return StreamProblem{8, "is of version 2 and has outlines, which have their own lattices; expected version 1"};
   StreamHeader header;
   Description& d = header.description;
   d.kind = static_cast<Kind>(kind);
@@ -254,7 +254,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   if (!all_finite({b.lower.x, b.lower.y, b.lower.z, b.upper.x, b.upper.y, b.upper.z, size.x, size.y, size.z, c.x, c.y,
                    c.z, end.x, end.y, end.z, header.cube.edge, d.spacing, d.value_range.first, d.value_range.second}) ||
       !std::isfinite(d.total) || b.empty() || !(header.cube.edge > 0))
-    return StreamProblem{26, "the header holds an impossible box or number"};
+    return StreamProblem{26, "the header has an invalid box or number"};
   ByteReader sections(bytes.subspan(kFixedHeaderBytes, header_bytes - kFixedHeaderBytes));
   if (!read_sections(sections, header, version))
     return StreamProblem{kFixedHeaderBytes, std::string("the header's section of ") +
@@ -263,7 +263,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
                                                  : header.payload == Payload::outlines  ? "outlines"
                                                                                         : "the origin") +
                                                 (version == kVersionWithoutOrigin ? "" : ", or of the origin,") +
-                                                " is missing or impossible"};
+                                                " is missing or invalid"};
   return header;
 }
 
@@ -390,7 +390,7 @@ bool StreamReader::read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damag
       const std::optional<bool> behind = ends_well(kChunkHeaderBytes + length);
       if (!behind) return false;
       used = *behind && on_damaged(static_cast<ChunkType>(type), payload, offset_ + at_);
-      if (used) problem(offset_ + at_, "a chunk is damaged; what is whole in it is used");
+      if (used) problem(offset_ + at_, "a chunk is damaged; its intact parts are used");
     }
     if (used) {
       lost_ = false;

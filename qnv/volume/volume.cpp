@@ -93,13 +93,13 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   const std::uint64_t slice = std::uint64_t{x} * y;
   if (slice > kMostSliceVoxels || slice > kMostVolumeVoxels / z)
     return VolumeError{"the volume has " + size + " voxels; expected at most 2^34 a slice and 2^48 in all"};
-  if (layout.type > VoxelType::f64) return VolumeError{"the volume is of an unknown type"};
+  if (layout.type > VoxelType::f64) return VolumeError{"the volume has an unknown type"};
   if (!std::isfinite(layout.slope) || !std::isfinite(layout.intercept))
     return VolumeError{"the slope or intercept of the volume's values is not finite"};
   if (!finite(layout.origin) || !finite(layout.base)) return VolumeError{"the origin of the volume is not finite"};
   constexpr double kLeastStep = 1e-15, kMostStep = 1e15, kFarthest = 1e18;  // beyond these, areas overflow float
   if (glm::length(layout.origin + layout.base) > kFarthest)
-    return VolumeError{"the origin of the volume is farther than 1e18 from that of the world"};
+    return VolumeError{"the origin of the volume is more than 1e18 from the origin of the world"};
   for (const glm::vec3& axis : layout.axes) {
     if (!finite(axis)) return VolumeError{"an axis of the volume is not finite"};
     const double step = glm::length(glm::dvec3(axis));

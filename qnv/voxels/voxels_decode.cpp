@@ -193,7 +193,7 @@ std::variant<VolumeCluster, PackedError> decode_volume_cluster(std::span<const s
       count = source->size();
     }
   }
-  if (!rans.finished()) return PackedError{"a cluster whose bits do not come out even"};
+  if (!rans.finished()) return PackedError{"the bits of a cluster do not end at a byte"};
   return cluster;
 }
 

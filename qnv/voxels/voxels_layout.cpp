@@ -91,7 +91,7 @@ std::variant<ClusterHeader, PackedError> read_volume_cluster_header(std::span<co
     return parameter_at(payload, i) < 1 || parameter_at(payload, i) > most;
   };
   if (out_of(15, 255) || out_of(16, kOctahedral / kDirectionUnit) || out_of(17, kMostMagnitude))
-    return PackedError{"a cluster whose values, directions or magnitudes have impossible steps"};
+    return PackedError{"a cluster with invalid steps of values, directions or magnitudes"};
   return read;
 }
 

@@ -207,7 +207,7 @@ std::optional<ContextError> draw_picture(Renderer& renderer, const RenderList& l
         break;
     }
     if (problem) return problem;
-    if (!take(band)) return ContextError{"the picture was given up"};
+    if (!take(band)) return ContextError{"drawing was stopped"};
   }
   return std::nullopt;
 }

@@ -411,7 +411,7 @@ std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list
   const int most = gl.max_renderbuffer_size;
   if (options.width < 1 || options.height < 1 || options.width > most || options.height > most)
     return ContextError{"a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height) +
-                        " pixels cannot be drawn: each side must be from 1 to " + std::to_string(most)};
+                        " pixels cannot be drawn; expected sides from 1 to " + std::to_string(most)};
   const DrawOptions local = for_target(gl, list, options, true);
   if (!draw_off_screen(list, camera, local, statistics))
     return ContextError{"the driver has no memory for a picture of " + std::to_string(local.width) + "x" +

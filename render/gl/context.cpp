@@ -114,7 +114,7 @@ std::variant<std::unique_ptr<GlContext>, ContextError> open_headless_context(std
     tried.append(row.name).append(": ").append(std::get<ContextError>(opened).message);
   }
   if (tried.empty()) return ContextError{"no backend '" + std::string(backend) + "': expected one of " + names};
-  return ContextError{"no OpenGL 3.3 context could be opened (" + tried + ")"};
+  return ContextError{"cannot open an OpenGL 3.3 context (" + tried + ")"};
 }
 
 std::vector<std::string_view> headless_backends() {

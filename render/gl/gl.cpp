@@ -37,14 +37,14 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
   if (!gl.name && missing.empty()) missing = "gl" #name;
   GHOSTSPACE_GL_FUNCTIONS(GHOSTSPACE_GL_LOAD)
 #undef GHOSTSPACE_GL_LOAD
-  if (!missing.empty()) return ContextError{"OpenGL 3.3 is needed; this context has no " + missing};
+  if (!missing.empty()) return ContextError{"OpenGL 3.3 is required; this context has no " + missing};
 
   GLint major = 0, minor = 0;
   gl.GetIntegerv(GL_MAJOR_VERSION, &major);
   gl.GetIntegerv(GL_MINOR_VERSION, &minor);
   const int version = major * 10 + minor;
   if (version < 33)
-    return ContextError{"OpenGL 3.3 is needed; this context has " + std::to_string(major) + "." +
+    return ContextError{"OpenGL 3.3 is required; this context has " + std::to_string(major) + "." +
                         std::to_string(minor)};
   if (const GLubyte* name = gl.GetString(GL_RENDERER)) gl.renderer = reinterpret_cast<const char*>(name);
   gl.software = runs_on_processor(gl.renderer);

@@ -138,16 +138,16 @@ std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes, c
   const std::string start =
       bytes.empty() ? "nothing" : hexadecimal(bytes.first(std::min<std::size_t>(bytes.size(), 8)));
   return ImageError{
-      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found " +
+      "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found " +
       start};
 }
 
 std::variant<ImageDifference, ImageError> compare(const Image& a, const Image& b) {
   for (const Image* image : {&a, &b})
-    if (!well_formed(*image)) return ImageError{"not a whole image: " + described(*image)};
+    if (!well_formed(*image)) return ImageError{"incomplete image: " + described(*image)};
   if (a.width != b.width || a.height != b.height)
-    return ImageError{"pictures of different size: " + std::to_string(a.width) + "x" + std::to_string(a.height) +
-                      " and " + std::to_string(b.width) + "x" + std::to_string(b.height)};
+    return ImageError{"different picture sizes: " + std::to_string(a.width) + "x" + std::to_string(a.height) + " and " +
+                      std::to_string(b.width) + "x" + std::to_string(b.height)};
 
   ImageDifference difference;
   // Different formats are compared by their appearance as RGBA, opaque without alpha.

@@ -48,7 +48,7 @@ using Gif = std::unique_ptr<GifFileType, GifCloser>;
 
 ImageError gif_error(int code) {
   const char* text = GifErrorString(code);
-  return {std::string("broken GIF: ") + (text ? text : "the data end too early")};
+  return {std::string("broken GIF: ") + (text ? text : "the data is truncated")};
 }
 
 /// Reads extensions up to the first picture. Sets `transparent` to the transparent index, or -1.
@@ -58,7 +58,7 @@ std::optional<ImageError> find_first_picture(GifFileType& gif, int& transparent)
     GifRecordType type = UNDEFINED_RECORD_TYPE;
     if (DGifGetRecordType(&gif, &type) == GIF_ERROR) return gif_error(gif.Error);
     if (type == IMAGE_DESC_RECORD_TYPE) return std::nullopt;
-    if (type != EXTENSION_RECORD_TYPE) return ImageError{"broken GIF: no picture in it; expected an image descriptor"};
+    if (type != EXTENSION_RECORD_TYPE) return ImageError{"broken GIF: it has no picture; expected an image descriptor"};
     int code = 0;
     GifByteType* block = nullptr;
     if (DGifGetExtension(&gif, &code, &block) == GIF_ERROR) return gif_error(gif.Error);

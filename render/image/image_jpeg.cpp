@@ -215,7 +215,7 @@ DecodedImage decode_once(std::span<const std::byte> bytes, const ImageLimits& li
     cut_in_marker = reader.ran_out;
     return jpeg_error_of(reader);
   }
-  if (reader.whole_rows == 0) return ImageError{"broken JPEG: the data end before the first rows of the picture"};
+  if (reader.whole_rows == 0) return ImageError{"broken JPEG: the data ends before the first rows of the picture"};
 
   const std::uint32_t width = reader.jpeg.output_width, height = reader.jpeg.output_height;
   const std::uint32_t rest = reduction_of(width, height, limits);
@@ -235,7 +235,7 @@ DecodedImage decode_once(std::span<const std::byte> bytes, const ImageLimits& li
   reducer.finish();
   image.reduction = rest * reader.reduction;
   if (!finished && reader.jpeg.output_scanline == 0) return jpeg_error_of(reader);
-  if (reader.whole_rows == 0) return ImageError{"broken JPEG: the data end before the first rows of the picture"};
+  if (reader.whole_rows == 0) return ImageError{"broken JPEG: the data ends before the first rows of the picture"};
   if (whole_rows(reader) / rest < image.height) {
     // libjpeg may have written filler rows before it reported the problem.
     const std::size_t kept = std::size_t{image.width} * image.components * (whole_rows(reader) / rest);

@@ -50,7 +50,7 @@ void read_bytes(png_structp png, png_bytep to, png_size_t count) {
   auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
   if (count > reader->bytes.size() - reader->position) {
     reader->position = reader->bytes.size();
-    png_error(png, "the data end too early");
+    png_error(png, "the data is truncated");
   }
   std::memcpy(to, reader->bytes.data() + reader->position, count);
   reader->position += count;
@@ -163,7 +163,7 @@ ImageError png_error_of(const PngReader& reader) {
 }  // namespace
 
 DecodedImage decode_png(std::span<const std::byte> bytes, const ImageLimits& limits) {
-  if (bytes.size() < kSizeEnd) return ImageError{"broken PNG: the data end before the size of the picture"};
+  if (bytes.size() < kSizeEnd) return ImageError{"broken PNG: the data ends before the size of the picture"};
   const auto* header = reinterpret_cast<png_const_bytep>(bytes.data());
   if (auto refused = refuse_size("PNG", png_get_uint_32(header + 16), png_get_uint_32(header + 20), limits))
     return *std::move(refused);

@@ -49,7 +49,7 @@ DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& lim
   stbi__g_failure_reason = nullptr;  // the decoder keeps the reason of an earlier picture of this thread
   if (!stbi_info_from_memory(data, size, &width, &height, &components)) return failure();
   if (width <= 0 || height <= 0)
-    return ImageError{"it has no pixels: its size is " + std::to_string(width) + " x " + std::to_string(height)};
+    return ImageError{"it has no pixels; its size is " + std::to_string(width) + " x " + std::to_string(height)};
   if (components < 1 || components > 4) return failure();
   const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
   if (auto refused = refuse_size(kName, columns, rows, limits)) return std::move(*refused);
@@ -60,12 +60,12 @@ DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& lim
   if (!pixels) return failure();
   if (static_cast<std::uint32_t>(width) != columns || static_cast<std::uint32_t>(height) != rows ||
       std::uint64_t{columns} * rows * static_cast<unsigned>(components) > all)
-    return ImageError{"its head and its pixels do not fit together"};
+    return ImageError{"its header and its pixels do not match"};
   Image image;
   const auto kept = static_cast<std::uint32_t>(components);
   RowReducer reducer(image, columns, rows, kept, reduction_of(columns, rows, limits));
   for (std::uint32_t row = 0; row < rows; ++row) {
-    if (limits.stopped && limits.stopped()) return ImageError{"given up"};
+    if (limits.stopped && limits.stopped()) return ImageError{"cancelled"};
     reducer.take(pixels.get() + std::size_t{row} * columns * kept);
   }
   reducer.finish();
@@ -83,7 +83,7 @@ bool is_targa(std::span<const std::byte> bytes) {
 }
 
 DecodedImage decode_targa(std::span<const std::byte> bytes, const ImageLimits& limits) {
-  if (!is_targa(bytes)) return ImageError{"it is no Targa file"};
+  if (!is_targa(bytes)) return ImageError{"not a Targa file"};
   return decode_stb(bytes, limits);
 }
 

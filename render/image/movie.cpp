@@ -73,7 +73,7 @@ std::optional<ImageError> Movie::State::open() {
   if (auto wrong = input.open()) return ImageError{std::move(*wrong)};
   if (!frame) frame = av.av_frame_alloc();
   if (!following) following = av.av_frame_alloc();
-  if (!frame || !following) return ImageError{input.error("there is not enough memory")};
+  if (!frame || !following) return ImageError{input.error("not enough memory")};
   stream = input.find_stream(AVMEDIA_TYPE_VIDEO);
   if (stream < 0) return ImageError{input.error("it has no pictures")};
   const AVCodecParameters& chosen = *input.stream(stream).codecpar;
@@ -118,7 +118,7 @@ std::variant<Image, ImageError> Movie::State::picture() {
   if (auto refused = refuse_size(input.container().name.data(), width, height, limits)) return *std::move(refused);
   const auto from = static_cast<AVPixelFormat>(frame->format);
   const AVPixFmtDescriptor* kind = av.av_pix_fmt_desc_get(from);
-  if (!kind) return error("a picture is of a kind that is not known");
+  if (!kind) return error("a picture has an unknown format");
   const bool alpha = (kind->flags & AV_PIX_FMT_FLAG_ALPHA) != 0,
              grey = kind->nb_components == 1 && !(kind->flags & AV_PIX_FMT_FLAG_PAL);
   Image image;
@@ -141,7 +141,7 @@ std::variant<Image, ImageError> Movie::State::picture() {
                                         kOne, kOne);
     }
   }
-  if (!scaler) return error("a picture is of a kind that cannot be shown");
+  if (!scaler) return error("a picture has an unsupported format");
   scaled_width = frame->width;
   scaled_height = frame->height;
   scaled_format = frame->format;
@@ -264,7 +264,7 @@ std::variant<std::unique_ptr<Movie>, ImageError> Movie::open(std::span<const std
                                                              const ImageLimits& limits) {
   const MediaContainer* container = media_container_of(bytes);
   if (!container || !container->has_pictures)
-    return ImageError{"not a movie that can be read: expected MPEG, AVI, Matroska, Ogg, ISO media or GIF"};
+    return ImageError{"unsupported movie format; expected MPEG, AVI, Matroska, Ogg, ISO media or GIF"};
   auto state = std::make_unique<State>(bytes, *container, limits);
   if (auto error = state->open()) return *std::move(error);
   return std::unique_ptr<Movie>(new Movie(std::move(state)));

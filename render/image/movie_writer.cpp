@@ -94,7 +94,7 @@ struct MovieWriter::State {
       tried += (tried.empty() ? "" : ", ") + std::string(each.name) + " (" + std::string(each.debian) + ")";
       if (!codec) continue;
       encoder = av.avcodec_alloc_context3(codec);
-      if (!encoder) return error("there is no memory for an encoder");
+      if (!encoder) return error("not enough memory for an encoder");
       encoder->width = width & ~1;
       encoder->height = height & ~1;
       encoder->time_base = {1, static_cast<int>(std::lround(rate * kTicks))};
@@ -113,9 +113,9 @@ struct MovieWriter::State {
       av.av_dict_free(&wishes);
       name = each.name;
       if (opened >= 0) return std::nullopt;
-      auto problem = error(
-          name + " does not take pictures of " + std::to_string(encoder->width) + "x" + std::to_string(encoder->height),
-          opened);
+      auto problem = error(name + " does not support pictures of " + std::to_string(encoder->width) + "x" +
+                               std::to_string(encoder->height),
+                           opened);
       av.avcodec_free_context(&encoder);
       return problem;
     }
@@ -124,7 +124,7 @@ struct MovieWriter::State {
 
   std::optional<ImageError> begin(const MovieFormat& row, double rate) {
     if (!av.problem.empty()) return ImageError{"movies cannot be written: " + av.problem};
-    if (width < 2 || height < 2) return error("a movie is at least 2 x 2 pixels large");
+    if (width < 2 || height < 2) return error("a movie needs at least 2 x 2 pixels");
     constexpr int kBuffer = 1 << 16;
     auto* buffer = static_cast<std::uint8_t*>(av.av_malloc(kBuffer));
     if (buffer) io = av.avio_alloc_context(buffer, kBuffer, 1, &file, nullptr, &MovieFile::write, &MovieFile::seek);
@@ -136,17 +136,17 @@ struct MovieWriter::State {
     stream = av.avformat_new_stream(format, nullptr);
     frame = av.av_frame_alloc();
     packet = av.av_packet_alloc();
-    if (!stream || !frame || !packet) return error("there is no memory for a movie");
+    if (!stream || !frame || !packet) return error("not enough memory for a movie");
     stream->time_base = encoder->time_base;
     stream->avg_frame_rate = encoder->framerate;
     if (int code = av.avcodec_parameters_from_context(stream->codecpar, encoder); code < 0)
-      return error("a movie cannot be begun", code);
-    if (int code = av.avformat_write_header(format, nullptr); code < 0) return error("a movie cannot be begun", code);
+      return error("a movie cannot be started", code);
+    if (int code = av.avformat_write_header(format, nullptr); code < 0) return error("a movie cannot be started", code);
     ticks_a_picture = kTicks;
     frame->format = AV_PIX_FMT_YUV420P;
     frame->width = encoder->width;
     frame->height = encoder->height;
-    if (int code = av.av_frame_get_buffer(frame, 0); code < 0) return error("there is no memory for a picture", code);
+    if (int code = av.av_frame_get_buffer(frame, 0); code < 0) return error("not enough memory for a picture", code);
     return std::nullopt;
   }
 
@@ -168,12 +168,12 @@ struct MovieWriter::State {
     if (!scaler) {
       scaler = av.sws_getContext(frame->width, frame->height, from, frame->width, frame->height, AV_PIX_FMT_YUV420P,
                                  SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP, nullptr, nullptr, nullptr);
-      if (!scaler) return error("there is no memory to convert a picture");
+      if (!scaler) return error("not enough memory to convert a picture");
       const int* const table = av.sws_getCoefficients(SWS_CS_ITU709);
       constexpr int kOne = 1 << 16;
       (void)av.sws_setColorspaceDetails(scaler, table, 1, table, 0, 0, kOne, kOne);
     }
-    if (const int code = av.av_frame_make_writable(frame); code < 0) return error("there is no memory", code);
+    if (const int code = av.av_frame_make_writable(frame); code < 0) return error("not enough memory", code);
     const std::array<const std::uint8_t*, 4> rows{{image.pixels.data()}};
     const std::array<int, 4> strides{{static_cast<int>(image.width * image.components)}};
     av.sws_scale(scaler, rows.data(), strides.data(), 0, frame->height, frame->data, frame->linesize);
@@ -200,7 +200,7 @@ std::variant<std::unique_ptr<MovieWriter>, ImageError> MovieWriter::open(const M
   state->width = width;
   state->height = height;
   constexpr double kLeast = 0.001, kMost = 1000;
-  if (!(rate >= kLeast && rate <= kMost)) return ImageError{"expected 0.001 to 1000 pictures a second"};
+  if (!(rate >= kLeast && rate <= kMost)) return ImageError{"expected 0.001 to 1000 pictures per second"};
   if (auto problem = state->begin(format, rate)) return std::move(*problem);
   return std::unique_ptr<MovieWriter>(new MovieWriter(std::move(state)));
 }
@@ -209,7 +209,7 @@ std::optional<ImageError> MovieWriter::add(const Image& image) {
   State& s = *state_;
   if (image.width != static_cast<std::uint32_t>(s.width) || image.height != static_cast<std::uint32_t>(s.height) ||
       image.components < 3 || image.pixels.size() != std::size_t{image.width} * image.height * image.components)
-    return ImageError{"a movie's pictures are all of one size"};
+    return ImageError{"all pictures of a movie must have the same size"};
   if (auto problem = s.convert(image)) return problem;
   s.frame->pts = s.pictures++ * s.ticks_a_picture;
   if (const int code = s.av.avcodec_send_frame(s.encoder, s.frame); code < 0)
@@ -220,9 +220,9 @@ std::optional<ImageError> MovieWriter::add(const Image& image) {
 std::variant<std::vector<std::byte>, ImageError> MovieWriter::finish() {
   State& s = *state_;
   if (const int code = s.av.avcodec_send_frame(s.encoder, nullptr); code < 0)
-    return s.error("the movie cannot be ended", code);
+    return s.error("the movie cannot be finished", code);
   if (auto problem = s.take_packets()) return std::move(*problem);
-  if (const int code = s.av.av_write_trailer(s.format); code < 0) return s.error("the movie cannot be ended", code);
+  if (const int code = s.av.av_write_trailer(s.format); code < 0) return s.error("the movie cannot be finished", code);
   return std::move(s.file.bytes);
 }
 

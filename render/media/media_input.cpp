@@ -110,7 +110,7 @@ std::optional<std::string> MediaInput::open() {
   close();
   at_ = 0;
   drained_ = false;
-  const std::string no_memory = error("there is not enough memory");
+  const std::string no_memory = error("not enough memory");
   constexpr std::size_t kBuffer = 1 << 15;
   auto* buffer = static_cast<std::uint8_t*>(av.av_malloc(kBuffer));
   if (!buffer) return no_memory;
@@ -157,13 +157,13 @@ AVCodecContext* MediaInput::open_decoder(int stream, std::string& problem,
   const std::string what = chosen.codecpar->codec_type == AVMEDIA_TYPE_AUDIO ? "its sound" : "its picture";
   const AVCodec* codec = av.avcodec_find_decoder(chosen.codecpar->codec_id);
   if (!codec) {
-    problem = error(what + " is of a kind that is not known");
+    problem = error(what + " has an unknown format");
     return nullptr;
   }
   AVCodecContext* decoder = av.avcodec_alloc_context3(codec);
   if (!decoder || av.avcodec_parameters_to_context(decoder, chosen.codecpar) < 0) {
     if (decoder) av.avcodec_free_context(&decoder);
-    problem = error("there is not enough memory");
+    problem = error("not enough memory");
     return nullptr;
   }
   decoder->thread_count = 1;
@@ -186,14 +186,14 @@ bool MediaInput::decode(int stream, AVCodecContext& decoder, AVFrame& frame, std
   constexpr int kMostPackets = 20'000;  // maximum number of packets without a decoded frame
   for (int packets = 0;; ++packets) {
     if (stopped()) {
-      problem = error("the time for it is over");
+      problem = error("the time limit was reached");
       return false;
     }
     const int received = av.avcodec_receive_frame(&decoder, &frame);
     if (received >= 0) return true;
     if (received == AVERROR_EOF || (received != AVERROR(EAGAIN) && drained_)) return false;
     if (packets >= kMostPackets) {
-      problem = error("nothing to show or to hear for " + std::to_string(kMostPackets) + " packets");
+      problem = error("no picture or sound for " + std::to_string(kMostPackets) + " packets");
       return false;
     }
     if (av.av_read_frame(format_, packet_) < 0) {

@@ -99,17 +99,17 @@ class MidiReader final : public SampleReader {
     const FluidSynth& fluid = fluid_synth();
     if (!fluid.problem.empty()) return fluid.problem;
     settings_ = fluid.new_fluid_settings();
-    if (!settings_) return "there is not enough memory";
+    if (!settings_) return "not enough memory";
     (void)fluid.fluid_settings_setnum(settings_, "synth.sample-rate", rate_);
     (void)fluid.fluid_settings_setnum(settings_, "synth.gain", 0.5);
     (void)fluid.fluid_settings_setint(settings_, "synth.lock-memory", 0);
     synth_ = fluid.new_fluid_synth(settings_);
-    if (!synth_) return "there is not enough memory";
+    if (!synth_) return "not enough memory";
     for (const char* font : kSoundFonts) {
       struct stat status {};
       if (stat(font, &status) == 0 && fluid.fluid_synth_sfload(synth_, font, 1) >= 0) return {};
     }
-    return "there is no sound font in /usr/share/sounds (Debian package timgm6mb-soundfont)";
+    return "no sound font in /usr/share/sounds (Debian package timgm6mb-soundfont)";
   }
 
   [[nodiscard]] double rate() const override { return rate_; }

@@ -65,12 +65,12 @@ class LibavReader final : public SampleReader {
     close();
     if (auto wrong = input_.open()) return wrong;
     if (!frame_) frame_ = libav().av_frame_alloc();
-    if (!frame_) return input_.error("there is not enough memory");
+    if (!frame_) return input_.error("not enough memory");
     stream_ = input_.find_stream(AVMEDIA_TYPE_AUDIO);
     if (stream_ < 0) return input_.error("it has no sound");
     const AVCodecParameters& chosen = *input_.stream(stream_).codecpar;
     if (chosen.sample_rate <= 0 || chosen.sample_rate > kHighestRate)
-      return input_.error("expected 1 to " + std::to_string(kHighestRate) + " samples a second");
+      return input_.error("expected 1 to " + std::to_string(kHighestRate) + " samples per second");
     const int channels = chosen.ch_layout.nb_channels;
     if (channels < 1 || channels > kMostChannels)
       return input_.error("expected 1 to " + std::to_string(kMostChannels) + " channels");
@@ -206,7 +206,7 @@ std::variant<std::unique_ptr<SampleReader>, MediaError> open_samples(std::span<c
   if (is_midi(bytes)) return open_midi(bytes, synthesis_rate);
   const MediaContainer* container = media_container_of(bytes);
   if (!container || !container->has_sound)
-    return MediaError{"not a sound that can be read: expected WAV, MP3, Ogg, FLAC, AIFF, AU, MIDI or a movie"};
+    return MediaError{"unsupported sound format; expected WAV, MP3, Ogg, FLAC, AIFF, AU, MIDI or a movie"};
   auto reader = std::make_unique<LibavReader>(bytes, *container, stopped);
   if (auto wrong = reader->open()) return MediaError{std::move(*wrong)};
   return reader;
@@ -222,8 +222,7 @@ std::variant<MediaInfo, MediaError> examine_media(std::span<const std::byte> byt
   const MediaContainer* container = media_container_of(bytes);
   if (!container)
     return MediaError{
-        "not a sound or movie that can be read: expected WAV, MP3, Ogg, FLAC, MIDI, MPEG, AVI, Matroska, "
-        "ISO media or GIF"};
+        "unsupported sound or movie format; expected WAV, MP3, Ogg, FLAC, MIDI, MPEG, AVI, Matroska, ISO media or GIF"};
   MediaInput input(bytes, *container, stopped);
   if (auto wrong = input.open()) return MediaError{std::move(*wrong)};
   const int pictures = input.find_stream(AVMEDIA_TYPE_VIDEO), sound = input.find_stream(AVMEDIA_TYPE_AUDIO);

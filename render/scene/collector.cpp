@@ -81,8 +81,8 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
     if (++visits_ % kBetweenLooks == 0 || resources_.take_made_mesh()) stopped = budget_->stopped();
     if (visits_ > budget_->limits().visits) {
       stopped = true;
-      resources_.leave_out("more nodes, with all that USE multiplies, than the " +
-                               std::to_string(budget_->limits().visits) + " that one picture may visit",
+      resources_.leave_out("more nodes, including copies by USE, than the " + std::to_string(budget_->limits().visits) +
+                               " that one picture may visit",
                            *top.scene, *top.next);
       continue;
     }

@@ -90,7 +90,7 @@ bool Execution::spend(std::size_t elements) {
     work_ += elements;
     return true;
   }
-  if (problem_.empty()) problem_ = "events of one moment make more work than may be done; the rest of them is left out";
+  if (problem_.empty()) problem_ = "the events of one timestamp exceed the limit of work; the rest is left out";
   return false;
 }
 

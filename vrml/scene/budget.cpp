@@ -62,7 +62,7 @@ std::string Budget::refusal(Resource resource) const {
   // Tighter one of the two limits.
   const bool all = row.held && left(resource) < rest(own, used(resource));
   const std::uint64_t most = all ? sum : own;
-  const std::string name(all ? "all that is held" : row.name);
+  const std::string name(all ? "memory in use" : row.name);
   const std::string size = row.cost > 1   ? std::to_string(most)
                            : most < kMebi ? std::to_string(most) + " bytes"
                                           : std::to_string(most / kMebi) + " MiB";

@@ -56,7 +56,7 @@ std::string describe(const Token& token) {
     case TokenKind::string:
       return "a string";
     case TokenKind::unterminated_string:
-      return "a string that never ends";
+      return "an unterminated string";
     case TokenKind::bad:
       if (token.text.size() == 1) {
         const auto byte = static_cast<unsigned char>(token.text.front());
@@ -89,7 +89,7 @@ void Parser::State::warn_once(bool& said, SourceLocation location, std::string m
 void Parser::State::unexpected(const Token& found, const std::string& what) {
   if (found.kind == TokenKind::end && (frames.size() > 1 || std::exchange(end_reported, true))) return;
   if (found.kind == TokenKind::unterminated_string) {
-    error(found.location, "a string that begins here never ends; expected '\"'");
+    error(found.location, "unterminated string; expected '\"'");
     end_reported = true;
     return;
   }
@@ -114,7 +114,7 @@ bool Parser::State::open(Frame frame) {
   if (frames.size() >= scene.limits().nesting) {
     if (!std::exchange(said_limit, true))
       error(frame.start,
-            "nested deeper than " + std::to_string(scene.limits().nesting) + " levels; what lies deeper is left out");
+            "nested deeper than " + std::to_string(scene.limits().nesting) + " levels; deeper content is left out");
     Frame skip;
     skip.kind = Frame::Kind::skip;
     skip.start = frame.start;
@@ -148,7 +148,7 @@ Step Parser::State::read_header() {
       refuse("a binary file behind a VRML97 header; expected UTF-8 text");
       return Step::finished;
     }
-    if (line.substr(0, 15) != "#VRML V2.0 utf8") warn(top, "the header is not written '#VRML V2.0 utf8'");
+    if (line.substr(0, 15) != "#VRML V2.0 utf8") warn(top, "the header differs from '#VRML V2.0 utf8'");
     return Step::done;
   }
   if (starts_with_ignoring_case(header, "#vrml v1.0")) {
@@ -238,7 +238,7 @@ void Parser::State::report_end_inside(const Frame& frame) {
   if (frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values) what = "a list";
   if (frame.kind == Frame::Kind::image) what = "an image";
   if (frame.kind == Frame::Kind::prototype_body || frame.kind == Frame::Kind::prototype_interface) what = "a PROTO";
-  if (frame.kind == Frame::Kind::skip) what = "a part that is skipped";
+  if (frame.kind == Frame::Kind::skip) what = "a skipped part";
   const bool list = frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
                     frame.kind == Frame::Kind::prototype_interface;
   error(lexer.location(), "the file ends inside " + what + " that begins at line " + std::to_string(frame.start.line) +
@@ -269,7 +269,7 @@ ParseOutcome Parser::State::close() {
   }
   end_scope();
   if (!anything_read && headerless)
-    refuse("the file holds nothing; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+    refuse("the file has no content; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
   if (outcome != ParseOutcome::refused && end_reported) outcome = ParseOutcome::truncated;
   return outcome;
 }

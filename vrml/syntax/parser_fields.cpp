@@ -123,7 +123,7 @@ Step Parser::State::field(Token name) {
   if (declaration->slot < 64) {
     const std::uint64_t bit = std::uint64_t{1} << declaration->slot;
     if (frames[index].fields_seen & bit)
-      warn(name.location, describe(name) + " of " + type.name + " is given twice; the last one counts");
+      warn(name.location, describe(name) + " of " + type.name + " is given twice; the last one is used");
     frames[index].fields_seen |= bit;
     scene.node(frames[index].node).fields_set |= bit;
   }
@@ -138,7 +138,7 @@ void Parser::State::check_role(NodeId node, std::string_view field) {
   const Role wanted = role_for(field);
   const NodeType& type = *scene.node(node).type;
   if (wanted == Role::none || type.role == Role::none || has(type.role, wanted)) return;
-  error(scene.node(node).location, "a " + type.name + " cannot stand in '" + std::string(field) + "' (VRML97 4.6)");
+  error(scene.node(node).location, "a " + type.name + " is not allowed in '" + std::string(field) + "' (VRML97 4.6)");
 }
 
 // Parses the rest of `name IS outer` for the node on top, in a PROTO body (VRML97 4.8.2). IS has been read.
@@ -227,10 +227,10 @@ Step Parser::State::interface_declaration(AccessType access, NodeType& type, boo
     if (step == Step::need_more) return step;
   }
   if (script && !table_text && access == AccessType::exposedField)
-    warn(name.location, "a Script has no exposedFields in VRML97 (6.40); " + describe(name) + " is taken all the same");
+    warn(name.location, "a Script has no exposedFields in VRML97 (6.40); " + describe(name) + " is accepted");
   if (known) {
     if (!(script && known->access == access && known->type == *field_type))
-      error(name.location, describe(name) + " of " + type.name + " is declared twice; the first one counts");
+      error(name.location, describe(name) + " of " + type.name + " is declared twice; the first one is used");
     (void)scene.charge(sizeof(InterfaceDeclaration));
     kept_values.push_back(std::move(pending));  // its value may still be arriving
     return Step::done;

@@ -156,7 +156,7 @@ void Parser::State::add_type(NodeType& type) {
   if (taken && said_types.insert(type.name).second)
     warn(type.location,
          (known ? "a second declaration of '" + type.name + '\'' : '\'' + type.name + "' is a built-in node") +
-             " (VRML97 4.8); this PROTO counts from here on");
+             " (VRML97 4.8); this PROTO is used from here on");
   known = &type;
   add_type_statement(type);
 }

@@ -35,7 +35,7 @@ Step Parser::State::statement_step() {
         if (brace.kind == TokenKind::need_more) return Step::need_more;
         lexer.go_back(behind);
         if (brace.kind != TokenKind::open_brace) {
-          refuse("no VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token),
+          refuse("not VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token),
                  token.location);
           return Step::finished;
         }
@@ -46,7 +46,7 @@ Step Parser::State::statement_step() {
     }
   }
   if (headerless && !anything_read) {
-    refuse("no VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token),
+    refuse("not VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token),
            token.location);
     return Step::finished;
   }
@@ -76,7 +76,7 @@ Step Parser::State::other_statement(const Token& keyword) {
                          (token.kind == TokenKind::word || token.kind == TokenKind::string);
     if (belongs) continue;
     lexer.go_back(before);
-    error(keyword.location, describe(keyword) + " is no statement of VRML97; skipped");
+    error(keyword.location, describe(keyword) + " is not a VRML97 statement; skipped");
     return Step::done;
   }
 }
@@ -97,7 +97,8 @@ const NodeType* Parser::State::find_stand_in(const Token& name) {
   const NodeType* type = stand_in(scene, name.text);
   if (!type) return nullptr;
   stand_ins.emplace(type->name, type);
-  warn(name.location, describe(name) + " is no node of VRML97, but of other browsers; a stand-in takes its place");
+  warn(name.location,
+       describe(name) + " is not a VRML97 node, but an extension of other browsers; a stand-in replaces it");
   return type;
 }
 
@@ -119,7 +120,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     if (!define) {
       const NodeId* const found = scopes.back().names.find(id.text);
       if (!found) {
-        error(id.location, "USE of " + describe(id) + ", which no DEF before it names");
+        error(id.location, "USE of " + describe(id) + ", but no earlier DEF has this name");
       } else if (*found) {
         place(*found, into);
       }
@@ -231,7 +232,8 @@ void Parser::State::end_node() {
   if (!scene.node(node).type->prototype) return;
   const auto before = static_cast<std::uint32_t>(scene.node_count());
   if (!instantiate(scene, node) && !scene.budget()->stopped() && !std::exchange(said_limit, true))
-    error(scene.node(node).location, why_not_expanded(scene, *scene.node(node).type) + "; what is missing stays empty");
+    error(scene.node(node).location,
+          why_not_expanded(scene, *scene.node(node).type) + "; the missing parts stay empty");
   for (std::uint32_t i = before + 1; i <= scene.node_count(); ++i) check_measures(scene.id_at(i));
 }
 
@@ -250,8 +252,7 @@ void Parser::State::check_measures(NodeId id) {
     const auto declared = std::find_if(node.type->interfaces.begin(), node.type->interfaces.end(),
                                        [&](const InterfaceDeclaration& field) { return field.slot == slot; });
     report(flat ? Severity::warning : Severity::error, node.location,
-           node.type->name + '.' + declared->name + ": expected measures above 0; " +
-               (flat ? "0 is drawn flat" : "it is not drawn"));
+           node.type->name + '.' + declared->name + ": expected sizes above 0; " + (flat ? "drawn flat" : "not drawn"));
     return;
   }
 }
@@ -319,8 +320,7 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
       (void)scene.charge(sizeof wanted + kNames);
       scope.unresolved_routes.push_back(wanted);
     } else {
-      error(wanted.location,
-            "ROUTE names '" + (!from ? wanted.from : wanted.to) + "', which no DEF names");
+      error(wanted.location, "ROUTE names '" + (!from ? wanted.from : wanted.to) + "', but no DEF has this name");
     }
     return;
   }
@@ -353,7 +353,7 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
 
 void Parser::State::check_name(const Token& name) {
   if (!is_id(name.text))
-    warn_once(said_bad_id, name.location, describe(name) + " is no legal name (VRML97 Annex A.2); taken as one");
+    warn_once(said_bad_id, name.location, describe(name) + " is not a legal name (VRML97 Annex A.2); accepted");
   check_reserved(name);
 }
 
@@ -361,7 +361,7 @@ void Parser::State::check_reserved(const Token& name) {
   const int word = reserved_word(name.text);
   if (word < 0 || (said_reserved >> word & 1)) return;
   said_reserved |= std::uint32_t{1} << word;
-  warn(name.location, describe(name) + " is a reserved word (VRML97 4.3.1); taken as a name");
+  warn(name.location, describe(name) + " is a reserved word (VRML97 4.3.1); accepted as a name");
 }
 
 }  // namespace gs::vrml

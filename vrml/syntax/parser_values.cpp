@@ -85,7 +85,7 @@ bool Parser::State::number_of(const Token& token, double& number) {
     double real = 0;
     if (!parse_number(token.text, real)) return false;
     warn_once(said_number_form, token.location,
-              "expected an integer of 32 bits, found " + describe(token) + "; cut to one");
+              "expected an integer of 32 bits, found " + describe(token) + "; converted");
     number = std::isnan(real) ? 0 : std::trunc(std::clamp(real, -2147483648.0, 2147483647.0));
     return true;
   }
@@ -117,7 +117,7 @@ void Parser::State::cut_number(Token& token) {
 String Parser::State::string_of(const Token& token) {
   bool latin1 = false;
   if (token.text.size() > scene.limits().string_bytes) {
-    if (!std::exchange(said_limit, true)) error(token.location, "a string longer than the limit is left empty");
+    if (!std::exchange(said_limit, true)) error(token.location, "a string exceeds the limit; left empty");
     return {};
   }
   constexpr std::size_t kEntry = 64;
@@ -257,7 +257,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
   for (int i = 0; i < wanted; ++i)
     if (!number_of(tokens[i], numbers[i]))
       error(tokens[i].location,
-            "expected a number for " + std::string(name) + ", found " + describe(tokens[i]) + "; 0 taken");
+            "expected a number for " + std::string(name) + ", found " + describe(tokens[i]) + "; 0 is used");
   const auto f = [&](int i) { return to_float(numbers[i]); };
   switch (type) {
     case FieldType::SFFloat:
@@ -319,7 +319,7 @@ Step Parser::State::node_list_step() {
     if (was_statement) {
       if (read == Step::done)
         warn_once(said_route_in_list, token.location,
-                  std::string(token.text) + " inside a list of nodes; taken as if it stood before the node");
+                  std::string(token.text) + " inside a list of nodes; moved before the node");
       return read;
     }
     if (is_id(token.text)) {
@@ -436,7 +436,7 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
     bool taken = number_of(token, number);
     if (!taken && (looks_like_number(token.text) || is_keyword_number(token.text))) {
       error(token.location,
-            "expected a number in " + std::string(frame.name) + ", found " + describe(token) + "; 0 taken");
+            "expected a number in " + std::string(frame.name) + ", found " + describe(token) + "; 0 is used");
       taken = true;
       number = 0;
     }

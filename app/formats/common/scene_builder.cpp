@@ -91,10 +91,10 @@ NodeId SceneBuilder::geometry(Geometry data) {
                                                           : "points";
   if (loss.bad_index > 0)
     fail(std::to_string(loss.bad_index) + " " + what +
-         " left out: they use vertices that the file does not have; expected indices below " +
+         " left out, because they use missing vertices; expected indices below " +
          std::to_string(data.positions.size()));
   if (loss.not_finite > 0)
-    warn(std::to_string(loss.not_finite) + " " + what + " left out: their coordinates are not finite numbers");
+    warn(std::to_string(loss.not_finite) + " " + what + " left out, because their coordinates are not finite");
   const bool has_index = data.kind != Geometry::Kind::points;
   if (data.positions.empty() || (has_index && data.coord_index.empty())) return {};
 

@@ -139,7 +139,7 @@ Exported export_glb_mesh(const qnv::Cloud& cloud, const ExportOptions& options) 
     materials.push_back(std::move(material));
     primitives.push_back(std::move(primitive));
   }
-  if (primitives.empty()) return "there are no triangles to write";
+  if (primitives.empty()) return "no triangles to write";
   document["meshes"] = {{{"primitives", std::move(primitives)}}};
   document["materials"] = std::move(materials);
   document["buffers"] = {{{"byteLength", buffer.bytes.size()}}};

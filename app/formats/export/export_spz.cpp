@@ -116,7 +116,7 @@ std::optional<std::vector<std::byte>> zstd_packed(const std::vector<std::byte>& 
 /// Converts the vectors to splats. Returns a message if they do not fit into the format.
 Exported checked(const qnv::Cloud& cloud, std::vector<ExportSplat>& splats) {
   splats = splats_of(cloud, kFromRightUpBack);
-  if (splats.empty()) return "SPZ cannot hold a cloud without vectors that can be seen";
+  if (splats.empty()) return "SPZ needs at least one visible vector";
   if (splats.size() > kMostSplats)
     return "too many vectors for SPZ (" + std::to_string(splats.size()) + "); expected at most " +
            std::to_string(kMostSplats);
@@ -125,8 +125,8 @@ Exported checked(const qnv::Cloud& cloud, std::vector<ExportSplat>& splats) {
   for (ExportSplat& splat : splats) splat.position = glm::vec3(origin + glm::dvec3(splat.position));
   const float step = std::ldexp(1.0f, -fraction_bits_for(splats));
   if (origin != glm::dvec3(0) && step * kFewestSteps > std::max({size.x, size.y, size.z}))
-    return "SPZ has 24 bits for a coordinate, and so far from 0 steps of " + std::to_string(step) +
-           "; expected .ply, .3dgs.ply or .glb, which keep these places";
+    return "SPZ has 24 bits per coordinate; at this distance from 0, steps are " + std::to_string(step) +
+           "; expected .ply, .3dgs.ply or .glb, which keep the positions";
   return std::vector<std::byte>();
 }
 
@@ -145,7 +145,7 @@ Exported export_spz(const qnv::Cloud& cloud, const ExportOptions&) {
   std::vector<std::byte> streams;
   for (const PlaneBytes& plane : planes) {
     const auto packed = zstd_packed(plane);
-    if (!packed) return "zstd could not pack the data";
+    if (!packed) return "zstd cannot compress the data";
     put_little(file, std::uint64_t{packed->size()});
     put_little(file, std::uint64_t{plane.size()});
     streams.insert(streams.end(), packed->begin(), packed->end());
@@ -163,7 +163,7 @@ Exported export_spz3(const qnv::Cloud& cloud, const ExportOptions&) {
   put_header(data, 3, splats.size(), fraction_bits, 0);
   for (const PlaneBytes& plane : planes_of(splats, fraction_bits)) data.insert(data.end(), plane.begin(), plane.end());
   auto packed = gzipped(data);
-  if (!packed) return "zlib could not pack the data";
+  if (!packed) return "zlib cannot compress the data";
   return std::move(*packed);
 }
 

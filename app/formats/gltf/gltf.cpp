@@ -200,7 +200,7 @@ class GltfImporter {
 
     const Placement placement = placement_of(n);
     if (placement.sheared)
-      builder_.warn("node " + std::to_string(visit.node) + ": its matrix is no translation, rotation and scale");
+      builder_.warn("node " + std::to_string(visit.node) + ": its matrix is not a translation, rotation and scale");
     visit.transform = builder_.make(vrml::NodeKind::transform);
     builder_.set(visit.transform, "translation", placement.translation);
     builder_.set(visit.transform, "rotation", axis_and_angle(placement.rotation));
@@ -216,7 +216,7 @@ class GltfImporter {
     }
     const tinygltf::Camera& camera = model_.cameras[static_cast<std::size_t>(n.camera)];
     if (camera.type != "perspective") {
-      builder_.note("an orthographic camera is left out: VRML97 has none");
+      builder_.note("an orthographic camera is left out, because VRML97 has none");
       return;
     }
     // In VRML97, the field of view applies to the smaller side of the window (6.53).

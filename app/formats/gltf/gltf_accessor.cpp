@@ -120,7 +120,7 @@ GltfAccessors::GltfAccessors(const tinygltf::Model& model, vrml::SceneGraph& sce
 
 bool GltfAccessors::charge(std::size_t bytes) {
   if (bytes > budget_) {
-    problem_ = "the asset uses its data too often";
+    problem_ = "the asset refers to its data too many times";
     return false;
   }
   if (!scene_.charge(bytes)) {
@@ -156,7 +156,7 @@ bool GltfAccessors::make_source(std::span<const unsigned char> bytes, std::size_
   }
   if (bytes.empty() || offset > bytes.size() || bytes.size() - offset < element ||
       (count - 1) > (bytes.size() - offset - element) / source.stride) {
-    problem_ = "the data reach beyond their buffer view";
+    problem_ = "the data exceed their buffer view";
     return false;
   }
   source.first = bytes.data() + offset;
@@ -221,7 +221,7 @@ bool GltfAccessors::read_sparse(const tinygltf::Accessor& accessor, bool normali
   for (std::size_t i = 0; i < count; ++i) {
     const auto at = component<std::uint32_t>(where.first + i * where.stride, sparse.indices.componentType, false);
     if (at >= accessor.count) {
-      problem_ = "a sparse index beyond the accessor";
+      problem_ = "a sparse index exceeds the accessor";
       return false;
     }
     for (std::size_t c = 0; c < width; ++c)

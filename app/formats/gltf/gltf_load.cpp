@@ -63,7 +63,7 @@ std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {
   const std::size_t next = (kGlbHeader + kChunkHeader + json_length + 3) / 4 * 4;
   if (next >= length) return parts;
   if (length - next < kChunkHeader || word_at(bytes, next) > length - next - kChunkHeader)
-    return std::string("broken GLB: the binary chunk reaches beyond the end of the file");
+    return std::string("broken GLB: the binary chunk exceeds the file");
   if (word_at(bytes, next + 4) == kBinaryChunk)
     parts.bin = text_of(bytes.subspan(next + kChunkHeader, word_at(bytes, next)));
   return parts;

@@ -174,7 +174,7 @@ vrml::String GltfMaterials::image_url(int index) {
       image.bufferView >= 0 ? accessors_.view(image.bufferView) : std::span<const unsigned char>(image.image);
   if (bytes.empty() || !accessors_.charge(bytes.size() * 2)) {
     builder_.fail("image " + std::to_string(index) + ": " +
-                  (bytes.empty() ? "its bytes are not in the file" : accessors_.problem()));
+                  (bytes.empty() ? "its bytes are missing in the file" : accessors_.problem()));
     return {};
   }
   std::string url = "data:";

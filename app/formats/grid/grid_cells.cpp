@@ -150,7 +150,7 @@ class GridSurface {
       add_cell(cell, shape, of_cell);
     });
     add_faces();
-    if (unknown_ > 0) builder_.warn(std::to_string(unknown_) + " cells of types that are not read are left out");
+    if (unknown_ > 0) builder_.warn(std::to_string(unknown_) + " cells of unsupported types are left out");
     if (short_ > 0) builder_.warn(std::to_string(short_) + " cells without all of their corners are left out");
     sort_data();
   }

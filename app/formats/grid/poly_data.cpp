@@ -143,7 +143,7 @@ class PolyBuilder {
           add(point, by_cell_ ? cell : point);
       }
     });
-    if (wrong > 0) builder_.warn(std::to_string(wrong) + " vertices use points that are not there; they are left out");
+    if (wrong > 0) builder_.warn(std::to_string(wrong) + " vertices use missing points and are left out");
     if (places.empty()) return;
     Geometry geometry;
     geometry.kind = Geometry::Kind::points;

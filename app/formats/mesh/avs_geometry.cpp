@@ -117,7 +117,7 @@ class AvsGeometryImporter {
     if (!cursor_.skip_space() || !cursor_.number(number)) return fail("expected a whole number");
     const auto left = static_cast<double>(cursor_.end - cursor_.next);
     if (!(number >= 0 && number <= left / static_cast<double>(bytes) + 1))
-      return fail("the file ends too early for this number");
+      return fail("the file ends before this number");
     value = static_cast<std::size_t>(number);
     return true;
   }
@@ -131,7 +131,7 @@ class AvsGeometryImporter {
     }
     const auto kind = vertex_kind_named(cursor_.word());
     if (!kind || (kind->height_only && primitive != Primitive::mesh))
-      return fail("expected what a vertex has: vertex, color, normal or normal_and_color");
+      return fail("expected the contents of a vertex: vertex, color, normal or normal_and_color");
     kind_ = *kind;
     if (smooth || primitive == Primitive::strip || primitive == Primitive::mesh)
       geometry.crease_angle = std::numbers::pi_v<float>;
@@ -249,7 +249,7 @@ class AvsGeometryImporter {
     std::size_t columns = 0, rows = 0;
     if (!count(columns, 1) || !count(rows, 1)) return false;
     if (columns == 0 || rows > static_cast<std::size_t>(cursor_.end - cursor_.next) / columns + 1)
-      return fail("the file ends too early for a mesh of this size");
+      return fail("the file ends before the end of the mesh");
     for (std::size_t row = 0; row < rows; ++row)
       for (std::size_t column = 0; column < columns; ++column) {
         glm::vec3 p(static_cast<float>(column), static_cast<float>(row), 0);

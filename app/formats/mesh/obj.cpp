@@ -142,7 +142,7 @@ class ObjImporter {
       library(rest(), start);
     } else {
       if (!known(keyword) && !complained_) {
-        builder_.warn("unknown statement '" + std::string(keyword.substr(0, 40)) + "' is skipped; this is said once",
+        builder_.warn("unknown statement '" + std::string(keyword.substr(0, 40)) + "' is skipped; reported once",
                       lines_.location(start));
         complained_ = true;
       }
@@ -271,7 +271,7 @@ class ObjImporter {
     key_.has_normals = has_normals;
     PartKey key = key_;
     if (parts_.size() >= kMaxParts && !parts_.contains(key)) {
-      if (!full_) builder_.warn("more than " + std::to_string(kMaxParts) + " groups; the rest is put together");
+      if (!full_) builder_.warn("more than " + std::to_string(kMaxParts) + " groups; the rest is merged");
       full_ = true;
       key.group = key.material = 0;
     }
@@ -365,8 +365,7 @@ class ObjImporter {
       positions.push(all_positions_[at]);
       if (!all_colors_.empty()) colors.push(all_colors_[at]);
     }
-    if (missing > 0)
-      builder_.fail(std::to_string(missing) + " points left out: they use vertices that the file does not have");
+    if (missing > 0) builder_.fail(std::to_string(missing) + " points left out, because they use missing vertices");
     geometry.positions = positions.take();
     geometry.colors = colors.take();
   }
@@ -412,7 +411,7 @@ class ObjImporter {
     const std::string& name = materials_used_.name(material);
     const auto found = materials_.find(name);
     if (found == materials_.end() && !name.empty() && read_file_)
-      builder_.warn("material " + name + " is in no library; the usual one is used");
+      builder_.warn("material " + name + " is in no library; the default material is used");
     const Look look = found == materials_.end() ? Look{} : found->second;
     entry->second = builder_.appearance(glows ? glowing(look) : look);
     builder_.name(entry->second, name);

@@ -48,7 +48,7 @@ class OffImporter {
     if (!kind) return builder_.fail("not an OFF file: expected OFF, COFF, NOFF or STOFF at the start", {1, 1});
     kind_ = *kind;
     if (kind_.four || kind_.any_dimension)
-      return builder_.fail("points of other than three dimensions (4OFF, nOFF); expected OFF", {1, 1});
+      return builder_.fail("the points are not three-dimensional (4OFF, nOFF); expected OFF", {1, 1});
     to_number();
     if (text_left().starts_with("BINARY")) return builder_.fail("a binary OFF file; expected text", place());
     std::array<std::int64_t, 3> counts{};
@@ -161,8 +161,8 @@ class OffImporter {
     return true;
   }
   bool stop(const std::string& what, std::size_t i, std::size_t count) {
-    problem_ = "the file ends too early, or has something else there: expected " + what + " (" + std::to_string(i + 1) +
-               " of " + std::to_string(count) + ")";
+    problem_ = "the file ends early or has other content; expected " + what + " (" + std::to_string(i + 1) + " of " +
+               std::to_string(count) + ")";
     return false;
   }
 

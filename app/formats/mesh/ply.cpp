@@ -166,7 +166,7 @@ class PlyImporter {
   bool complete(const PlyElement& element, std::uint64_t rows) {
     if (rows >= element.count) return true;
     builder_.fail("element " + element.name + ": row " + std::to_string(rows + 1) + " of " +
-                      std::to_string(element.count) + " is missing or broken; the rest of the file is not read",
+                      std::to_string(element.count) + " is missing or broken; the rest of the file is skipped",
                   source_.location());
     return false;
   }

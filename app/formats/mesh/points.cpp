@@ -60,8 +60,7 @@ class Gatherer {
   }
 
   ImportedCloud take() {
-    if (places_.empty())
-      return std::string(points_.format) + ": no point that can be shown; expected finite x y z and nx ny nz";
+    if (places_.empty()) return std::string(points_.format) + ": no usable point; expected finite x y z and nx ny nz";
     set_places(cloud_, places_);
     if (points_.areas.empty()) cloud_.weights = point_areas(cloud_.positions);
     qnv::Description& description = cloud_.description;
@@ -188,7 +187,7 @@ ImportedCloud import_points_ply(std::span<const std::byte> bytes, const WorldBud
   points.areas = table.column("area");
   if (!table.has("x") || !table.has("y") || !table.has("z")) return "PLY points: expected the properties x, y and z";
   if (!table.has("nx") || !table.has("ny") || !table.has("nz"))
-    return "PLY points: expected the properties nx, ny and nz: a point without a normal is no disc";
+    return "PLY points: expected the properties nx, ny and nz, because splats need normals";
   return Gatherer(points).take();
 }
 

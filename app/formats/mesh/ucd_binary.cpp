@@ -118,7 +118,7 @@ std::optional<UcdProblem> read_ucd_binary(std::span<const std::byte> bytes, UcdM
   if (little.holds_mesh() && (!big.holds_mesh() || little.mesh_bytes() >= big.mesh_bytes())) return little.read(mesh);
   if (big.holds_mesh()) return big.read(mesh);
   return UcdProblem{"the file ends too early: its nodes and cells need more bytes than the " +
-                    std::to_string(bytes.size()) + " that are there"};
+                    std::to_string(bytes.size()) + " of the file"};
 }
 
 }  // namespace gs::app

@@ -116,8 +116,7 @@ class LegacyImporter {
     return read == count || ends(read, count);
   }
   bool ends(std::uint64_t read, std::uint64_t count) {
-    problem_ = "there are " + std::to_string(read) + " numbers, or something else stands there; expected " +
-               std::to_string(count);
+    problem_ = "there are " + std::to_string(read) + " numbers, or other content; expected " + std::to_string(count);
     return false;
   }
   // Charges memory for `count` items, but at most for one per remaining byte.
@@ -145,7 +144,7 @@ class LegacyImporter {
     }
     if (keyword == "field") return field();
     if (!rows_) {
-      problem_ = "'" + keyword.substr(0, 80) + "' stands there; expected POINTS, POLYGONS, POINT_DATA and the like";
+      problem_ = "'" + keyword.substr(0, 80) + "' found; expected POINTS, POLYGONS, POINT_DATA or similar";
       return;
     }
     attribute(keyword);
@@ -190,7 +189,7 @@ class LegacyImporter {
       });
       if (!whole) return;
       if (!rising || !next_line() || word() != "connectivity") {
-        problem_ = "expected OFFSETS that rise, and CONNECTIVITY";
+        problem_ = "expected ascending OFFSETS, and CONNECTIVITY";
         return;
       }
       (void)numbers(word(), *all, [&](double corner) { cells.corners.push_back(corner_of(corner)); });
@@ -272,7 +271,7 @@ class LegacyImporter {
       if (components) values(title, word(), *components, nothing, false);
       return;
     }
-    problem_ = "'" + keyword.substr(0, 80) + "' stands there; expected SCALARS, VECTORS, NORMALS, FIELD and the like";
+    problem_ = "'" + keyword.substr(0, 80) + "' found; expected SCALARS, VECTORS, NORMALS, FIELD or similar";
   }
 
   void field() {

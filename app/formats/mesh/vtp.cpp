@@ -242,7 +242,7 @@ class VtpImporter {
       read.push_back(before + static_cast<std::size_t>(last));
     });
     if (!rising) {
-      builder_.fail("the offsets of cells fall, or are none");
+      builder_.fail("the offsets of cells are missing or not ascending");
       return false;
     }
     const auto corner_values = numbers(*corners, last);

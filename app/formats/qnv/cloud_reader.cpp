@@ -30,7 +30,7 @@ constexpr std::uint64_t kMostGradients = std::uint64_t{1} << 24;
 // Bytes per vector: stored and drawn; in cuts and caches of a packed stream; while sorting gradients.
 constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
-constexpr const char* kLate = "the time for loading is over; the rest of the file is left out";
+constexpr const char* kLate = "the time limit for loading was reached; the rest of the file is left out";
 
 class CloudFileReader {
  public:
@@ -121,10 +121,10 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
     report(decoder.header() ? Severity::warning : Severity::error,
            "byte " + std::to_string(problem.offset) + ": " + problem.message);
   if (decoder.refused_chunks() > 0 && !decoder.full())
-    report(Severity::warning, std::to_string(decoder.refused_chunks()) + " chunks make no sense and are left out");
+    report(Severity::warning, std::to_string(decoder.refused_chunks()) + " invalid chunks are left out");
   if (decoder.full())
     report(Severity::error,
-           "vectors take " + budget_->refusal(vrml::Resource::vectors) + "; the finer ones are left out");
+           "vectors need " + budget_->refusal(vrml::Resource::vectors) + "; the finer ones are left out");
   if (!decoder.header()) return std::nullopt;
   if (file_.to_draw) return decoder.cloud_to_draw();
   qnv::Cloud cloud = decoder.cloud();
@@ -172,8 +172,9 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
   Deadline deadline(limit_);
   auto found = qnv::gradient_vectors(std::get<qnv::VolumeSource>(opened), options, &deadline.progress);
   if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
-    report(Severity::error,
-           deadline.progress.cancelled ? "the time for loading is over before the volume was read" : problem->message);
+    report(Severity::error, deadline.progress.cancelled
+                                ? "the time limit for loading was reached before the volume was read"
+                                : problem->message);
     return std::nullopt;
   }
   return std::move(std::get<qnv::Cloud>(found));
@@ -340,7 +341,7 @@ std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene
   const auto& size = scene.get<vrml::SFVec3f>(node, "bboxSize");
   qnv::Cloud cloud;
   qnv::Description& d = cloud.description;
-  if (words.size() < 2) return "vectors holds no record; expected two numbers each";
+  if (words.size() < 2) return "the field vectors has no record; expected two numbers per record";
   const bool volume = scene.get<vrml::SFString>(node, "profile").view() == "VOLUME";
   const float largest = volume ? 1 : std::max({size.x * size.y, size.y * size.z, size.z * size.x});
   const glm::dvec3 middle(center), half = glm::dvec3(size) * 0.5;
@@ -350,7 +351,8 @@ std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene
   const bool framed = size.x >= 0 && size.y >= 0 && size.z >= 0 && largest > 0 && std::isfinite(largest) &&
                       std::isfinite(d.box.size().x + d.box.size().y + d.box.size().z);
   const qnv::RecordFrame frame = framed ? qnv::frame_for(d.box, largest) : qnv::RecordFrame{};
-  if (!framed || !qnv::valid(frame)) return "vectors need the box that they lie in; expected bboxCenter and bboxSize";
+  if (!framed || !qnv::valid(frame))
+    return "the field vectors needs its bounding box; expected bboxCenter and bboxSize";
   const std::size_t count = words.size() / 2;
   std::vector<std::byte> records;
   records.reserve(count * qnv::kRecordBytes);

@@ -78,7 +78,7 @@ std::string drawn_as(bool translucent, int harmonics) {
   std::string lost = translucent ? "opacity" : "";
   if (harmonics > 0)
     lost += std::string(translucent ? " and " : "") + "spherical harmonics up to degree " + std::to_string(harmonics);
-  return lost.empty() ? lost : "opaque discs, without their " + lost;
+  return lost.empty() ? lost : "opaque surface splats, without their " + lost;
 }
 
 void add_count(qnv::Description& description, const char* name, std::size_t count) {
@@ -153,8 +153,7 @@ qnv::Cloud cloud_of_splats(const SplatModel& model) {
 ImportedCloud import_result(const SplatModel& model) {
   qnv::Cloud cloud = cloud_of_splats(model);
   if (cloud.empty())
-    return model.format + ": no splat that can be shown (" + std::to_string(model.size()) +
-           " read, all too faint or with broken numbers)";
+    return model.format + ": no visible splat (" + std::to_string(model.size()) + " read, all too faint or not finite)";
   return cloud;
 }
 

@@ -55,9 +55,9 @@ std::variant<Section, std::string> read_section(std::span<const std::byte> bytes
   section.centers = start + section.partial_buckets * 4;
   section.data = section.centers + buckets * center_bytes;
   section.end = section.data + most * section.splat_bytes;
-  if (section.splats > most) return "a section with more splats than it has room for";
+  if (section.splats > most) return "a section with more splats than its capacity";
   if (section.data + section.splats * section.splat_bytes > bytes.size() || section.data < start)
-    return "the file ends too early: a section of " + std::to_string(section.splats) + " splats reaches beyond it";
+    return "the file ends too early: a section of " + std::to_string(section.splats) + " splats exceeds it";
   // The centres are looked up by index; keep their stride for that.
   if (mode > 0 && center_bytes != kCenterBytes)
     return "centres of buckets of " + std::to_string(center_bytes) + " bytes; expected 12";

@@ -43,7 +43,7 @@ std::optional<std::string> read_header(const std::byte* from, std::size_t file_b
   if (header.count == 0) return "an SPZ file without splats";
   // The reference implementation's rule: no real file packs better than this.
   if (header.count > std::uint64_t{file_bytes} * 1024 / 9)
-    return std::to_string(header.count) + " splats, which the file cannot hold";
+    return std::to_string(header.count) + " splats, which exceed the file";
   if (header.fraction_bits > 30) return std::to_string(header.fraction_bits) + " fraction bits; expected up to 30";
   return std::nullopt;
 }
@@ -122,7 +122,7 @@ void unpack(const Header& header, const std::array<Bytes, plane_count>& planes, 
 /// Unpacks a zstd frame piece by piece, so that memory follows the data and not what the header announces.
 std::optional<std::string> unzstd(Bytes packed, std::size_t expected, std::vector<std::byte>& to) {
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
-  if (!context) return "zstd could not be set up";
+  if (!context) return "zstd cannot be initialised";
   ZSTD_inBuffer in{packed.data(), packed.size(), 0};
   std::vector<std::byte> piece(ZSTD_DStreamOutSize());
   while (to.size() < expected) {
@@ -130,10 +130,10 @@ std::optional<std::string> unzstd(Bytes packed, std::size_t expected, std::vecto
     const std::size_t before = in.pos;
     const std::size_t left = ZSTD_decompressStream(context.get(), &out, &in);
     if (ZSTD_isError(left)) return std::string("the zstd data is damaged (") + ZSTD_getErrorName(left) + ")";
-    if (out.pos == 0 && in.pos == before) return "the zstd data ends too early";
+    if (out.pos == 0 && in.pos == before) return "the zstd data is truncated";
     to.insert(to.end(), piece.begin(), piece.begin() + static_cast<std::ptrdiff_t>(out.pos));
   }
-  if (to.size() != expected) return "a plane unpacks to more than its " + std::to_string(expected) + " bytes";
+  if (to.size() != expected) return "a plane decompresses to more than its " + std::to_string(expected) + " bytes";
   return std::nullopt;
 }
 
@@ -187,7 +187,7 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const W
   const std::size_t table = load_little<std::uint32_t>(bytes.data() + 16);
   if (streams < plane_count) return std::to_string(streams) + " streams; expected at least 5";
   if (table < kSpzHeaderBytes4 || table > bytes.size() || streams * 16 > bytes.size() - table)
-    return "the table of streams lies beyond the end of the file";
+    return "the table of streams exceeds the file";
   if (header.flags & kHasExtensions) read_extensions(bytes.subspan(kSpzHeaderBytes4, table - kSpzHeaderBytes4), model);
   model.announced = header.count;
   if (auto problem = model.draw(budget, header.count)) return problem;
@@ -205,7 +205,7 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const W
              std::to_string(expected);
     // Twice: a list that grows.
     if (!share.grow(2 * expected)) return "unpacks to " + budget->refusal(vrml::Resource::files);
-    if (packed > bytes.size() - at) return "the file ends too early: stream " + std::to_string(plane) + " is cut off";
+    if (packed > bytes.size() - at) return "the file ends too early: stream " + std::to_string(plane) + " is truncated";
     if (auto problem = unzstd(bytes.subspan(at, static_cast<std::size_t>(packed)), expected, data[plane]))
       return problem;
     planes[plane] = data[plane];

@@ -88,7 +88,7 @@ std::optional<std::string> read_fits_shape(FitsUnit& unit) {
     return card_found(header, "NAXIS") + "; expected an integer from 0 to " + std::to_string(kMostAxes);
   for (const auto& length : header.axis_lengths(static_cast<std::size_t>(*count))) {
     if (!length || *length < 0)
-      return card_found(header, "NAXIS" + std::to_string(unit.axes.size() + 1)) + "; expected an integer from 0 on";
+      return card_found(header, "NAXIS" + std::to_string(unit.axes.size() + 1)) + "; expected an integer of at least 0";
     unit.axes.push_back(static_cast<std::uint64_t>(*length));
   }
   return std::nullopt;
@@ -102,7 +102,7 @@ std::variant<std::uint64_t, std::string> fits_data_size(FitsUnit& unit, bool cou
     for (const auto& [keyword, to] : {std::pair("PCOUNT", &parameters), std::pair("GCOUNT", &unit.groups)}) {
       const auto value = header.integer(keyword);
       if (header.value(keyword) && (!value || *value < 0))
-        return card_found(header, keyword) + "; expected an integer from 0 on";
+        return card_found(header, keyword) + "; expected an integer of at least 0";
       if (value) *to = static_cast<std::uint64_t>(*value);
     }
   }
@@ -112,7 +112,7 @@ std::variant<std::uint64_t, std::string> fits_data_size(FitsUnit& unit, bool cou
   if (elements) *elements += parameters;  // both are below 2^63
   if (elements) elements = fits_product(*elements, unit.groups);
   if (elements) elements = fits_product(*elements, static_cast<std::uint64_t>(std::abs(unit.bits) / 8));
-  if (!elements) return std::string("the axes are so long that no file can hold the data");
+  if (!elements) return std::string("the axes are too long for a file");
   return *elements;
 }
 
@@ -197,7 +197,7 @@ std::variant<FitsUnit, std::string> read_fits_unit(std::span<const std::byte> fi
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
   const std::uint64_t bytes = std::get<std::uint64_t>(size);
   if (bytes > kMostFitsBytes - unit.header.data_begin() - kFitsBlock)
-    return std::string("the axes are so long that no file can hold the data");
+    return std::string("the axes are too long for a file");
   unit.end = unit.header.data_begin() + whole_blocks(bytes);
   const bool array = !extension || unit.header.text("XTENSION") == "IMAGE";
   unit.is_image = array && !unit.axes.empty() && std::find(unit.axes.begin(), unit.axes.end(), 0u) == unit.axes.end();

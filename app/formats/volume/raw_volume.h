@@ -24,6 +24,6 @@ struct RawVolume {
 [[nodiscard]] bool read_voxel_type(std::string_view text, RawVolume& raw);
 /// Syntax of read_voxel_type, for messages and help.
 inline constexpr std::string_view kVoxelTypes =
-    "u8, i8, u16, i16, u32, i32, f32 or f64, with be behind it if big-endian";
+    "u8, i8, u16, i16, u32, i32, f32 or f64, with the suffix be for big-endian";
 
 }  // namespace gs::app

@@ -16,13 +16,15 @@ namespace gs::app {
 namespace {
 
 VolumeResult open_without_header(const VolumeFile&) {
-  return "the file has no header; give its size and type with --dims XxYxZ --type " + std::string(kVoxelTypes);
+  return "the file has no header; state its size and type with --dims XxYxZ --type " + std::string(kVoxelTypes);
 }
 
 constexpr VolumeFormat kVolumeFormats[] = {
     {{"AVS field", ".fld ", nullptr, "application/x-avs-field"}, is_avs_field, open_avs_field},
     {{"NRRD", ".nrrd .nhdr ", nullptr, "application/x-nrrd", UpRule::slices}, is_nrrd, open_nrrd},
-    {{"MetaImage", ".mhd .mha ", nullptr, "application/x-metaimage", UpRule::patient_s}, is_meta_image, open_meta_image},
+    {{"MetaImage", ".mhd .mha ", nullptr, "application/x-metaimage", UpRule::patient_s},
+     is_meta_image,
+     open_meta_image},
     {{"NIfTI", ".nii .hdr .img ", nullptr, "application/x-nifti", UpRule::patient_r}, is_nifti, open_nifti},
     {{"FITS", ".fits .fit .fts ", nullptr, "image/fits"}, is_fits, open_fits},
     {{"VTK ImageData", ".vti ", nullptr, "application/x-vtk-image-data"}, is_vti, open_vti},
@@ -51,7 +53,7 @@ std::string known_formats() {
 
 VolumeResult open_as(const VolumeFormat* format, const VolumeFile& file, const RawVolume& raw) {
   if (raw.dimensions != std::array<std::uint32_t, 3>{}) return open_raw(file, raw);
-  if (!format) return "the format is not known; expected one of: " + known_formats();
+  if (!format) return "unknown format; expected one of: " + known_formats();
   VolumeResult result = format->open(file);
   if (const auto* problem = std::get_if<std::string>(&result)) return std::string(format->name.name) + ": " + *problem;
   return result;

@@ -152,14 +152,15 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
     voxels.offset = *header.end;
     return voxels;
   }
-  if (header.file.empty()) return std::string("neither two form feeds nor a line `variable 1 file=...` end the header");
+  if (header.file.empty())
+    return std::string("the header has no end; expected two form feeds or a line `variable 1 file=...`");
   const bool unformatted = header.file_type == "unformatted";
   if (header.file_type != "binary" && !unformatted)
     return "variable 1 is of the file type '" + header.file_type.substr(0, 80) + "'; expected binary or unformatted";
   BytesResult loaded = load_beside(file, header.file);
   if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
   voxels.content = std::get<SharedBytes>(std::move(loaded));
-  if (!(header.skip >= 0 && header.skip < 1e15)) return std::string("the skip of variable 1 is no count of bytes");
+  if (!(header.skip >= 0 && header.skip < 1e15)) return std::string("the skip of variable 1 is not a number of bytes");
   constexpr std::uint64_t kRecordMark = 4;  // size of a Fortran record mark
   voxels.offset = static_cast<std::uint64_t>(header.skip) + (unformatted ? kRecordMark : 0);
   return voxels;
@@ -182,7 +183,7 @@ VolumeResult open_avs_field(const VolumeFile& file) {
   if (!(header.dimensions >= 1 && header.dimensions <= 3) || header.dimensions != std::floor(header.dimensions))
     return std::string("ndim is not 1, 2 or 3");
   const auto dimensions = dimensions_of(std::span(header.sizes).first(static_cast<std::size_t>(header.dimensions)));
-  if (!dimensions) return std::string("dim1, dim2 or dim3 is missing; expected whole numbers from 1 on");
+  if (!dimensions) return std::string("dim1, dim2 or dim3 is missing; expected whole numbers above 0");
   layout.dimensions = *dimensions;
   auto found = voxels_of(file, header, *type);
   if (auto* problem = std::get_if<std::string>(&found)) return std::move(*problem);

@@ -130,7 +130,7 @@ SharedBytes shared_bytes(VoxelMemory memory) {
 
 std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uint64_t size, const WorldBudget& budget) {
   constexpr std::uint64_t kMostDeflateRatio = 1032;
-  if (size / kMostDeflateRatio > from) return plural(from) + " of packed data cannot hold " + plural(size);
+  if (size / kMostDeflateRatio > from) return plural(from) + " of compressed data cannot contain " + plural(size);
   VoxelMemory memory;
   memory.share = vrml::Share(budget, vrml::Resource::volumes);
   if (!memory.share.grow(size)) return plural(size) + " are " + budget->refusal(vrml::Resource::volumes);
@@ -143,7 +143,7 @@ std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::sp
   constexpr std::size_t kPiece = std::size_t{1} << 24;  // bytes between two checks of the time limit
   constexpr int kZlibOrGzip = 15 + 32;
   z_stream stream{};
-  if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) return "zlib could not be set up";
+  if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) return "zlib cannot be initialised";
   std::size_t given = 0, made = 0;
   int status = Z_OK;
   while (made < out.size() && status == Z_OK && !budget->stopped()) {
@@ -159,8 +159,8 @@ std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::sp
   }
   inflateEnd(&stream);
   if (made == out.size()) return std::nullopt;
-  return "the packed data " + std::string(status == Z_DATA_ERROR ? "is damaged" : "ends") + " after " + plural(made) +
-         "; expected " + std::to_string(out.size());
+  return "the compressed data " + std::string(status == Z_DATA_ERROR ? "is damaged" : "ends") + " after " +
+         plural(made) + "; expected " + std::to_string(out.size());
 }
 
 BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t size, const WorldBudget& budget) {
@@ -190,8 +190,8 @@ BytesResult load_bytes(const std::string& path, const WorldBudget& budget) {
 
 BytesResult load_beside(const VolumeFile& file, std::string_view name) {
   if (name.empty() || name.size() > 4096 || name.find('\0') != std::string_view::npos)
-    return std::string("the name of the data file is not one; expected the name of a file");
-  if (!file.read_beside) return std::string("the data file: files beside this one are not read");
+    return std::string("the name of the data file is invalid; expected a file name");
+  if (!file.read_beside) return std::string("the data file: other files are not read here");
   const std::string reference = net::reference_of_path(name);
   BytesResult loaded = file.read_beside(reference);
   // Retry without the folder, which may be outdated.
@@ -211,7 +211,7 @@ std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& la
   if (const auto problem = qnv::check(plain)) return problem->message;
   constexpr std::uint64_t kMostComponents = 1u << 12;
   if (components == 0 || components > kMostComponents)
-    return std::to_string(components) + " components a voxel; expected 1 to " + std::to_string(kMostComponents);
+    return std::to_string(components) + " components per voxel; expected 1 to " + std::to_string(kMostComponents);
   return qnv::voxel_count(layout) * size_of(type) * components;  // < 2^(48 + 3 + 12)
 }
 
@@ -244,7 +244,7 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
 std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text, std::uint64_t count,
                                                        StoredType type, const WorldBudget& budget) {
   if (count > (text.size() + 1) / 2)
-    return "a text of " + plural(text.size()) + " cannot hold " + std::to_string(count) + " numbers";
+    return "a text of " + plural(text.size()) + " cannot contain " + std::to_string(count) + " numbers";
   auto made = voxel_memory(text.size(), count * sizeof(double), budget);
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
   auto& out = std::get<VoxelMemory>(made);
@@ -253,7 +253,7 @@ std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte
     while (cursor.skip_space() && *cursor.next == ',') ++cursor.next;
     double value = 0;
     if (!cursor.number(value))
-      return "the text holds " + std::to_string(i) + " numbers; expected " + std::to_string(count);
+      return "the text contains " + std::to_string(i) + " numbers; expected " + std::to_string(count);
     std::memcpy(out.bytes.data() + i * sizeof(double), &value, sizeof(value));
   }
   StoredVoxels voxels;

@@ -26,7 +26,7 @@ std::variant<FitsUnit, std::string> find_image(std::span<const std::byte> file) 
     if (found.is_image) return std::move(found);
     if (found.header.is_true("ZIMAGE"))
       return "the image of header " + std::to_string(unit) +
-             " is compressed in tiles (ZIMAGE); expected one that is not (unpack it with funpack)";
+             " is compressed in tiles (ZIMAGE); decompress it with funpack first";
     // Arbitrary bytes may follow the last unit (3.5).
     if (found.end >= file.size() || !text_of(file.subspan(found.end)).starts_with("XTENSION="))
       return std::string("the file has no image; expected one of 2 or 3 axes");

@@ -96,7 +96,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
   voxels.offset = header.end;
   if (lower_case(header.data_file) != "local") {
     if (lower_case(header.data_file).starts_with("list") || header.data_file.find('%') != std::string::npos)
-      return std::string("its data lies in a list of files; expected LOCAL or one data file");
+      return std::string("the data is in a list of files; expected LOCAL or one data file");
     BytesResult loaded = load_beside(file, header.data_file);
     if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
     voxels.content = std::get<SharedBytes>(std::move(loaded));
@@ -136,13 +136,14 @@ VolumeResult open_meta_image(const VolumeFile& file) {
   if (!type) return "ElementType is '" + header.type.substr(0, 80) + "'; expected an integer or float type";
   std::vector<double> sizes = header.sizes;
   if (header.dimensions != static_cast<double>(sizes.size()) || sizes.empty())
-    return std::string("NDims and DimSize do not fit");
+    return std::string("NDims and DimSize do not match");
   while (sizes.size() > 3 && sizes.back() == 1) sizes.pop_back();
   const auto dimensions = dimensions_of(sizes);
-  if (!dimensions) return std::string("DimSize is not 1 to 3 whole numbers from 1 on");
+  if (!dimensions) return std::string("DimSize is not 1 to 3 whole numbers above 0");
   layout.dimensions = *dimensions;
   place(header, layout);
-  if (!(header.channels >= 1 && header.channels <= 4096)) return std::string("ElementNumberOfChannels is no count");
+  if (!(header.channels >= 1 && header.channels <= 4096))
+    return std::string("ElementNumberOfChannels is not a number of channels");
   const auto channels = static_cast<std::uint64_t>(header.channels);
   const auto size = stored_size(layout, *type, channels);
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;

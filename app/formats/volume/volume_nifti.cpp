@@ -250,8 +250,8 @@ VolumeResult open_nifti(const VolumeFile& file) {
     bytes = std::get<SharedBytes>(std::move(loaded));
   }
   const auto header = NiftiHeader::read(bytes.bytes);
-  if (!header) return std::string("no header of 348 (NIfTI-1, ANALYZE) or 540 bytes (NIfTI-2) stands at its begin");
-  if (!header->known_dimensions()) return std::string("the dimensions are wrong; expected 1 to 7 counts from 1 on");
+  if (!header) return std::string("no header of 348 (NIfTI-1, ANALYZE) or 540 bytes (NIfTI-2) at its start");
+  if (!header->known_dimensions()) return std::string("the dimensions are invalid; expected 1 to 7 numbers above 0");
   const std::optional<NiftiType> type = nifti_type_of(header->data_type());
   if (!type)
     return "the data type is " + std::to_string(header->data_type()) +
@@ -262,7 +262,7 @@ VolumeResult open_nifti(const VolumeFile& file) {
   for (std::size_t i = 0; i < 3 && static_cast<std::int64_t>(i) < header->dimension(0); ++i)
     sizes[i] = static_cast<double>(header->dimension(i + 1));
   const auto dimensions = dimensions_of(sizes);
-  if (!dimensions) return std::string("the dimensions are wrong; expected whole numbers from 1 on");
+  if (!dimensions) return std::string("the dimensions are invalid; expected whole numbers above 0");
   layout.dimensions = *dimensions;
   place(*header, layout);
   if (header->is_nifti() && header->number(kSlope) != 0) {

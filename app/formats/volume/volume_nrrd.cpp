@@ -122,7 +122,7 @@ std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
   constexpr double kMostComponents = 4096;
   const std::vector<double> sizes = numbers_of(header.sizes, kMostAxes);
   if (sizes.empty() || header.dimension != static_cast<double>(sizes.size()))
-    return "'dimension' and 'sizes: " + header.sizes.substr(0, 80) + "' do not fit";
+    return "'dimension' and 'sizes: " + header.sizes.substr(0, 80) + "' do not match";
   const auto vectors = vectors_of(header.directions);
   std::vector<std::string_view> kinds;
   TextCursor words(header.kinds.data(), header.kinds.data() + header.kinds.size());
@@ -140,22 +140,21 @@ std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
   NrrdAxes axes;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (spatial[i]) {
-      if (!axes.spatial.empty() && axes.skipped > 1)
-        return std::string("an axis that is not of space stands between those that are");
+      if (!axes.spatial.empty() && axes.skipped > 1) return std::string("a non-spatial axis is between spatial axes");
       axes.spatial.push_back(i);
       axes.sizes.push_back(sizes[i]);
     } else if (axes.spatial.empty()) {
       if (!(sizes[i] >= 1 && sizes[i] <= kMostComponents) || sizes[i] != std::floor(sizes[i]))
-        return "'sizes' has '" + header.sizes.substr(0, 80) + "'; expected 1 to 4096 components a voxel";
+        return "'sizes' has '" + header.sizes.substr(0, 80) + "'; expected 1 to 4096 components per voxel";
       axes.components *= static_cast<std::uint64_t>(sizes[i]);
       if (axes.components > static_cast<std::uint64_t>(kMostComponents))
-        return std::string("more than 4096 components a voxel");
+        return std::string("more than 4096 components per voxel");
     } else {
       axes.skipped = std::max(axes.skipped, sizes[i]);
     }
   }
   if (axes.spatial.size() > 3 || axes.spatial.empty())
-    return std::to_string(axes.spatial.size()) + " axes of space; expected 1 to 3";
+    return std::to_string(axes.spatial.size()) + " spatial axes; expected 1 to 3";
   return axes;
 }
 
@@ -184,7 +183,8 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
   std::size_t begin = header.size;
   if (header.detached) {
     if (lower_case(header.data_file).starts_with("list") || header.data_file.find('%') != std::string::npos)
-      return std::string("its data lies in a list of files; expected one data file (join them, e.g. with `unu save`)");
+      return std::string(
+          "the data is in a list of files; expected one data file (join them, for example with `unu save`)");
     BytesResult loaded = load_beside(file, header.data_file);
     if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
     voxels.content = std::get<SharedBytes>(std::move(loaded));
@@ -196,7 +196,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
   data = data.last(static_cast<std::size_t>(lines.end - lines.next));
   const bool from_end = header.byte_skip == -1 && header.encoding == "raw";
   if (!from_end && !(header.byte_skip >= 0 && header.byte_skip < 1e15))
-    return std::string("'byte skip' is no count of bytes");
+    return std::string("'byte skip' is not a number of bytes");
   const auto skip = from_end ? data.size() - std::min<std::uint64_t>(size, data.size())
                              : static_cast<std::uint64_t>(header.byte_skip);
   if (header.encoding == "raw") {
@@ -231,7 +231,7 @@ VolumeResult open_nrrd(const VolumeFile& file) {
   if (auto* problem = std::get_if<std::string>(&found)) return std::move(*problem);
   const NrrdAxes& axes = std::get<NrrdAxes>(found);
   const auto dimensions = dimensions_of(axes.sizes);
-  if (!dimensions) return "the sizes are '" + header.sizes.substr(0, 80) + "'; expected whole numbers from 1 on";
+  if (!dimensions) return "the sizes are '" + header.sizes.substr(0, 80) + "'; expected whole numbers above 0";
   layout.dimensions = *dimensions;
   place(header, axes, layout);
   const auto size = stored_size(layout, *type, axes.components);

@@ -43,7 +43,7 @@ std::optional<std::string> read_slc_header(std::span<const std::byte> bytes, Slc
   for (double& size : sizes)
     if (!read(size)) return "expected three sizes";
   const auto dimensions = dimensions_of(sizes);
-  if (!dimensions) return "expected three sizes, whole numbers from 1 on";
+  if (!dimensions) return "expected three sizes, whole numbers above 0";
   header.sizes = *dimensions;
   if (!read(header.bits)) return "expected the bits of a voxel";
   for (double& one : header.spacing)
@@ -111,7 +111,7 @@ std::variant<SharedBytes, std::string> unpack_slices(const VolumeFile& file, con
         std::span(voxels.bytes).subspan(static_cast<std::size_t>(z * slice), static_cast<std::size_t>(slice));
     if (!unpack_slice(bytes.subspan(at, static_cast<std::size_t>(length)), out)) return which + " is damaged";
     at += static_cast<std::size_t>(length);
-    if (file.budget->stopped()) return std::string("the time for reading it is over");
+    if (file.budget->stopped()) return std::string("the time limit for reading was reached");
   }
   return shared_bytes(std::move(voxels));
 }
@@ -131,7 +131,7 @@ VolumeResult open_slc(const VolumeFile& file) {
   if (!text_of(file.content.bytes).starts_with(kSlcMark)) return std::string("the file does not begin with 11111");
   SlcHeader header;
   if (auto problem = read_slc_header(file.content.bytes, header)) return std::move(*problem);
-  if (header.bits != 8) return std::string("voxels of other than 8 bits; expected 8");
+  if (header.bits != 8) return std::string("the voxels do not have 8 bits; expected 8");
   if (header.compression != 0 && header.compression != 1)
     return std::string("an unknown compression; expected 0 (none) or 1 (run lengths)");
   qnv::VolumeLayout layout;

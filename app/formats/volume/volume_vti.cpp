@@ -53,7 +53,7 @@ std::optional<std::string> place(const VtkXmlHeader& header, bool of_points, qnv
   for (std::size_t i = 0; i < 3; ++i) layout.origin[static_cast<int>(i)] = origin[i];
   const auto dimensions = dimensions_of(sizes);
   if (!dimensions)
-    return "the extent is '" + header.whole_extent.substr(0, 80) + "'; expected at least one point an axis";
+    return "the extent is '" + header.whole_extent.substr(0, 80) + "'; expected at least one point per axis";
   layout.dimensions = *dimensions;
   return std::nullopt;
 }
@@ -68,7 +68,7 @@ VolumeResult open_vti(const VolumeFile& file) {
   const VtkXmlHeader& header = std::get<VtkXmlHeader>(read);
   if (header.piece_count > 1) return std::to_string(header.piece_count) + " pieces; expected one";
   const VtkArray* array = choose(header);
-  if (!array) return std::string("there is no DataArray of numbers in PointData or CellData");
+  if (!array) return std::string("no numeric DataArray in PointData or CellData");
   qnv::VolumeLayout layout;
   if (auto problem = place(header, array->section == VtkSection::point_data, layout)) return std::move(*problem);
   add_metadata(layout, "array", array->name);

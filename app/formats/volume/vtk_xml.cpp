@@ -93,7 +93,7 @@ std::optional<VtkSection> section_of(std::string_view element) {
   static constexpr std::pair<std::string_view, VtkSection> kSections[] = {
       {"PointData", VtkSection::point_data}, {"CellData", VtkSection::cell_data}, {"Points", VtkSection::points},
       {"Verts", VtkSection::vertices},       {"Lines", VtkSection::lines},        {"Strips", VtkSection::strips},
-      {"Polys", VtkSection::polygons},        {"Cells", VtkSection::cells}};
+      {"Polys", VtkSection::polygons},       {"Cells", VtkSection::cells}};
   for (const auto& [name, section] : kSections)
     if (name == element) return section;
   return std::nullopt;
@@ -258,22 +258,22 @@ class VtkData {
   [[nodiscard]] BytesResult unpacked(std::uint64_t size) {
     const std::uint64_t word = wide_ ? 8 : 4, most_blocks = bytes_.bytes.size() / word;
     const SharedBytes start = first(3 * word);
-    if (start.bytes.size() < 3 * word) return std::string("the array ends in its table of blocks");
+    if (start.bytes.size() < 3 * word) return std::string("the array ends within its table of blocks");
     const std::uint64_t blocks = number_at(start.bytes, 0), block = number_at(start.bytes, 1),
                         last = number_at(start.bytes, 2);
-    if (blocks > most_blocks || last > block) return std::string("the array's table of blocks is wrong");
+    if (blocks > most_blocks || last > block) return std::string("the table of blocks of the array is invalid");
     const SharedBytes table = first((3 + blocks) * word);
-    if (table.bytes.size() < (3 + blocks) * word) return std::string("the array ends in its table of blocks");
+    if (table.bytes.size() < (3 + blocks) * word) return std::string("the array ends within its table of blocks");
     std::uint64_t packed = 0;
     for (std::uint64_t i = 0; i < blocks; ++i) {
       const std::uint64_t length = number_at(table.bytes, 3 + i);
       if (length > bytes_.bytes.size() || packed > bytes_.bytes.size())
-        return std::string("the array's table of blocks is wrong");
+        return std::string("the table of blocks of the array is invalid");
       packed += length;
     }
     const std::uint64_t begin = (3 + blocks) * word;
     const SharedBytes all = first(begin + packed);
-    if (all.bytes.size() < begin + packed) return std::string("the array's blocks are cut off");
+    if (all.bytes.size() < begin + packed) return std::string("the blocks of the array are truncated");
     auto memory = voxel_memory(packed, size, budget_);
     if (auto* problem = std::get_if<std::string>(&memory)) return std::move(*problem);
     auto& out = std::get<VoxelMemory>(memory);
@@ -288,7 +288,7 @@ class VtkData {
       made += part;
     }
     if (made < size)
-      return "the array's blocks hold " + std::to_string(made) + " bytes; expected " + std::to_string(size);
+      return "the blocks of the array have " + std::to_string(made) + " bytes; expected " + std::to_string(size);
     return shared_bytes(std::move(out));
   }
 
@@ -303,7 +303,7 @@ class VtkData {
 std::variant<VtkXmlHeader, std::string> read_vtk_xml(std::span<const std::byte> bytes, std::string_view type) {
   const std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser(XML_ParserCreate(nullptr),
                                                                                              XML_ParserFree);
-  if (!parser) return std::string("the XML parser could not be set up");
+  if (!parser) return std::string("the XML parser cannot be initialised");
   VtkParse parse;
   parse.parser = parser.get();
   XML_SetUserData(parser.get(), &parse);
@@ -317,7 +317,7 @@ std::variant<VtkXmlHeader, std::string> read_vtk_xml(std::span<const std::byte> 
                                         static_cast<int>(piece.size()), last ? 1 : 0);
     if (status == XML_STATUS_ERROR && !parse.header.appended)
       return "line " + std::to_string(XML_GetCurrentLineNumber(parser.get())) +
-             " is no XML: " + XML_ErrorString(XML_GetErrorCode(parser.get()));
+             " is not XML: " + XML_ErrorString(XML_GetErrorCode(parser.get()));
   }
   if (parse.header.type != type)
     return "the VTKFile is of the type '" + parse.header.type.substr(0, 80) + "'; expected " + std::string(type);
@@ -350,7 +350,7 @@ std::variant<StoredVoxels, std::string> vtk_values(const SharedBytes& file, cons
   SharedBytes data{file.owner, inside};
   bool base64 = true;
   if (array.format == "appended") {
-    if (!header.appended) return std::string("an array is said to be appended, but there is no AppendedData");
+    if (!header.appended) return std::string("an array refers to AppendedData, but the file has none");
     TextCursor cursor(bytes.subspan(*header.appended));
     if (!cursor.skip_space() || *cursor.next != '_') return std::string("AppendedData does not begin with '_'");
     data.bytes = bytes.last(static_cast<std::size_t>(cursor.end - cursor.next) - 1);

@@ -435,7 +435,8 @@ void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
   render::CloudLook look = model.look;
   if (!model.has_surface_clouds && !model.has_volumes) {
     ImGui::PushTextWrapPos(0);
-    colored_text(UiColors::kQuiet, "This world has no volume and no vectors.");
+    colored_text(UiColors::kQuiet,
+                 "This world has no volume and no vectors. This panel edits their colours and opacity.");
     ImGui::PopTextWrapPos();
   } else {
     color_by_row(look);

@@ -154,7 +154,7 @@ TEST_CASE("limits and stops a child program, and reports its failure") {
   CHECK(run_child("/nowhere", {}, {}, stop.get_token()).has_value());
   ChildLimits limits;
   limits.time = std::chrono::seconds(0);
-  CHECK(run_child("/bin/sh", {"-c", "sleep 1000"}, limits, stop.get_token())->message == "takes too long");
+  CHECK(run_child("/bin/sh", {"-c", "sleep 1000"}, limits, stop.get_token())->message == "exceeded the time limit");
   stop.request_stop();
   CHECK(run_child("/bin/sh", {"-c", "sleep 1000"}, {}, stop.get_token())->message == "was stopped");
 }
@@ -299,7 +299,7 @@ TEST_CASE("serve: reports files that cannot be served") {
   CHECK(std::holds_alternative<std::string>(Archive::start(options)));
   options = options_for(folder, cache);
   options.cache = folder.path("cache");
-  CHECK(std::get<std::string>(Archive::start(options)).find("lies in the folder that is served") != std::string::npos);
+  CHECK(std::get<std::string>(Archive::start(options)).find("is inside the served folder") != std::string::npos);
   options = options_for(folder, cache);
   options.bind = "elsewhere";
   CHECK(std::holds_alternative<std::string>(Archive::start(options)));

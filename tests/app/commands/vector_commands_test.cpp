@@ -56,7 +56,7 @@ TEST_CASE("encode: makes a stream with the area, title and source of a world, an
 
 TEST_CASE("encode and info report which properties of splats are discarded") {
   const ScratchFolder folder;
-  const std::string note = "splats are drawn as opaque discs, without their opacity";
+  const std::string note = "splats are drawn as opaque surface splats, without their opacity";
   std::string opaque;
   for (const float f : {1.0f, 2.0f, 3.0f, 0.5f, 0.25f, 0.001f}) opaque.append(reinterpret_cast<const char*>(&f), 4);
   opaque += "\x10\x20\x30\xff\xff\x80\x80\x80";
@@ -64,7 +64,7 @@ TEST_CASE("encode and info report which properties of splats are discarded") {
   translucent[27] = '\x40';
   const std::string a = folder.write("opaque.splat", opaque), b = folder.write("glass.splat", translucent),
                     out = folder.path("out.qnv");
-  CHECK(run("encode " + quoted(a) + " " + quoted(out)).output.find("opaque discs") == std::string::npos);
+  CHECK(run("encode " + quoted(a) + " " + quoted(out)).output.find("opaque surface splats") == std::string::npos);
   CHECK_FALSE(info(a)["metadata"].contains("splats drawn as"));
   const Run encoded = run("encode " + quoted(b) + " " + quoted(out) + " 2>&1 >/dev/null");
   CHECK(encoded.status == kDone);
@@ -74,7 +74,7 @@ TEST_CASE("encode and info report which properties of splats are discarded") {
   CHECK("splats are drawn as " + nlohmann::json::parse(told.output)["metadata"]["splats drawn as"].get<std::string>() ==
         note);
   CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats drawn as: opaque discs") != std::string::npos);
-  CHECK(info(out)["metadata"]["splats drawn as"] == "opaque discs, without their opacity");
+  CHECK(info(out)["metadata"]["splats drawn as"] == "opaque surface splats, without their opacity");
 }
 
 TEST_CASE("removes unfinished files of killed processes beside the output of a command") {
@@ -137,7 +137,8 @@ TEST_CASE("encode: adds the mesh itself with --exact, and export writes it") {
             .status == kFailed);
 }
 
-TEST_CASE("encode: ends a smooth surface with the mesh itself unless --exact=none, and info prints its progress") {
+TEST_CASE(
+    "encode: ends a smooth surface with the mesh itself unless --exact=none, and info prints its progress") {
   const ScratchFolder folder;
   std::string text;
   constexpr int kSide = 60;
@@ -146,8 +147,9 @@ TEST_CASE("encode: ends a smooth surface with the mesh itself unless --exact=non
             std::to_string(4 * std::sin(0.2 * (i % kSide)) * std::cos(0.15 * (i / kSide))) + '\n';
   for (int i = 0; i + kSide < kSide * kSide; ++i)
     if (i % kSide != kSide - 1)
-      text += "f " + std::to_string(i + 1) + ' ' + std::to_string(i + 2) + ' ' + std::to_string(i + kSide + 1) + "\nf " +
-              std::to_string(i + 2) + ' ' + std::to_string(i + kSide + 2) + ' ' + std::to_string(i + kSide + 1) + '\n';
+      text += "f " + std::to_string(i + 1) + ' ' + std::to_string(i + 2) + ' ' + std::to_string(i + kSide + 1) +
+              "\nf " + std::to_string(i + 2) + ' ' + std::to_string(i + kSide + 2) + ' ' +
+              std::to_string(i + kSide + 1) + '\n';
   const std::string mesh = folder.write("waves.obj", text), out = folder.path("waves.qnv");
   REQUIRE(run("encode " + quoted(mesh) + " " + quoted(out)).status == kDone);
   const nlohmann::json facts = info(out);

@@ -433,7 +433,7 @@ TEST_CASE("refuses data that are referenced very often") {
   const Imported result = gltf(asset.glb(R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[)" + primitives +
                                          R"({"attributes":{"POSITION":0}}]}])"));
   CHECK(result.diagnostics.errors() > 100);
-  CHECK(result.messages().find("the asset uses its data too often") != std::string::npos);
+  CHECK(result.messages().find("the asset refers to its data too many times") != std::string::npos);
   CHECK(result.all("Shape").size() > 100);
 }
 

@@ -286,7 +286,7 @@ TEST_CASE("reports errors in a grid, and shows the rest") {
     return result.all("Shape").size();
   };
   const Cell box = kBoxes[0];
-  CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {box, {36, {0, 1, 2}}}), "types that are not read") == 1);
+  CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {box, {36, {0, 1, 2}}}), "of unsupported types") == 1);
   for (const std::vector<int>& faces : std::vector<std::vector<int>>{
            {2, 3, 0, 1, 2}, {1, 4, 0, 1, 2}, {-1, 3, 0, 1, 2}, {1, -3, 0, 1, 2}, {1, 2, 0, 1}, {2000000000, 3, 0}, {0}})
     CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {box, {42, faces}}), "without all of their corners") == 1);

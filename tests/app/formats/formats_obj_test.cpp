@@ -101,9 +101,9 @@ TEST_CASE("reports material libraries that cannot be read") {
   CHECK(silent.messages().find("test:1:1: note: material library a b.mtl is not read\n") == 0);
   const Imported missing = obj(text, files({{"c.mtl", "newmtl y\nKd broken\n"}}));
   CHECK(missing.messages() ==
-        "test:1:1: warning: material library a b.mtl cannot be read: there is no a b.mtl\n"
-        "test: warning: material library c.mtl, line 2: broken Kd; it is skipped\n"
-        "test: warning: material x is in no library; the usual one is used\n");
+        "test:1:1: warning: material library a b.mtl cannot be read: there is no a b.mtl\ntest: warning: material "
+        "library c.mtl, line 2: broken Kd; it is skipped\ntest: warning: material x is in no library; the default "
+        "material is used\n");
   CHECK(missing.corners().size() == 4);
 }
 
@@ -141,12 +141,11 @@ TEST_CASE("drops only the face of a broken line, and reports its position") {
           "blah\nf 1 3 4 # end\n");
   CHECK(result.corners() == std::vector<std::int32_t>{0, 1, 2, -1, 0, 2, 3, -1});
   CHECK(result.messages() ==
-        "test:2:1: error: broken vertex; expected: v X Y Z\n"
-        "test:6:3: error: broken element; expected at least 3 of V, V/T, V//N or V/T/N\n"
-        "test:7:1: error: broken element; expected at least 3 of V, V/T, V//N or V/T/N\n"
-        "test:10:1: error: broken element; expected at least 3 of V, V/T, V//N or V/T/N\n"
-        "test:11:1: warning: unknown statement 'blah' is skipped; this is said once\n"
-        "test: error: 2 faces left out: they use vertices that the file does not have; expected indices below 4\n");
+        "test:2:1: error: broken vertex; expected: v X Y Z\ntest:6:3: error: broken element; expected at least 3 of V, "
+        "V/T, V//N or V/T/N\ntest:7:1: error: broken element; expected at least 3 of V, V/T, V//N or V/T/N\ntest:10:1: "
+        "error: broken element; expected at least 3 of V, V/T, V//N or V/T/N\ntest:11:1: warning: unknown statement "
+        "'blah' is skipped; reported once\ntest: error: 2 faces left out, because they use missing vertices; expected "
+        "indices below 4\n");
 }
 
 TEST_CASE("survives numbers that cannot be indices") {

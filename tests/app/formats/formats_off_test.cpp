@@ -75,7 +75,7 @@ TEST_CASE("detects OFF by its first word, and refuses SOG by name") {
     const ContentType& type = content_type_of("x", bytes);
     CHECK(type.name == "SOG");
     const ImportedCloud refused = type.import_cloud(bytes, own_budget());
-    CHECK(std::get<std::string>(refused).starts_with("SOG (splats as WebP pictures) is not read; expected"));
+    CHECK(std::get<std::string>(refused).starts_with("SOG (splats as WebP pictures) is not supported; convert"));
   }
   CHECK(content_type_list().find("SOG") == std::string::npos);
   CHECK(content_type_of("a.json", bytes_of("{\"version\":2}")).name == "VRML97");

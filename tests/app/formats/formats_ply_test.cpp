@@ -155,7 +155,7 @@ TEST_CASE("leaves out points that are not finite") {
           "1 2 3 255 0 0\nnan nan nan 0 255 0\n4 5 6 0 0 255\n");
   CHECK(result.points() == std::vector<glm::vec3>{{1, 2, 3}, {4, 5, 6}});
   CHECK(result.colors() == std::vector<Color>{{1, 0, 0}, {0, 0, 1}});
-  CHECK(result.messages() == "test: warning: 1 points left out: their coordinates are not finite numbers\n");
+  CHECK(result.messages() == "test: warning: 1 points left out, because their coordinates are not finite\n");
 }
 
 TEST_CASE("reads normals, texture coordinates and the texture") {
@@ -185,7 +185,7 @@ TEST_CASE("reads colours and texture coordinates of faces") {
   CHECK(result.values<gs::vrml::MFInt32>(faces, "texCoordIndex") ==
         std::vector<std::int32_t>{0, 1, 2, -1, 6, 7, 8, -1});
   CHECK(result.messages() ==
-        "test: error: 1 faces left out: they use vertices that the file does not have; expected indices below 4\n");
+        "test: error: 1 faces left out, because they use missing vertices; expected indices below 4\n");
 }
 
 TEST_CASE("converts strips to triangles, and edges to lines") {
@@ -253,7 +253,7 @@ TEST_CASE("ends an ASCII PLY at a broken row, and reports its position") {
           "0 0 0\n1 abc 0\n0 1 0\n");
   CHECK(result.points().size() == 1);
   CHECK(result.messages() ==
-        "test:9:3: error: element vertex: row 2 of 3 is missing or broken; the rest of the file is not read\n");
+        "test:9:3: error: element vertex: row 2 of 3 is missing or broken; the rest of the file is skipped\n");
 }
 
 TEST_CASE("survives every truncation and every changed byte of a PLY") {

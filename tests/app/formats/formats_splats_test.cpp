@@ -108,11 +108,11 @@ TEST_CASE("names the opacity and the harmonics that splats lose") {
   model.opacities[0] = 252.0f / 255;  // of our exports
   CHECK(drawn().empty());
   model.harmonics = 3;
-  CHECK(drawn() == "opaque discs, without their spherical harmonics up to degree 3");
+  CHECK(drawn() == "opaque surface splats, without their spherical harmonics up to degree 3");
   model.opacities[0] = 0.5f;
-  CHECK(drawn() == "opaque discs, without their opacity and spherical harmonics up to degree 3");
+  CHECK(drawn() == "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
   model.harmonics = 0;
-  CHECK(drawn() == "opaque discs, without their opacity");
+  CHECK(drawn() == "opaque surface splats, without their opacity");
   // A splat that is left out loses nothing.
   model.resize(2);
   model.opacities = {1, 0.001f};
@@ -141,7 +141,7 @@ TEST_CASE("reads 2DGS PLY") {
   CHECK(cloud.weights[0] == Approx(2 * kPi));
   CHECK(cloud.weights[1] == Approx(4 * kPi));  // ln 2
   CHECK(cloud.colors[1] == Rgb8{255, 128, 0});
-  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque discs, without their opacity");
+  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque surface splats, without their opacity");
   check_hostile(import_splats_ply, bytes_of(k2dgs));
 }
 
@@ -157,9 +157,9 @@ TEST_CASE("finds the degree of the harmonics in a PLY file") {
     text.insert(text.find("end_header"), header);
     const std::string drawn = metadata(cloud_of(import_splats_ply, bytes_of(text)), kSplatsDrawnAs);
     INFO(text);
-    CHECK(drawn == (degree == 0
-                        ? std::string()
-                        : "opaque discs, without their spherical harmonics up to degree " + std::to_string(degree)));
+    CHECK(drawn == (degree == 0 ? std::string()
+                                : "opaque surface splats, without their spherical harmonics up to degree " +
+                                      std::to_string(degree)));
   }
 }
 
@@ -176,7 +176,7 @@ TEST_CASE("reads 3DGS PLY of a trained scene") {
   REQUIRE(cloud.size() == 1000);
   CHECK(metadata(cloud, "splats not discs") == "865");
   CHECK(metadata(cloud, kSplatsDrawnAs) ==
-        "opaque discs, without their opacity and spherical harmonics up to degree 3");
+        "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
   // Computed from the file by other means, in double precision.
   CHECK(cloud.description.total == Approx(12.003164223254227).epsilon(1e-5));
   CHECK(near(cloud.positions[500], {-3.191091775894165f, -0.17911396920681f, 1.1883732080459595f}));
@@ -213,7 +213,7 @@ TEST_CASE("reads antimatter .splat, and every prefix as a scene") {
   CHECK(near(cloud.normals[1] * cloud.normals[1], {0, 1, 0}));
   CHECK(cloud.colors[0] == Rgb8{255, 0, 51});
   CHECK(metadata(cloud, "splats too faint") == "1");
-  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque discs, without their opacity");
+  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque surface splats, without their opacity");
   CHECK(metadata(cloud_of(import_splats_antimatter, Bytes(bytes.begin(), bytes.begin() + 32)), kSplatsDrawnAs).empty());
   bytes.resize(70);
   CHECK(metadata(cloud_of(import_splats_antimatter, bytes), "splats missing") == "1");
@@ -271,7 +271,7 @@ TEST_CASE("reads .ksplat with floats") {
   CHECK(cloud.weights[0] == Approx(kPi / 4));
   CHECK(cloud.colors[0] == Rgb8{10, 20, 30});
   CHECK(near(cloud.normals[0], {0, 0, -1}));
-  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque discs, without their spherical harmonics up to degree 1");
+  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque surface splats, without their spherical harmonics up to degree 1");
   Bytes wrong = bytes;
   wrong[0] = std::byte{1};
   CHECK(problem_of(import_splats_ksplat, wrong).find("version 1.1") != std::string::npos);
@@ -380,7 +380,7 @@ TEST_CASE("reads SPZ versions 1 to 3") {
     lossy[16 + (version == 1 ? 12 : 18)] = std::byte{128};
     lossy.resize(lossy.size() + 2 * 24);
     CHECK(metadata(cloud_of(import_splats_spz, gzip(lossy)), kSplatsDrawnAs) ==
-          "opaque discs, without their opacity and spherical harmonics up to degree 2");
+          "opaque surface splats, without their opacity and spherical harmonics up to degree 2");
     check_hostile(import_splats_spz, bytes);
     // Rubbish that unpacks.
     Bytes data = spz(version);
@@ -403,9 +403,9 @@ TEST_CASE("allocates nothing for SPZ counts that the file cannot hold") {
   bytes.resize(32);
   const std::uint32_t count = 60'000'000;
   std::memcpy(&bytes[8], &count, 4);
-  CHECK(problem_of(import_splats_spz, bytes).find("cannot hold") != std::string::npos);
+  CHECK(problem_of(import_splats_spz, bytes).find("which exceed the file") != std::string::npos);
   std::memcpy(&bytes[4], "\x03\0\0\0", 4);
-  CHECK(problem_of(import_splats_spz, gzip(bytes)).find("cannot hold") != std::string::npos);
+  CHECK(problem_of(import_splats_spz, gzip(bytes)).find("which exceed the file") != std::string::npos);
 }
 
 TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
@@ -474,8 +474,9 @@ TEST_CASE("names what splats of a compressed PLY file lose") {
     return metadata(cloud_of(import_splats_compressed_ply, bytes), kSplatsDrawnAs);
   };
   CHECK(compressed(0x808080ffu, false).empty());
-  CHECK(compressed(0x80808080u, false) == "opaque discs, without their opacity");
-  CHECK(compressed(0x80808080u, true) == "opaque discs, without their opacity and spherical harmonics up to degree 2");
+  CHECK(compressed(0x80808080u, false) == "opaque surface splats, without their opacity");
+  CHECK(compressed(0x80808080u, true) ==
+        "opaque surface splats, without their opacity and spherical harmonics up to degree 2");
 }
 
 }  // namespace

@@ -215,7 +215,7 @@ TEST_CASE("VTP: reports errors, and shows the rest") {
   CHECK(told("<VTKFile type=\"PolyData\"", "XML") == 0);
   CHECK(told("<VTKFile type=\"PolyData\"></VTKFile>", "no points") == 0);
   CHECK(told(changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"100000000000\""), "2^31") == 0);
-  CHECK(told(changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"2000000000\""), "cannot hold") == 0);
+  CHECK(told(changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"2000000000\""), "cannot contain") == 0);
   CHECK(told(changed("NumberOfPolys=\"1\"", "NumberOfPolys=\"2000000000\""), "offsets") == 3);
   CHECK(told(changed("> 0 1 2 3</DataArray>", "> 0 1 2 77</DataArray>"), "") == 3);
   CHECK(told(changed("type=\"Float64\" Name=\"temperature\"", "type=\"String\" Name=\"temperature\""), "") == 3);

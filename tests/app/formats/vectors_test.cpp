@@ -218,7 +218,7 @@ TEST_CASE("adds a note to a world of translucent splats about how they are drawn
   splat += "\x10\x20\x30\x40\xff\x80\x80\x80";
   const OpenedWorld world = load_world(folder.write("glass.splat", splat));
   CHECK(said(world) ==
-        folder.path("glass.splat") + ": note: splats are drawn as opaque discs, without their opacity\n");
+        folder.path("glass.splat") + ": note: splats are drawn as opaque surface splats, without their opacity\n");
   splat[27] = '\xff';
   CHECK(said(load_world(folder.write("opaque.splat", splat))).empty());
 }

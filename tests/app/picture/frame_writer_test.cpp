@@ -44,7 +44,7 @@ TEST_CASE("writes a movie file at the end, over movies only") {
   CHECK_FALSE(writer->finish());
   CHECK(folder.read("a.mp4").substr(4, 4) == "ftyp");
   CHECK(writer->what().starts_with("MP4 (H.264) by "));
-  CHECK(writer->add({3, 3, 3, std::vector<std::uint8_t>(27)})->find("of one size") != std::string::npos);
+  CHECK(writer->add({3, 3, 3, std::vector<std::uint8_t>(27)})->find("the same size") != std::string::npos);
   folder.write("w.webm", "a world");
   auto refused = FrameWriter::open(folder.path("w.webm"), {16, 8}, 25, 0);
   REQUIRE(std::holds_alternative<std::string>(refused));

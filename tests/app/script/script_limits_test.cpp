@@ -179,7 +179,7 @@ TEST_CASE("stops a program that sends itself an event for each event, per timest
   const std::int32_t first = calls();
   CHECK(first > 10'000);  // more than the 1,000 Scripts of a large world
   CHECK(first < 100'000);
-  CHECK(world.execution().problem().find("more work than may be done") != std::string::npos);
+  CHECK(world.execution().problem().find("exceed the limit of work") != std::string::npos);
   world.step(2);
   world.send("S.again", std::int32_t{0});
   CHECK(calls() > first);

@@ -52,7 +52,7 @@ TEST_CASE("keeps the received part when a cell server stops") {
   LoadOptions options;
   options.timeout_seconds = 60;
   const OpenedWorld world = interrupted(site, options, [&] { site.archive.reset(); });
-  CHECK(tells(world.diagnostics, "the server stops"));
+  CHECK(tells(world.diagnostics, "the server is stopping"));
   REQUIRE(world.scene);
   CHECK(world.truncated);
   CHECK(cloud_of_world(world).size() > 1000);

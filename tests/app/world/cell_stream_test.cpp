@@ -90,7 +90,7 @@ TEST_CASE("reports sources that cannot be read as cells") {
   CHECK(tells(none.diagnostics, "not found"));
   const OpenedWorld other = load_world(site.url("world.wrl"));
   CHECK_FALSE(other.scene);
-  CHECK(tells(other.diagnostics, "no QNV stream"));
+  CHECK(tells(other.diagnostics, "not a QNV stream"));
   const OpenedWorld bad = load_world("cells://127.0.0.1:99999/a.qnv");
   CHECK_FALSE(bad.scene);
   CHECK(tells(bad.diagnostics, "expected cells://HOST:PORT/PATH"));
@@ -100,7 +100,7 @@ TEST_CASE("reports sources that cannot be read as cells") {
   impatient.timeout_seconds = 0.5;
   const OpenedWorld silent = load_world(url, impatient);
   CHECK_FALSE(silent.scene);
-  CHECK(tells(silent.diagnostics, "time for loading is over"));
+  CHECK(tells(silent.diagnostics, "time limit for loading was reached"));
 }
 
 TEST_CASE("requests and receives only a part of a stream") {

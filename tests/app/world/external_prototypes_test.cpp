@@ -130,7 +130,7 @@ TEST_CASE("shows the children of an EXTERNPROTO that cannot be loaded, with one 
   CHECK(count("a.wrl:2:13: warning: EXTERNPROTO Region: cannot find 'urn:nobody:Region' or the 1 others") == 1);
   CHECK(count("EXTERNPROTO Region") == 1);
   CHECK(count("EXTERNPROTO Other: cannot find 'gone.wrl#Other'") == 1);
-  CHECK(count("a stand-in takes its place") == 2);
+  CHECK(count("a stand-in replaces it") == 2);
   CHECK(count("EXTERNPROTO Nothing: cannot find 'gone2.wrl'") == 1);
   CHECK(count("warning: ") == 3);
   CHECK(count("error: ") == 0);
@@ -176,8 +176,8 @@ TEST_CASE("has stand-ins for nodes of Blaxxun and Cosmo worlds, with and without
     CHECK(undeclared.colors == std::vector<glm::vec3>{kRed, kRed});
     CHECK(declared.messages.find("error: ") == std::string::npos);
     // Once, and fields that the stand-in has not are passed over.
-    const std::string warning =
-        "a.wrl:2:1: warning: '" + type + "' is no node of VRML97, but of other browsers; a stand-in takes its place\n";
+    const std::string warning = "a.wrl:2:1: warning: '" + type +
+                                "' is not a VRML97 node, but an extension of other browsers; a stand-in replaces it\n";
     CHECK(undeclared.messages.ends_with(warning));
     CHECK(undeclared.messages.find('\n') + 1 == undeclared.messages.size());
   }

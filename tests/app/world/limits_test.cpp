@@ -305,7 +305,7 @@ TEST_CASE("ends nested Inlines in data URLs") {
   REQUIRE(world.scene);
   std::string said;
   for (const auto& diagnostic : world.diagnostics.entries()) said += diagnostic.text() + "\n";
-  CHECK(said.find("leads back to") != std::string::npos);
+  CHECK(said.find("refers back to") != std::string::npos);
 }
 
 TEST_CASE("stops a world of too many files, and names the limit") {

@@ -211,7 +211,7 @@ TEST_CASE("leaves out broken and cyclic references, and reports them") {
                    "\"gone2.wrl\" P { }\n"));
   REQUIRE(world.scene);
   const std::string text = said(world);
-  CHECK(text.find("Inline leads back to") != std::string::npos);
+  CHECK(text.find("Inline refers back to") != std::string::npos);
   CHECK(text.find("a.wrl:3:1: warning: Inline: cannot find 'gone.wrl' or the 1 others") != std::string::npos);
   CHECK(text.find("x.png: ") != std::string::npos);
   CHECK(text.find("EXTERNPROTO P: cannot find 'gone2.wrl'") != std::string::npos);
@@ -274,5 +274,5 @@ TEST_CASE("leaves out a bitmap of height 0 in a data: URL with a message") {
   INFO(said(world));
   REQUIRE(world.scene);
   CHECK(world.images.empty());
-  CHECK(said(world).find("it has no pixels: its size is 9 x 0") != std::string::npos);
+  CHECK(said(world).find("it has no pixels; its size is 9 x 0") != std::string::npos);
 }

@@ -238,7 +238,7 @@ TEST_CASE("ends stalled loads at the time limit") {
   const OpenedWorld world = load_world("memory://a/world.wrl", web.options);
   REQUIRE(world.scene);
   CHECK(world.scene->roots().size() == 4);
-  CHECK(said(world).find("the time for loading is over") != std::string::npos);
+  CHECK(said(world).find("the time limit for loading was reached") != std::string::npos);
 }
 
 TEST_CASE("keeps files from a document of the network, and the network from offline sessions") {

@@ -62,7 +62,7 @@ TEST_CASE("refuses URLs without a host for every origin if their scheme requires
     for (const char* from : {"", "file:///w/w.wrl", "http://a/b.wrl", "ftp://a/b.wrl"}) {
       INFO(from << " to " << to);
       CHECK(refusal(from, to) ==
-            "it names no host or an invalid port; expected " + parse_url(to).scheme + "://HOST:PORT/PATH");
+            "it has no host or an invalid port; expected " + parse_url(to).scheme + "://HOST:PORT/PATH");
     }
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("refuses user names and passwords from a document") {
   for (const char* from : {"http://a/w.wrl", "https://a/w.wrl", "file:///w.wrl", "cells://a/w"})
     for (const char* to : {"https://user@b/", "https://user:password@b/", "https://@b/", "https://x@a:1@b/"}) {
       INFO(from << " " << to);
-      CHECK(refusal(from, to) == "a document may not name a user or a password; expected https://HOST/PATH");
+      CHECK(refusal(from, to) == "a document may not specify a user or password; expected https://HOST/PATH");
     }
   CHECK(refusal("file:///w.wrl", "cells://user:password@b/x").find("password") != std::string::npos);
   // A relative reference keeps the user's text.
@@ -149,7 +149,8 @@ TEST_CASE("refuses user names and passwords from a document") {
 
 TEST_CASE("refuses unencrypted references from https") {
   CHECK(refusal("https://a/", "http://a/") ==
-        "a document of https: may not refer to http:, which anyone on the way can change; expected https:");
+        "a document of https: may not refer to http:, which is not protected against changes in transit; expected "
+        "https:");
   CHECK_FALSE(refusal("https://a/", "cells://a/x").empty());
   CHECK(refusal("https://a/", "https://b/").empty());
   CHECK(refusal("https://a/", "data:,x").empty());
@@ -160,7 +161,7 @@ TEST_CASE("refuses unencrypted references from https") {
 
 TEST_CASE("refuses datagrams to the ports of system services") {
   CHECK(refusal("http://a/", "cells://b:53/x") ==
-        "a document may not have datagrams sent to port 53; expected one from 1024 on");
+        "a document may not send datagrams to port 53; expected one from 1024 on");
   CHECK_FALSE(refusal("file:///a", "cells://b:1023/x").empty());
   CHECK(refusal("http://a/", "cells://b:1024/x").empty());
   CHECK(refusal("http://a/", "cells://b/x").empty());
@@ -168,7 +169,7 @@ TEST_CASE("refuses datagrams to the ports of system services") {
 
 TEST_CASE("refuses FTP to the ports of system services") {
   CHECK(refusal("http://a/", "ftp://b:25/x") ==
-        "a document may not have commands of FTP sent to port 25; expected 21, or one from 1024 on");
+        "a document may not send FTP commands to port 25; expected 21, or one from 1024 on");
   CHECK_FALSE(refusal("file:///a", "ftp://b:1023/x").empty());
   for (const char* to : {"ftp://b/x", "ftp://b:21/x", "ftp://b:2121/x"}) CHECK(refusal("http://a/", to).empty());
   CHECK_FALSE(refusal("https://a/", "ftp://b/x").empty());

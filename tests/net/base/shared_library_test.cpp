@@ -21,5 +21,5 @@ TEST_CASE("opens a library on first use, and reports missing symbols") {
   SharedLibrary missing("libghostspace_missing.so.1");
   missing.find("strlen", none);
   CHECK_FALSE(none);
-  CHECK(missing.problem() == "libghostspace_missing.so.1 cannot be opened; expected it to be installed");
+  CHECK(missing.problem() == "libghostspace_missing.so.1 cannot be opened; install it");
 }

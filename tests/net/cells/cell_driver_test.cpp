@@ -76,7 +76,7 @@ TEST_CASE("notifies its clients when the server ends", "[cell_driver]") {
   server.reset();
   poll_until(*client, got, *source, [&] { return got.failed; });
   REQUIRE(got.failed);
-  REQUIRE(got.text.find("the server stops") != std::string::npos);
+  REQUIRE(got.text.find("the server is stopping") != std::string::npos);
 }
 
 TEST_CASE("ends a client at once that has no answer or no host", "[cell_driver]") {

@@ -265,7 +265,7 @@ TEST_CASE("reports a missing server", "[cell_receiver]") {
   const auto events = client.take_events();
   REQUIRE(events.size() == 1);
   REQUIRE(events[0].kind == CellEvent::Kind::failed);
-  REQUIRE(events[0].text.find("no server of cells answers") != std::string::npos);
+  REQUIRE(events[0].text.find("no cell server answers") != std::string::npos);
 }
 
 TEST_CASE("limits queued data for a slow owner", "[cell_receiver]") {

@@ -126,7 +126,7 @@ TEST_CASE("reports that the server is full", "[cell_sender]") {
   scene.run(scene.now + 1s);
   REQUIRE(scene.clients[0]->got.base);
   REQUIRE(scene.clients[1]->got.refused);
-  REQUIRE(scene.clients[1]->got.text.find("as many clients") != std::string::npos);
+  REQUIRE(scene.clients[1]->got.text.find("maximum number of clients") != std::string::npos);
   scene.clients[0]->client.bye(scene.now);
   scene.run(scene.now + 1s);
   REQUIRE(scene.server.statistics().clients == 0);
@@ -243,7 +243,7 @@ TEST_CASE("says goodbye when the server stops", "[cell_sender]") {
   scene.server.stop();
   scene.run(scene.now + 1s);
   REQUIRE(scene.clients[0]->got.failed);
-  REQUIRE(scene.clients[0]->got.text.find("the server stops") != std::string::npos);
+  REQUIRE(scene.clients[0]->got.text.find("the server is stopping") != std::string::npos);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ TEST_CASE("sends datagrams from socket to socket", "[udp]") {
 TEST_CASE("reports a port in use and an unknown host", "[udp]") {
   auto first = UdpSocket::open(0, true);
   const auto second = UdpSocket::open(std::get<UdpSocket>(first).port(), true);
-  REQUIRE(std::get<UdpError>(second).message.find("cannot use port") == 0);
+  REQUIRE(std::get<UdpError>(second).message.find("cannot use UDP port") == 0);
   const auto nowhere = find_host("256.256.256.256.invalid", 1);
   REQUIRE(std::get<UdpError>(nowhere).message.find("cannot find the host") == 0);
   Endpoint six;

@@ -126,7 +126,7 @@ TEST_CASE("takes the first line as token and each other line as message, in any 
     REQUIRE(peer.messages == Lines{"{\"a\":1}", "{}"});
   }
   Peer peer(ControlProtocol::lines);
-  CHECK(peer.say("GET / HTTP/1.1\n") == "BYE that is not the token of this program\n");
+  CHECK(peer.say("GET / HTTP/1.1\n") == "BYE wrong token\n");
   CHECK(peer.connection.is_closing());
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("bounds the input of clients before and after admission") {
   CHECK(known.say("more\n").empty());
   CHECK(known.messages.size() == 1);
   Peer bytes(ControlProtocol::lines);
-  CHECK(bytes.say(kToken + "\n\xff\n") == "BYE text that is no UTF-8\n");
+  CHECK(bytes.say(kToken + "\n\xff\n") == "BYE text is not UTF-8\n");
 }
 
 TEST_CASE("answers pings and close frames, and sends messages in the form of each protocol") {

@@ -171,7 +171,7 @@ TEST_CASE("sends the last answer and a goodbye before the server stops") {
   const ControlNews news = served.next();
   CHECK(served.server->send(news.client, "answer"));
   served.server.reset();
-  CHECK(client.receive_all() == "answer\nBYE the program ends\n");
+  CHECK(client.receive_all() == "answer\nBYE the program is ending\n");
 }
 
 TEST_CASE("restricts the socket to its owner, removes it at the end, and replaces a stale one") {
@@ -190,7 +190,7 @@ TEST_CASE("restricts the socket to its owner, removes it at the end, and replace
     const auto* why = std::get_if<std::string>(&started);
     return why ? *why : std::string();
   };
-  CHECK(problem(served.path()) == served.path() + " is the socket of a program that runs");
+  CHECK(problem(served.path()) == served.path() + " is the socket of a running program");
   const std::string file = served.folder.write("file", "text");
   CHECK(problem(file) == file + " already exists and is not a socket; it is not replaced");
   CHECK(served.folder.read("file") == "text");
@@ -239,10 +239,10 @@ TEST_CASE("restricts the token file to its owner, and overwrites no other file")
 TEST_CASE("disconnects a client with a late or wrong token and gives the reason") {
   Served served([](ControlServerOptions& options) { options.terms.limits.admission = Instant(50'000); });
   LineClient silent(served.path());
-  CHECK(silent.receive_all() == "BYE the token did not come in time\n");
+  CHECK(silent.receive_all() == "BYE the token was not received in time\n");
   LineClient wrong(served.path());
   wrong.send(std::string(32, '0') + "\ncall\n");
-  CHECK(wrong.receive_all() == "BYE that is not the token of this program\n");
+  CHECK(wrong.receive_all() == "BYE wrong token\n");
   RawClient half(served.port());
   half.send("GET / HTTP/1.1\r\nHost: 127");
   CHECK(half.receive_all().empty());

@@ -70,7 +70,7 @@ TEST_CASE("reads zeros and reports it when a mapped file is truncated") {
   CHECK(count_of_bytes(whole.bytes(), 'x') == 10'000);
   CHECK(count_of_bytes(whole.bytes(), '\0') == kMappedLarge - 10'000);
   REQUIRE(whole.changed());
-  CHECK(whole.changed()->starts_with("the file was changed while it was read"));
+  CHECK(whole.changed()->starts_with("the file changed while it was read"));
   fs::resize_file(file.path, 0);
   CHECK(whole.bytes()[5] == std::byte{0});
   // A new mapping shows the present content, and other files are unaffected.

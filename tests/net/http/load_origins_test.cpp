@@ -113,10 +113,10 @@ TEST_CASE("refuses redirects from https to http, and to URLs with a password") {
   const Origin secure{"https://a.example/w.wrl", AddressSpace::global};
   Bench bench;
   CHECK(bench.load(from(secure, "http://b.example/x")).error->message ==
-        "cannot load http://b.example/x: a document of https: may not refer to http:, which anyone on the way can "
-        "change; expected https:");
+        "cannot load http://b.example/x: a document of https: may not refer to http:, which is not protected against "
+        "changes in transit; expected https:");
   CHECK(bench.load(from(kPublic, "http://user:secret@b.example/x")).error->message ==
-        "cannot load http://b.example/x: a document may not name a user or a password; expected http://HOST/PATH");
+        "cannot load http://b.example/x: a document may not specify a user or password; expected http://HOST/PATH");
   bench.network->put("memory://a/x", [](const auto&, unsigned) {
     return redirect(AddressSpace::global, "http://user:secret@b.example/x");
   });
@@ -124,7 +124,7 @@ TEST_CASE("refuses redirects from https to http, and to URLs with a password") {
   REQUIRE(got.error);
   CHECK(got.error->kind == LoadErrorKind::forbidden);
   CHECK(got.error->message ==
-        "cannot load memory://a/x: the server redirects to http://b.example/x: a document may not name a user or a "
+        "cannot load memory://a/x: the server redirects to http://b.example/x: a document may not specify a user or "
         "password; expected http://HOST/PATH");
 }
 
@@ -235,7 +235,7 @@ TEST_CASE("opens no connection for a URL without a host, also after a redirect")
       const Outcome got = load(*loader, from(origin, url));
       REQUIRE(got.error);
       CHECK(got.error->kind == LoadErrorKind::forbidden);
-      CHECK(got.error->message.find("it names no host or an invalid port; expected ") != std::string::npos);
+      CHECK(got.error->message.find("it has no host or an invalid port; expected ") != std::string::npos);
       CHECK(got.error->message.find("pw") == std::string::npos);
     }
   std::string target;

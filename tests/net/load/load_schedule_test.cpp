@@ -218,7 +218,7 @@ TEST_CASE("loads data URLs like other resources") {
   CHECK(got.head.content_type == "model/vrml");
   CHECK(bench.load(ranges_of("data:,0123456789", {{2, 4}})).pieces.at(2) == "23");
   CHECK(bench.load("data:x").error->message ==
-        "cannot load data:x: it is no data; expected data:[type][;base64],content as in RFC 2397");
+        "cannot load data:x: malformed data: URL; expected data:[type][;base64],content (RFC 2397)");
 }
 
 }  // namespace

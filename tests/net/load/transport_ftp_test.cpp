@@ -200,11 +200,11 @@ TEST_CASE("ftp: reports missing files, closed connections, short files and unkno
   };
   CHECK_THAT(message({.text = "x"}, "worlds/b.wrl", LoadErrorKind::not_found), Catch::Contains("no such file"));
   CHECK_THAT(message({.text = "x", .lets_in = false}, "worlds/a.wrl", LoadErrorKind::http_status),
-             Catch::Contains("name and a password"));
+             Catch::Contains("user name and password"));
   CHECK_THAT(message({.text = "x", .tells_size = false}, "worlds/a.wrl", LoadErrorKind::bad_response),
-             Catch::Contains("expected SIZE"));
+             Catch::Contains("does not support SIZE"));
   CHECK_THAT(message({.text = pattern(5000), .sent = 1000}, "worlds/a.wrl", LoadErrorKind::broken),
-             Catch::Contains("the connection broke"));
+             Catch::Contains("the connection was interrupted"));
 }
 
 TEST_CASE("ftp: returns without waiting for a server that is silent after the file") {

@@ -275,7 +275,7 @@ TEST_CASE("nginx: loads several ranges on one HTTP/2 connection over TLS, and re
     CHECK(got.events == "!");
     CHECK(got.error->kind == LoadErrorKind::insecure);
     CHECK(got.error->message.starts_with("cannot load " + nginx.tls_url("a.bin") +
-                                         ": the server cannot be trusted; expected a valid certificate ("));
+                                         ": the certificate of the server is not valid ("));
   }
   options.ca_file = nginx.folder / "cert.pem";
   auto loader = Loader::create(options);

@@ -203,7 +203,7 @@ TEST_CASE("names files in messages relative to the served folder") {
   CHECK(message_for_clients("/srv/www/a/b.stl:1:2: error: no mesh", "/srv/www") == "a/b.stl:1:2: error: no mesh");
   CHECK(message_for_clients("cannot open '/srv/www/b.png' of /srv/www/a", "/srv/www") == "cannot open 'b.png' of a");
   CHECK(message_for_clients("3 and/or 4", "/srv/www") == "3 and/or 4");
-  const std::string hidden = "it cannot be read; the messages of the server say why";
+  const std::string hidden = "it cannot be read; the server's log has the reason";
   for (const char* message : {"/etc/passwd", "cannot open /srv/wwwx/a", "x (/tmp/a)", "a=/b", "see http://x/",
                               "/srv/www/a and /srv/b", "'/'"})
     CHECK(message_for_clients(message, "/srv/www") == hidden);

@@ -258,10 +258,10 @@ TEST_CASE("HTTP server: makes a file once for all clients that wait for it") {
   CHECK(made == 2);
   const Got bad = site.get("/bad.stl.qnv");
   CHECK(bad.status == 422);
-  CHECK(bad.body == "cannot be made: bad.stl is no mesh\n");
+  CHECK(bad.body == "cannot be generated: bad.stl is no mesh\n");
   const Got leak = site.get("/leak.stl.qnv");
   CHECK(leak.status == 422);
-  CHECK(leak.body == "cannot be made: it cannot be read; the messages of the server say why\n");
+  CHECK(leak.body == "cannot be generated: it cannot be read; the server's log has the reason\n");
   // A full disk is no error of the file: it is retried, and no client learns the path.
   full = true;
   site.write("a.stl", "a third mesh");

@@ -110,7 +110,7 @@ TEST_CASE("never exceeds the requested length of a stream", "[optimised]") {
   }
   EncodeOptions options;
   options.max_bytes = 100;
-  CHECK(error_of(source_of(ball), options).find("the coarsest picture takes ") == 0);
+  CHECK(error_of(source_of(ball), options).find("the coarsest picture has ") == 0);
 }
 
 TEST_CASE("encodes the same vectors in fewer bytes in a compact stream") {
@@ -165,9 +165,9 @@ TEST_CASE("stores directory boxes that contain the splats of their clusters") {
 }
 
 TEST_CASE("refuses surfaces that cannot be encoded, with a reason") {
-  const std::string nothing = "there is no surface to encode; expected triangles with an area";
+  const std::string nothing = "no surface to encode; expected triangles with an area";
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  CHECK(error_of([](const TriangleSink&) { return false; }) == "the surface could not be read");
+  CHECK(error_of([](const TriangleSink&) { return false; }) == "the surface cannot be read");
   CHECK(error_of(source_of({})) == nothing);
   CHECK(error_of(source_of({triangle_of({0, 0, 0}, {1, 1, 1}, {2, 2, 2})})) == nothing);
   CHECK(error_of(source_of({triangle_of({nan, 0, 0}, {1, 0, 0}, {0, 1, 0})})) == nothing);
@@ -175,7 +175,7 @@ TEST_CASE("refuses surfaces that cannot be encoded, with a reason") {
   const Triangles ball = sphere(10);
   int calls = 0;
   const TriangleSource once = [&](const TriangleSink& sink) { return ++calls == 1 && sink(ball); };
-  CHECK(error_of(once) == "the surface could not be read again");
+  CHECK(error_of(once) == "the surface cannot be read again");
   Progress progress;
   progress.cancelled = true;
   CHECK(error_of(source_of(ball), {}, &progress) == "cancelled");

@@ -220,7 +220,7 @@ TEST_CASE("rejects volume clusters of a surface and unknown payloads, by name") 
   CHECK(problem(encode_header(header)) == "holds voxels of a surface; expected a volume");
   header = stream.header;
   header.lattice.depth = 0;
-  CHECK(problem(encode_header(header)) == "the header's section of the lattice is missing or impossible");
+  CHECK(problem(encode_header(header)) == "the header's section of the lattice is missing or invalid");
 }
 
 TEST_CASE("survives random changes of volume streams") {

@@ -111,8 +111,8 @@ TEST_CASE("encodes a surface that exceeds the memory as one of fewer triangles")
   const auto refused = encode_displaced(source_of(ball), options);
   REQUIRE(std::holds_alternative<EncodeError>(refused));
   CHECK(std::get<EncodeError>(refused).message ==
-        "the mesh itself has more than 8000 triangles, which is what memory has room for; expected a smaller mesh, or "
-        "more memory");
+        "the exact mesh has more than 8000 triangles, which exceed the memory limit; expected a smaller mesh, or a "
+        "larger --memory");
   options.most_triangles = ball.size();
   const auto whole = encode_displaced(source_of(ball), options);
   REQUIRE(std::holds_alternative<EncodedStream>(whole));

@@ -98,7 +98,7 @@ TEST_CASE("reads the whole stream if it has no valid directory") {
   const auto lod = opened_there(with_directory(stream, entries));
   CHECK(places(lod->cut(everything())) == expected);
   REQUIRE(lod->problems().size() == 1);
-  CHECK(lod->problems()[0].message.find("does not fit") != std::string::npos);
+  CHECK(lod->problems()[0].message.find("does not match") != std::string::npos);
   CHECK_FALSE(std::holds_alternative<std::unique_ptr<LodStream>>(
       LodStream::open(memory_source(std::vector<std::byte>(stream.bytes.begin(), stream.bytes.begin() + 300)))));
 }

@@ -145,7 +145,7 @@ TEST_CASE("loses one polygon to a flipped bit in a record") {
       REQUIRE(decoder.refused_records() == 1);
       REQUIRE(decoder.refused_chunks() == 0);
       REQUIRE(decoder.problems().size() == 1);
-      REQUIRE(decoder.problems()[0].message == "a chunk is damaged; what is whole in it is used");
+      REQUIRE(decoder.problems()[0].message == "a chunk is damaged; its intact parts are used");
       stream.bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
     }
   }
@@ -251,7 +251,7 @@ TEST_CASE("rejects chunks of other payloads, in both directions") {
   OutlineDecoder of_other;
   CHECK_FALSE(of_other.push(encode_header(other)));
   CHECK(of_other.refused());
-  CHECK(of_other.problems().at(0).message == "is no stream of outlines; expected payload 2");
+  CHECK(of_other.problems().at(0).message == "not an outlines stream; expected payload 2");
   CHECK_FALSE(of_other.push({}));
 }
 
@@ -262,7 +262,7 @@ TEST_CASE("rejects impossible outline headers") {
     change(header.outlines);
     OutlineDecoder decoder;
     const bool pushed = decoder.push(encode_header(header));
-    if (!pushed) CHECK(decoder.problems().at(0).message == "the header's section of outlines is missing or impossible");
+    if (!pushed) CHECK(decoder.problems().at(0).message == "the header's section of outlines is missing or invalid");
     return !pushed;
   };
   CHECK_FALSE(refused([](OutlineHeader&) {}));

@@ -94,9 +94,9 @@ TEST_CASE("reports arrays of inconsistent lengths as errors", "[outline]") {
   add_square(model, 1, 0);
   PolygonModel bad = model;
   bad.ends = {8, 4};
-  CHECK(error_of(bad) == "ends of polygons are not ascending");
+  CHECK(error_of(bad) == "the ends of polygons are not ascending");
   bad.ends = {4, 9};
-  CHECK(error_of(bad) == "the last polygon ends beyond the corners: 9, expected 8");
+  CHECK(error_of(bad) == "the last polygon exceeds the corners: 9, expected 8");
   bad = model;
   bad.appearances.resize(1);
   CHECK(error_of(bad) == "appearances: 1, expected 2");

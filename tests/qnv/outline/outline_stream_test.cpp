@@ -332,28 +332,27 @@ TEST_CASE("fits the longest uncut polygons into a chunk, whatever their corners 
     longer.insert(longer.end(), ring.rbegin(), ring.rend());
     for (std::size_t i = 0; i < longer.size(); ++i) longer[i].x += static_cast<float>(i % 7);
     shapes::add_polygon(polygons, {longer});
-    CHECK(error_of(groups, looks(2), {.position_bits = bits}).find("whose rings cross cannot be cut") !=
-          std::string::npos);
+    CHECK(error_of(groups, looks(2), {.position_bits = bits}).find("because its rings cross") != std::string::npos);
   }
 }
 
 TEST_CASE("reports why outlines cannot be encoded") {
   OutlineGroups groups = mixed();
   CHECK(error_of(groups) == "group 1 names appearance 1; expected less than 1");
-  CHECK(error_of(OutlineGroups()) == "no polygon that is finite and not too far from the origin for the model's size");
+  CHECK(error_of(OutlineGroups()) == "no finite polygon close enough to the origin for the size of the model");
   groups.groups[1].inner.areas.pop_back();
-  CHECK(error_of(groups, looks(3)) == "group 1 has not one area a polygon");
+  CHECK(error_of(groups, looks(3)) == "group 1 has a number of areas that differs from its polygons");
   groups = mixed();
   groups.groups[3].outline.positions.pop_back();
-  CHECK(error_of(groups, looks(3)) == "group 3 has ring ends that do not ascend to the positions");
+  CHECK(error_of(groups, looks(3)) == "group 3 has ring ends that do not ascend to the number of positions");
   groups = mixed();
   groups.groups[2].outline.texture_coordinates.pop_back();
-  CHECK(error_of(groups, looks(3)) == "group 2 has not one texture coordinate a position");
+  CHECK(error_of(groups, looks(3)) == "group 2 has a number of texture coordinates that differs from its positions");
   CHECK(error_of(mixed(), looks(65536)) == "65536 appearances; expected at most 65535");
   CHECK(error_of(mixed(), looks(60000)).find("bytes; expected at most 1048576") != std::string::npos);
   // A plane of x = 1e30 with sides of 1: its lattice is 2^84 steps from the origin.
   groups.groups = {flat_group({{{1e30f, 0, 0}, {1e30f, 1.1f, 0}, {1e30f, 0, 1.1f}}})};
-  CHECK(error_of(groups) == "no polygon that is finite and not too far from the origin for the model's size");
+  CHECK(error_of(groups) == "no finite polygon close enough to the origin for the size of the model");
   groups.groups = {flat_group({{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}})};
   CHECK(error_of(groups) == "no polygon has an area at this precision");
   Progress progress;

@@ -382,13 +382,13 @@ TEST_CASE("rejects impossible headers") {
     return refusal(header_bytes(header, 400), &parent);
   };
   CHECK(with([](ClusterHeader& h) { h.levels = 0; }) ==
-        "a cluster divides level 3 0 times; expected once at least, and no deeper than 16");
+        "a cluster divides level 3 0 times; expected at least once, and at most to level 16");
   CHECK(with([](ClusterHeader& h) { h.levels = 14; }) != "");
   CHECK(with([](ClusterHeader& h) { h.levels = 255; }) != "");
   CHECK(with([](ClusterHeader& h) { h.level = 255; }) != "");
   CHECK(with([](ClusterHeader& h) { h.level = 2; }) == "a cluster of another level than its parent");
   CHECK(with([](ClusterHeader& h) { h.count = 0; }) == "a cluster divides no voxel");
-  CHECK(with([](ClusterHeader& h) { h.id = kNoParent; }) == "a cluster with the number that means none");
+  CHECK(with([](ClusterHeader& h) { h.id = kNoParent; }) == "a cluster with the reserved number");
   CHECK(with([](ClusterHeader& h) { h.parent = kNoParent; }) == "a cluster without a parent does not divide the root");
   CHECK(with([](ClusterHeader& h) { h.first = 65535; }) == "a cluster divides voxels 65535 to 65542 of 65535");
   CHECK(with([](ClusterHeader& h) { h.count = 65535; }) ==

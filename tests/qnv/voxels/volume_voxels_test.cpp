@@ -230,7 +230,7 @@ TEST_CASE("rejects impossible headers of volume clusters") {
   CHECK(with([](ClusterHeader& h) { h.level = 255; }) != "");
   CHECK(with([](ClusterHeader& h) { h.level = 2; }) == "a cluster of another level than its parent");
   CHECK(with([](ClusterHeader& h) { h.count = 0; }) == "a cluster divides no voxel");
-  CHECK(with([](ClusterHeader& h) { h.id = kNoParent; }) == "a cluster with the number that means none");
+  CHECK(with([](ClusterHeader& h) { h.id = kNoParent; }) == "a cluster with the reserved number");
   CHECK(with([](ClusterHeader& h) { h.parent = kNoParent; }) == "a cluster without a parent does not divide the root");
   CHECK(with([](ClusterHeader& h) { h.first = 99; }) == "a cluster divides voxels 99 to 106 of 100");
   CHECK(refusal(header_bytes(good, 400), nullptr) == "a cluster without its parent");
@@ -238,7 +238,7 @@ TEST_CASE("rejects impossible headers of volume clusters") {
   for (const auto& [at, value] : {std::pair{15, 0}, {16, 0}, {16, 65}, {17, 0}, {17, 128}}) {
     Bytes impossible = header_bytes(good, 400);
     impossible[static_cast<std::size_t>(at)] = static_cast<std::byte>(value);
-    CHECK(refusal(impossible, &parent) == "a cluster whose values, directions or magnitudes have impossible steps");
+    CHECK(refusal(impossible, &parent) == "a cluster with invalid steps of values, directions or magnitudes");
   }
 }
 

@@ -325,11 +325,11 @@ TEST_CASE("allocates nothing for a header that claims a huge picture") {
 
 TEST_CASE("rejects data that are no image, and names the expected formats") {
   CHECK(message_of({}) ==
-        "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found "
+        "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found "
         "nothing");
   CHECK(message_of(bytes_of({'#', 'V', 'R'})) ==
-        "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found "
-        "23 56 52");
+        "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found 23 56 "
+        "52");
   CHECK(message_of(bytes_of({0xff, 0xd8, 0xff, 0xd9})).find("broken JPEG") == 0);
 }
 
@@ -358,7 +358,7 @@ TEST_CASE("compares different kinds of pictures as RGBA, and refuses different s
   const Image grey{1, 1, 1, {9}};
   CHECK(std::get<ImageDifference>(compare(grey, {1, 1, 3, {9, 9, 9}})).maximum == 0);
   CHECK(std::get<ImageDifference>(compare(grey, {1, 1, 4, {9, 9, 9, 0}})).maximum == 255);
-  CHECK(std::get<ImageError>(compare(grey, {1, 2, 1, {9, 9}})).message == "pictures of different size: 1x1 and 1x2");
+  CHECK(std::get<ImageError>(compare(grey, {1, 2, 1, {9, 9}})).message == "different picture sizes: 1x1 and 1x2");
   CHECK(std::holds_alternative<ImageError>(compare(grey, {1, 1, 1, {}})));
 }
 
@@ -420,6 +420,6 @@ TEST_CASE("refuses a bitmap without pixels") {
       const auto decoded = gs::render::decode_image(std::as_bytes(std::span(text)));
       if (const auto* error = std::get_if<gs::render::ImageError>(&decoded)) message = error->message;
     }).join();
-    CHECK(message == std::string("it has no pixels: its size is ") + (name[3] == 'c' ? "0 x 9" : "9 x 0"));
+    CHECK(message == std::string("it has no pixels; its size is ") + (name[3] == 'c' ? "0 x 9" : "9 x 0"));
   }
 }

@@ -65,7 +65,7 @@ TEST_CASE("limits each resource of a budget, and their sum") {
   CHECK_FALSE(budget.take(Resource::vectors, 101));
   CHECK(budget.used(Resource::vectors) == 0);
   CHECK(budget.refusal(Resource::vectors) ==
-        "more than the limit for all that is held, 2400 bytes of one world (--memory raises it)");
+        "more than the limit for memory in use, 2400 bytes of one world (--memory raises it)");
   CHECK(budget.take(Resource::unpacked, 3200));  // is not held
   budget.give_back(Resource::nodes, 1300);
   CHECK(budget.take(Resource::vectors, 1400));

@@ -48,8 +48,8 @@ TEST_CASE("reports an unknown node type once") {
       scene, diagnostics);
   Lines said;
   for (const Diagnostic& one : diagnostics.entries()) said.push_back(one.text());
-  CHECK(said == Lines{"text.wrl:2:18: warning: 'Rectangle2D' is no node of VRML97, but of other browsers; a stand-in "
-                      "takes its place",
+  CHECK(said == Lines{"text.wrl:2:18: warning: 'Rectangle2D' is not a VRML97 node, but an extension of other browsers; "
+                      "a stand-in replaces it",
                       "text.wrl:3:36: error: unknown node type 'Gyro'; the node is skipped",
                       "text.wrl:3:73: error: unknown node type 'Other'; the node is skipped"});
 }

@@ -97,10 +97,10 @@ TEST_CASE("serve reports a missing folder") {
   const ScratchFolder folder;
   const Run missing = run("serve --http 0 " + quoted(folder.path("nothing")));
   CHECK(missing.status == 1);
-  CHECK(missing.output.find("nothing: there is no such folder") != std::string::npos);
+  CHECK(missing.output.find("nothing: no such folder") != std::string::npos);
   CHECK(missing.output.find("cache") == std::string::npos);
   const Run file = run("serve --http 0 " + quoted(folder.write("a.wrl", kBall)));
-  CHECK(file.output.find("is no folder") != std::string::npos);
+  CHECK(file.output.find("not a folder") != std::string::npos);
 }
 
 }  // namespace gs::app::option_values_test

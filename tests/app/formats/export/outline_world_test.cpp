@@ -212,7 +212,7 @@ TEST_CASE("loads an outline stream by the url of an OutlineGroup, and rejects it
   CHECK(list.items.front().material.diffuse == glm::vec3(0, 1, 0));
   CHECK(list.splats.empty());
   REQUIRE(opened.diagnostics.entries().size() == 1);
-  CHECK(opened.diagnostics.entries()[0].message.find("which an OutlineGroup takes") != std::string::npos);
+  CHECK(opened.diagnostics.entries()[0].message.find("or an OutlineGroup for outlines") != std::string::npos);
 }
 
 TEST_CASE("shows the remaining polygons by the fallback of an outline world") {

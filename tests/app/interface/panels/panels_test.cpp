@@ -56,7 +56,7 @@ TEST_CASE("shows an empty panel's notice within its width") {
   user.press(Key::f4);
   user.settle();
   INFO(user.screen());
-  const auto first = user.find("There is"), last = user.find("world.");
+  const auto first = user.find("This world"), last = user.find("opacity.");
   REQUIRE((first && last));
   CHECK(last->y > first->y);  // in lines
   CHECK(last->x < 700);
