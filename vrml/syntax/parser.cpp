@@ -66,34 +66,22 @@ std::string describe(const Token& token) {
     default:
       break;
   }
-  constexpr std::size_t kLongest = 40;
-  std::string text;
-  for (const char c : token.text.substr(0, kLongest)) text += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-  return "'" + text + (token.text.size() > kLongest ? "...'" : "'");
+  return quoted(token.text);
 }
 
 Parser::State::State(SceneGraph& scene_graph, Diagnostics& diagnostic_list)
-    : scene(scene_graph), source(scene_graph.writing()), diagnostics(diagnostic_list) {
+    : scene(scene_graph), sink(scene_graph, diagnostic_list), problems(sink.problems()) {
   frames.emplace_back();
-  scopes.emplace_back();
-}
-
-void Parser::State::report(Severity severity, SourceLocation location, std::string message) {
-  diagnostics.add({severity, source.file_name(), location, std::move(message)});
-}
-
-void Parser::State::warn_once(bool& said, SourceLocation location, std::string message) {
-  if (!std::exchange(said, true)) warn(location, std::move(message));
 }
 
 void Parser::State::unexpected(const Token& found, const std::string& what) {
   if (found.kind == TokenKind::end && (frames.size() > 1 || std::exchange(end_reported, true))) return;
   if (found.kind == TokenKind::unterminated_string) {
-    error(found.location, "unterminated string; expected '\"'");
+    problems.error(found.location, "unterminated string; expected '\"'");
     end_reported = true;
     return;
   }
-  error(found.location, "expected " + what + ", found " + describe(found));
+  problems.error(found.location, "expected " + what + ", found " + describe(found));
 }
 
 void Parser::State::rubbish_token(const Token& token, const std::string& what) {
@@ -106,15 +94,12 @@ void Parser::State::rubbish_token(const Token& token, const std::string& what) {
 }
 
 void Parser::State::refuse(std::string message, SourceLocation location) {
-  error(location, std::move(message));
+  problems.error(location, std::move(message));
   outcome = ParseOutcome::refused;
 }
 
 bool Parser::State::open(Frame frame) {
-  if (frames.size() >= scene.limits().nesting) {
-    if (!std::exchange(said_limit, true))
-      error(frame.start,
-            "nested deeper than " + std::to_string(scene.limits().nesting) + " levels; deeper content is left out");
+  if (!sink.limits().admits_depth(frames.size(), frame.start)) {
     Frame skip;
     skip.kind = Frame::Kind::skip;
     skip.start = frame.start;
@@ -148,7 +133,7 @@ Step Parser::State::read_header() {
       refuse("a binary file behind a VRML97 header; expected UTF-8 text");
       return Step::finished;
     }
-    if (line.substr(0, 15) != "#VRML V2.0 utf8") warn(top, "the header differs from '#VRML V2.0 utf8'");
+    if (line.substr(0, 15) != "#VRML V2.0 utf8") problems.warn(top, "the header differs from '#VRML V2.0 utf8'");
     return Step::done;
   }
   if (starts_with_ignoring_case(header, "#vrml v1.0")) {
@@ -165,7 +150,8 @@ Step Parser::State::read_header() {
   } else if (looks_binary(text, true)) {
     refuse("a binary file; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
   } else if (starts_with_ignoring_case(header, "#vrml")) {
-    warn(top, "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");
+    problems.warn(top,
+                  "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");
   } else {
     headerless = true;
   }
@@ -174,24 +160,8 @@ Step Parser::State::read_header() {
 
 bool Parser::State::out_of_budget() {
   if (!scene.exhausted()) return false;
-  if (std::exchange(said_budget, true)) return true;
-  error(lexer.location(), scene.budget()->refusal(Resource::nodes) + "; the rest of the file is left out");
   end_reported = true;
-  return true;
-}
-
-void Parser::State::charge_growth(Frame& frame, bool all) {
-  constexpr std::size_t kStep = std::size_t{16} << 10;
-  const std::size_t bytes = std::visit(
-      [](const auto& value) -> std::size_t {
-        if constexpr (requires { value.words; }) return value.words.size() * sizeof(std::uint32_t);
-        if constexpr (requires { value.size(); }) return value.size() * sizeof(*value.data());
-        return 0;
-      },
-      *frame.into);
-  if (bytes <= frame.charged || (!all && bytes - frame.charged < kStep)) return;
-  (void)scene.charge(bytes - frame.charged);
-  frame.charged = bytes;
+  return sink.limits().is_exhausted(lexer.location());
 }
 
 Step Parser::State::step() {
@@ -234,17 +204,18 @@ void Parser::State::run(const char* begin, const char* end, bool last) {
 void Parser::State::report_end_inside(const Frame& frame) {
   if (std::exchange(end_reported, true)) return;
   std::string what = "a statement";
-  if (frame.kind == Frame::Kind::node_body) what = std::string(frame.type->name);
+  if (frame.kind == Frame::Kind::node_body) what = frame.node.type->name;
   if (frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values) what = "a list";
   if (frame.kind == Frame::Kind::image) what = "an image";
   if (frame.kind == Frame::Kind::prototype_body || frame.kind == Frame::Kind::prototype_interface) what = "a PROTO";
   if (frame.kind == Frame::Kind::skip) what = "a skipped part";
   const bool list = frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
                     frame.kind == Frame::Kind::prototype_interface;
-  error(lexer.location(), "the file ends inside " + what + " that begins at line " + std::to_string(frame.start.line) +
-                              (frame.kind == Frame::Kind::image ? ""
-                               : list                           ? "; expected ']'"
-                                                                : "; expected '}'"));
+  problems.error(lexer.location(), "the file ends inside " + what + " that begins at line " +
+                                       std::to_string(frame.start.line) +
+                                       (frame.kind == Frame::Kind::image ? ""
+                                        : list                           ? "; expected ']'"
+                                                                         : "; expected '}'"));
 }
 
 ParseOutcome Parser::State::close() {
@@ -259,15 +230,15 @@ ParseOutcome Parser::State::close() {
         end_node();
         continue;
       }
-      if (frame.kind == Frame::Kind::prototype_interface) --interfaces_open;
+      if (frame.kind == Frame::Kind::prototype_interface) sink.end_interface();
       if (frame.kind == Frame::Kind::prototype_body) {
-        end_scope();
+        end_body();
         continue;
       }
       frames.pop_back();
     }
   }
-  end_scope();
+  sink.finish();
   if (!anything_read && headerless)
     refuse("the file has no content; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
   if (outcome != ParseOutcome::refused && end_reported) outcome = ParseOutcome::truncated;
@@ -319,7 +290,7 @@ void Parser::push(std::string_view piece) {
 std::vector<NodeId> Parser::open_nodes() const {
   std::vector<NodeId> nodes;
   for (const Frame& frame : state_->frames)
-    if (frame.kind == Frame::Kind::node_body && frame.node) nodes.push_back(frame.node);
+    if (frame.kind == Frame::Kind::node_body) nodes.push_back(frame.node.id);
   return nodes;
 }
 

@@ -13,37 +13,6 @@ std::optional<AccessType> access_named(std::string_view word) {
   return std::nullopt;
 }
 
-// Checks VRML97 Table 4.4: may `inner` of a node in a PROTO body be IS `outer` of the PROTO's interface?
-bool may_be_mapped(AccessType inner, AccessType outer) { return inner == outer || inner == AccessType::exposedField; }
-
-// Returns the role that a node in this field of a built-in node must have (VRML97 4.6.3, 4.6.5); none means any node.
-Role role_for(std::string_view field) {
-  struct Row {
-    std::string_view field;
-    Role role;
-  };
-  static constexpr Row kRows[] = {
-      {"children", Role::child},
-      {"choice", Role::child},
-      {"level", Role::child},
-      {"proxy", Role::child},
-      {"geometry", Role::geometry},
-      {"appearance", Role::appearance},
-      {"material", Role::material},
-      {"texture", Role::texture},
-      {"textureTransform", Role::texture_transform},
-      {"coord", Role::geometric_property},
-      {"color", Role::geometric_property},
-      {"normal", Role::geometric_property},
-      {"texCoord", Role::geometric_property},
-      {"fontStyle", Role::font_style},
-      {"source", Role::sound_source},
-  };
-  for (const Row& row : kRows)
-    if (row.field == field) return row.role;
-  return Role::none;
-}
-
 }  // namespace
 
 // Parses `nodeBodyElement` of Annex A.1.
@@ -62,7 +31,7 @@ Step Parser::State::node_body_step() {
     case TokenKind::word:
       break;
     default:
-      rubbish_token(token, "a field of " + frames.back().type->name + " or '}'");
+      rubbish_token(token, "a field of " + frames.back().node.type->name + " or '}'");
       return Step::done;
   }
   bool was_statement = false;
@@ -80,7 +49,7 @@ Step Parser::State::node_body_step() {
 
 // Parses `fieldName value`, `fieldName IS name` or `eventName IS name`.
 Step Parser::State::field(Token name) {
-  const NodeType& type = *frames.back().type;
+  const NodeType& type = *frames.back().node.type;
   // Names contain no point (Annex A.2), so a number may follow one directly.
   const std::string_view before_point = name.text.substr(0, name.text.find('.'));
   if (before_point.size() < name.text.size() && !type.find_field(name.text) && type.find_field(before_point)) {
@@ -99,82 +68,33 @@ Step Parser::State::field(Token name) {
     }
     lexer.go_back(behind_name);
   }
-  const InterfaceDeclaration* declaration = type.find_field(name.text);
-  if (!declaration) {
-    const bool event = type.find_event_in(name.text) || type.find_event_out(name.text);
-    if (looks_like_number(name.text)) {
-      if (!std::exchange(rubbish, true))
-        error(name.location, "expected a field of " + type.name + " or '}', found " + describe(name));
-      return Step::done;
-    }
-    rubbish = false;
-    if (!type.stands_in)
-      error(name.location, event ? describe(name) + " of " + type.name + " is an event and takes no value; skipped"
-                                 : type.name + " has no field " + describe(name) + "; skipped");
-    skip_value();
+  if (looks_like_number(name.text) && !type.find_field(name.text)) {
+    if (!std::exchange(rubbish, true))
+      problems.error(name.location, "expected a field of " + type.name + " or '}', found " + describe(name));
     return Step::done;
   }
   rubbish = false;
   const std::size_t index = frames.size() - 1;
-  const std::size_t frames_before = frames.size();
-  FieldValue& into = scene.node(frames.back().node).values[declaration->slot];
-  const Step step = value(declaration->type, into, declaration->name);
-  if (step != Step::done) return step;
-  if (declaration->slot < 64) {
-    const std::uint64_t bit = std::uint64_t{1} << declaration->slot;
-    if (frames[index].fields_seen & bit)
-      warn(name.location, describe(name) + " of " + type.name + " is given twice; the last one is used");
-    frames[index].fields_seen |= bit;
-    scene.node(frames[index].node).fields_set |= bit;
+  const InterfaceDeclaration* const declaration = sink.find_field(frames[index].node, name_in(name));
+  if (!declaration) {
+    skip_value();
+    return Step::done;
   }
-  // Checks a single node here; the nodes of a list are checked where they are read.
-  if (frames.size() > frames_before && frames.back().kind == Frame::Kind::node_body &&
-      type.kind == NodeType::Kind::built_in)
-    check_role(frames.back().node, declaration->name);
+  const NodeTarget target = sink.target_of(frames[index].node, *declaration);
+  const Step step = value(declaration->type, *target.value, declaration->name, target.field);
+  if (step == Step::done) sink.field_given(frames[index].node, *declaration, name_in(name));
   return step;
-}
-
-void Parser::State::check_role(NodeId node, std::string_view field) {
-  const Role wanted = role_for(field);
-  const NodeType& type = *scene.node(node).type;
-  if (wanted == Role::none || type.role == Role::none || has(type.role, wanted)) return;
-  error(scene.node(node).location, "a " + type.name + " is not allowed in '" + std::string(field) + "' (VRML97 4.6)");
 }
 
 // Parses the rest of `name IS outer` for the node on top, in a PROTO body (VRML97 4.8.2). IS has been read.
 Step Parser::State::is_mapping(const Token& name) {
   const Token outer_name = lexer.next();
   if (outer_name.kind == TokenKind::need_more) return Step::need_more;
-  const NodeType& type = *frames.back().type;
   if (outer_name.kind != TokenKind::word) {
     unexpected(outer_name, "a name after IS");
     return Step::done;
   }
-  if (!in_prototype_body()) {
-    error(name.location, "IS outside of a PROTO body");
-    return Step::done;
-  }
-  const InterfaceDeclaration* inner = type.find(name.text);
-  if (!inner) inner = type.find_event_in(name.text);
-  if (!inner) inner = type.find_event_out(name.text);
-  const NodeType& prototype = *scopes.back().prototype;
-  const InterfaceDeclaration* outer = prototype.find(outer_name.text);
-  if (!inner && type.stands_in) return Step::done;
-  if (!inner || !outer) {
-    error(inner ? outer_name.location : name.location,
-          inner ? "PROTO " + prototype.name + " has no " + describe(outer_name)
-                : type.name + " has no " + describe(name));
-    return Step::done;
-  }
-  if (inner->type != outer->type) {
-    error(name.location, std::string(name_of(inner->type)) + " " + describe(name) + " IS " +
-                             std::string(name_of(outer->type)) + " " + describe(outer_name) + "; expected equal types");
-    return Step::done;
-  }
-  if (!may_be_mapped(inner->access, outer->access))
-    warn(name.location, std::string(name_of(inner->access)) + " " + describe(name) + " IS " +
-                            std::string(name_of(outer->access)) + " " + describe(outer_name) + " (VRML97 Table 4.4)");
-  prototype.prototype->mappings.push_back({frames.back().node, inner, outer});
+  sink.connect(frames.back().node, name_in(name), name_in(outer_name));
   return Step::done;
 }
 
@@ -199,8 +119,6 @@ Step Parser::State::interface_declaration(AccessType access, NodeType& type, boo
   }
   const bool stored = access == AccessType::field || access == AccessType::exposedField;
   check_reserved(name);
-  const bool script = type.kind == NodeType::Kind::script;
-  const InterfaceDeclaration* known = type.find(name.text);
   auto pending = std::make_unique<InterfaceDeclaration>();
   pending->access = access;
   pending->type = *field_type;
@@ -223,15 +141,10 @@ Step Parser::State::interface_declaration(AccessType access, NodeType& type, boo
   }
   const std::size_t index = frames.size() - 1;
   if (stored && values && !is) {
-    const Step step = value(*field_type, pending->initial, pending->name);
+    const Step step = value(*field_type, pending->initial, pending->name, {});
     if (step == Step::need_more) return step;
   }
-  if (script && !table_text && access == AccessType::exposedField)
-    warn(name.location, "a Script has no exposedFields in VRML97 (6.40); " + describe(name) + " is accepted");
-  if (known) {
-    if (!(script && known->access == access && known->type == *field_type))
-      error(name.location, describe(name) + " of " + type.name + " is declared twice; the first one is used");
-    (void)scene.charge(sizeof(InterfaceDeclaration));
+  if (!sink.may_declare(type, *pending, name.location)) {
     kept_values.push_back(std::move(pending));  // its value may still be arriving
     return Step::done;
   }
@@ -280,7 +193,7 @@ Step Parser::State::skip_step() {
   };
   const auto complain = [&] {
     if (frame.value_unexpected && !std::exchange(said_external_value, true))
-      warn(token.location, "an EXTERNPROTO declares no values; skipped");
+      problems.warn(token.location, "an EXTERNPROTO declares no values; skipped");
   };
   switch (token.kind) {
     case TokenKind::open_brace:
@@ -312,7 +225,7 @@ Step Parser::State::skip_step() {
     discarded = MFNode{};
     const bool whole_value = frame.depth == 0;
     const std::size_t index = frames.size() - 1;
-    const Step step = node_head(token, &discarded);
+    const Step step = node_head(token, {&discarded, {}});
     if (step == Step::done && whole_value) frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(index));
     return step;
   }

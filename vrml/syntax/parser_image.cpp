@@ -22,18 +22,11 @@ Step Parser::State::image_head(FieldValue& into, Token token, std::string_view n
       return Step::done;
     }
   }
-  const double pixels = head[0] * head[1];
-  const bool good = head[0] >= 0 && head[1] >= 0 && head[2] >= 0 && head[2] <= 4 &&
-                    pixels <= static_cast<double>(scene.limits().image_pixels);
-  if (!good) {
-    error(token.location, "an image of " + std::to_string(static_cast<long long>(head[0])) + " x " +
-                              std::to_string(static_cast<long long>(head[1])) + " pixels with " +
-                              std::to_string(static_cast<long long>(head[2])) +
-                              " components; expected 0 to 4 components and at most " +
-                              std::to_string(scene.limits().image_pixels) + " pixels");
+  if (!sink.limits().admits_image(head[0], head[1], head[2], token.location)) {
     skip_value();
     return Step::done;
   }
+  const double pixels = head[0] * head[1];
   SFImage image;
   if (pixels > 0 && head[2] > 0)
     for (const double n : head) image.words.push_back(static_cast<std::uint32_t>(n));
@@ -59,7 +52,7 @@ Step Parser::State::image_step() {
     Token token = lexer.next();
     if (token.kind == TokenKind::word) cut_number(token);
     if (token.kind == TokenKind::need_more) {
-      charge_growth(frame, false);
+      sink.limits().charge_growth(*frame.into, frame.charged, false);
       // Whole pixels were taken; the next window begins after them.
       lexer.go_back(before);
       return Step::need_more_kept;
@@ -70,8 +63,8 @@ Step Parser::State::image_step() {
         token.kind == TokenKind::word &&
         (parse_number(token.text, number) || (parse_number(token.text, large) && large >= 0 && large < 4294967296.0));
     if (!is_number) {
-      error(token.location, std::to_string(frame.pixels_left) +
-                                " pixels of an image are missing; expected a pixel, found " + describe(token));
+      problems.error(token.location, std::to_string(frame.pixels_left) +
+                                         " pixels of an image are missing; expected a pixel, found " + describe(token));
       lexer.go_back(before);
       // A few numbers may declare many pixels.
       if (frame.pixels_left * sizeof(std::uint32_t) > scene.budget()->left(Resource::nodes) / 4)
@@ -83,7 +76,7 @@ Step Parser::State::image_step() {
     words.push_back((large > 0 ? static_cast<std::uint32_t>(large) : static_cast<std::uint32_t>(number)) & mask);
   }
   words.shrink_to_fit();
-  charge_growth(frame, true);
+  sink.limits().charge_growth(*frame.into, frame.charged, true);
   frames.pop_back();
   return Step::done;
 }

@@ -1,10 +1,8 @@
-#include "vrml/scene/prototype.h"
 #include "vrml/syntax/parser_state.h"
 
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 // PROTO and EXTERNPROTO: their interfaces, bodies and names.
 namespace gs::vrml {
@@ -23,34 +21,18 @@ Step Parser::State::prototype_head(bool external) {
     return Step::done;
   }
   check_name(name);
-  auto type = std::make_unique<NodeType>();
-  type->name = name.text;
-  type->location = name.location;
-  type->kind = external ? NodeType::Kind::external_prototype : NodeType::Kind::prototype;
-  if (!external) {
-    type->prototype = std::make_unique<Prototype>();
-    type->prototype->scene = &scene;
-    type->prototype->text = &source;
-  }
   Frame frame;
   frame.kind = Frame::Kind::prototype_interface;
   frame.start = name.location;
-  (void)scene.charge(sizeof(NodeType) + sizeof(Prototype));
-  frame.declaring = &source.add_type(std::move(type));
-  ++interfaces_open;
-  if (!open(std::move(frame))) --interfaces_open;
+  frame.declaring = &sink.begin_prototype(name_in(name), external);
+  if (!open(std::move(frame))) sink.end_interface();
   return Step::done;
 }
 
 void Parser::State::finish_pending() {
   Frame& frame = frames.back();
   if (!frame.pending) return;
-  (void)scene.charge(sizeof(InterfaceDeclaration));
-  if (frame.kind == Frame::Kind::node_body) {
-    scene.declare(frame.node, *frame.declaring, std::move(*frame.pending));
-  } else {
-    frame.declaring->declare(std::move(*frame.pending));
-  }
+  sink.declare(*frame.declaring, frame.node.id, std::move(*frame.pending));
   frame.pending.reset();
 }
 
@@ -72,7 +54,8 @@ Step Parser::State::interface_step() {
   }
   if (token.kind != TokenKind::close_bracket) {
     if (!std::exchange(rubbish, true))
-      error(token.location, "expected eventIn, eventOut, field, exposedField or ']', found " + describe(token));
+      problems.error(token.location,
+                     "expected eventIn, eventOut, field, exposedField or ']', found " + describe(token));
     return Step::done;
   }
   if (table_text) return Step::finished;
@@ -84,12 +67,12 @@ Step Parser::State::interface_step() {
     if (brace.kind != TokenKind::open_brace) {
       unexpected(brace, "'{' and the body of PROTO " + type.name);
       lexer.go_back(behind);
-      --interfaces_open;
+      sink.end_interface();
       frames.pop_back();
       return Step::done;
     }
   }
-  --interfaces_open;
+  sink.end_interface();
   frames.pop_back();
   Frame frame;
   frame.start = start;
@@ -99,10 +82,7 @@ Step Parser::State::interface_step() {
     open(std::move(frame));
   } else {
     frame.kind = Frame::Kind::prototype_body;
-    if (open(std::move(frame))) {
-      scopes.emplace_back();
-      scopes.back().prototype = &type;
-    }
+    if (open(std::move(frame))) sink.begin_body(type);
   }
   return Step::done;
 }
@@ -110,10 +90,8 @@ Step Parser::State::interface_step() {
 Step Parser::State::external_url_step() {
   Frame& frame = frames.back();
   if (frame.into) {  // the url list is complete
-    NodeType& type = *frame.declaring;
-    type.url = std::get<MFString>(frame.pending->initial);
+    sink.end_external(*frame.declaring, std::move(std::get<MFString>(frame.pending->initial)));
     frames.pop_back();
-    add_type(type);
     return Step::done;
   }
   auto pending = std::make_unique<InterfaceDeclaration>();
@@ -121,56 +99,16 @@ Step Parser::State::external_url_step() {
   FieldValue& url = pending->initial;
   // Set only after the value has begun, so that need_more leaves no trace.
   const std::size_t index = frames.size() - 1;
-  const Step step = value(FieldType::MFString, url, "the url of EXTERNPROTO");
+  const Step step = value(FieldType::MFString, url, "the url of EXTERNPROTO", {});
   if (step == Step::need_more) return step;
   frames[index].into = &url;
   frames[index].pending = std::move(pending);
   return Step::done;
 }
 
-// Ends the top scope, of a PROTO body or of the file, and closes the frame of a body.
-void Parser::State::end_scope() {
-  const std::vector<Scope::UnresolvedRoute> routes = std::exchange(scopes.back().unresolved_routes, {});
-  for (const Scope::UnresolvedRoute& route : routes) add_route(route, true);
-  NodeType* type = scopes.back().prototype;
-  if (!type) return;
-  scopes.pop_back();
-  type->prototype->complete = true;
-  count_instance_nodes(scene, *type->prototype);
-  // The first node of the body determines where instances may stand (VRML97 4.8.3).
-  for (const Statement& statement : type->prototype->statements) {
-    if (statement.kind != Statement::Kind::node) continue;
-    type->role = scene.node(statement.node).type->role;
-    break;
-  }
+void Parser::State::end_body() {
   frames.pop_back();
-  add_type(*type);
-}
-
-// Adds a complete declaration: from here on, nodes of its name have this type. Names of types must be unique (4.8),
-// except that extensions may have fallbacks with their names for other browsers.
-void Parser::State::add_type(NodeType& type) {
-  const NodeType* built_in = built_in_node_type(type.name);
-  const NodeType*& known = scopes.back().types[type.name];
-  const bool taken = known || (built_in && !is_extension(built_in->clause));
-  if (taken && said_types.insert(type.name).second)
-    warn(type.location,
-         (known ? "a second declaration of '" + type.name + '\'' : '\'' + type.name + "' is a built-in node") +
-             " (VRML97 4.8); this PROTO is used from here on");
-  known = &type;
-  add_type_statement(type);
-}
-
-// Adds the statement of a PROTO. If it is declared inside a node (Annex A.1), it is printed before that node.
-void Parser::State::add_type_statement(const NodeType& type) {
-  std::vector<Statement>& list =
-      scopes.back().prototype ? scopes.back().prototype->prototype->statements : source.statements();
-  auto place = list.end();
-  const Frame::Kind inside = frames.back().kind;
-  if (inside != Frame::Kind::statements && inside != Frame::Kind::prototype_body)
-    while (place != list.begin() && (--place)->kind != Statement::Kind::node) {
-    }
-  list.insert(place, {Statement::Kind::prototype, {}, &type, {}});
+  sink.end_body();
 }
 
 }  // namespace gs::vrml

@@ -1,15 +1,13 @@
 #pragma once
 
 #include "vrml/syntax/lexer.h"
-#include "vrml/syntax/name_table.h"
 #include "vrml/syntax/parser.h"
+#include "vrml/syntax/scene_sink.h"
 
 #include <array>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 namespace gs::vrml {
@@ -37,13 +35,11 @@ struct Frame {
   };
   Kind kind = Kind::statements;
   SourceLocation start;
-  NodeId node;                                    // node_body
-  const NodeType* type = nullptr;                 // node_body
+  OpenNode node;                                  // node_body
   NodeType* declaring = nullptr;                  // interfaces and Script bodies: the type being declared
   FieldValue* into = nullptr;                     // node_list, values, image
-  std::string_view name;                          // of the field that contains `into`
+  std::string_view name;                          // values, image: name of the field; node_list: see NodeTarget
   std::unique_ptr<InterfaceDeclaration> pending;  // declaration with a value still to read
-  std::uint64_t fields_seen = 0;                  // node_body: bit mask of the slots below 64
   std::array<double, 4> partial{};                // values: numbers of an incomplete element
   std::uint8_t partial_count = 0;
   std::uint64_t pixels_left = 0;  // image
@@ -51,18 +47,6 @@ struct Frame {
   std::size_t depth = 0;          // skip: open brackets
   bool skipped_value = false;     // skip: something was skipped already
   bool value_unexpected = false;  // skip: any content is unexpected
-};
-
-/// Name scope (VRML97 4.4.3): the file, or the body of a PROTO.
-struct Scope {
-  struct UnresolvedRoute {
-    std::string from, event_out, to, event_in;
-    SourceLocation location;
-  };
-  NameTable names;  // a null node marks a skipped one
-  std::unordered_map<std::string_view, const NodeType*> types;
-  std::vector<UnresolvedRoute> unresolved_routes;
-  NodeType* prototype = nullptr;  // PROTO of this body; null for the file
 };
 
 struct Parser::State {
@@ -74,58 +58,43 @@ struct Parser::State {
   Step read_header();
   ParseOutcome close();
   void refuse(std::string message, SourceLocation location = {});
-  void report(Severity severity, SourceLocation location, std::string message);
-  void error(SourceLocation location, std::string message) { report(Severity::error, location, std::move(message)); }
-  void warn(SourceLocation location, std::string message) { report(Severity::warning, location, std::move(message)); }
   /// Reports "expected `what`, found ...". At the end of the text it reports only if nothing is open, because the
   /// truncated construct is reported anyway.
   void unexpected(const Token& found, const std::string& what);
   /// Reports only the first of several consecutive unusable tokens, and skips an unexpected list or node body.
   void rubbish_token(const Token& token, const std::string& what);
-  void warn_once(bool& said, SourceLocation location, std::string message);
   bool open(Frame frame);
   void report_end_inside(const Frame& frame);
   /// Reports once that the budget for nodes is exhausted. The rest of the text is omitted.
   bool out_of_budget();
-  /// Draws the growth of a frame's list or image from the budget, in steps; to the last byte if `all`.
-  void charge_growth(Frame& frame, bool all);
 
   // Statements, node heads, ROUTE, PROTO, in parser_statements.cpp.
   Step statement_step();
   Step statement(const Token& keyword, bool& was_statement);
   Step other_statement(const Token& keyword);
-  Step node_head(Token token, FieldValue* into);
-  void place(NodeId node, FieldValue* into);
+  Step node_head(Token token, NodeTarget target);
   void end_node();
-  void check_measures(NodeId node);
   Step route_statement(SourceLocation location);
   bool read_node_event(std::string& node, std::string& event, Step& step);
-  void add_route(const Scope::UnresolvedRoute& route, bool last_chance);
   Step prototype_head(bool external);
   Step interface_step();
   Step external_url_step();
   void finish_pending();
-  void end_scope();
-  void add_type(NodeType& type);
-  void add_type_statement(const NodeType& type);
+  void end_body();
   void check_name(const Token& name);
   void check_reserved(const Token& name);
-  [[nodiscard]] const NodeType* find_type(std::string_view name) const;
-  [[nodiscard]] const NodeType* find_stand_in(const Token& name);
-  [[nodiscard]] bool in_prototype_body() const { return scopes.back().prototype && interfaces_open == 0; }
 
   // Node bodies, interface declarations, IS and recovery, in parser_fields.cpp.
   Step node_body_step();
   Step field(Token name);
   Step is_mapping(const Token& name);
   Step interface_declaration(AccessType access, NodeType& type, bool values, bool is_allowed);
-  void check_role(NodeId node, std::string_view field);
   Step skip_step();
   void skip_value();
   void skip_interface_value();
 
   // Field values, in parser_values.cpp.
-  Step value(FieldType type, FieldValue& into, std::string_view name);
+  Step value(FieldType type, FieldValue& into, std::string_view name, std::string_view restricts);
   void note_url_place(const Frame* node, std::string_view name, const Token& token);
   bool plain_floats(FieldType type, FieldValue& into);
   Step single_value(FieldType type, FieldValue& into, Token token, std::string_view name);
@@ -142,32 +111,29 @@ struct Parser::State {
   String string_of(const Token& token);
 
   SceneGraph& scene;
-  SourceText& source;  // text being read: the scene's file or a run-time text
-  Diagnostics& diagnostics;
+  SceneSink sink;
+  TextProblems& problems;
   Lexer lexer;
   std::vector<Frame> frames;
-  std::vector<Scope> scopes;
   std::string carry;           // received bytes that cannot be used yet
   std::size_t retry_size = 0;  // size of `carry` at which to retry
-  int interfaces_open = 0;     // open PROTO interfaces; their default nodes are live
   bool header_read = false;
   bool headerless = false;
   bool anything_read = false;
   bool table_text = false;  // text of the node table: no header, no scene
   bool rubbish = false;     // the last token was unusable and has been reported
   bool end_reported = false;
-  std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;   // values of invalid declarations
-  std::unordered_set<std::string_view> said_types;                  // names reported as declared twice
-  std::unordered_map<std::string_view, const NodeType*> stand_ins;  // stand-ins that were needed
-  std::unordered_set<std::string> unknown_types;                    // types reported as unknown
-  std::unordered_set<std::uint64_t> said_measures;                  // nodes reported for invalid measures
+  std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;  // values of invalid declarations
   std::uint32_t said_reserved = 0;             // bit mask of reserved_word() results that were reported
   FieldValue discarded = MFNode{};             // receives named nodes that cannot be used
   FieldType number_type = FieldType::SFFloat;  // of the value being read
   bool said_bool_form = false, said_external_value = false, said_latin1 = false, said_route_in_list = false,
-       said_bad_id = false, said_number_form = false, said_limit = false, said_budget = false;
+       said_bad_id = false, said_number_form = false;
   ParseOutcome outcome = ParseOutcome::complete;
 };
+
+/// Returns the token's text and position.
+[[nodiscard]] inline SourceName name_in(const Token& token) { return {token.text, token.location}; }
 
 /// Returns the token as an error shows it: `'text'`, shortened; "the end of the file"; ...
 [[nodiscard]] std::string describe(const Token& token);

@@ -84,8 +84,8 @@ bool Parser::State::number_of(const Token& token, double& number) {
     }
     double real = 0;
     if (!parse_number(token.text, real)) return false;
-    warn_once(said_number_form, token.location,
-              "expected an integer of 32 bits, found " + describe(token) + "; converted");
+    problems.warn_once(said_number_form, token.location,
+                       "expected an integer of 32 bits, found " + describe(token) + "; converted");
     number = std::isnan(real) ? 0 : std::trunc(std::clamp(real, -2147483648.0, 2147483647.0));
     return true;
   }
@@ -115,15 +115,10 @@ void Parser::State::cut_number(Token& token) {
 }
 
 String Parser::State::string_of(const Token& token) {
+  if (!sink.limits().admits_string(token.text.size(), token.location)) return {};
   bool latin1 = false;
-  if (token.text.size() > scene.limits().string_bytes) {
-    if (!std::exchange(said_limit, true)) error(token.location, "a string exceeds the limit; left empty");
-    return {};
-  }
-  constexpr std::size_t kEntry = 64;
-  if (!scene.charge(token.text.size() + kEntry)) return {};
   const std::string text = decode_string(token.text, token.has_escapes, latin1);
-  if (latin1) warn_once(said_latin1, token.location, "a string is not UTF-8; read as Latin-1");
+  if (latin1) problems.warn_once(said_latin1, token.location, "a string is not UTF-8; read as Latin-1");
   return String(text);
 }
 
@@ -157,8 +152,9 @@ bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
   return true;
 }
 
-// Parses the value of a field. `name` is for diagnostics. On need_more it reads nothing and leaves `into` unchanged.
-Step Parser::State::value(FieldType type, FieldValue& into, std::string_view name) {
+// Parses the value of a field. `name` is for diagnostics, `restricts` for the field of a NodeTarget. On need_more it
+// reads nothing and leaves `into` unchanged.
+Step Parser::State::value(FieldType type, FieldValue& into, std::string_view name, std::string_view restricts) {
   if (plain_floats(type, into)) return Step::done;
   const Lexer::Position before = lexer.position();
   const Token token = lexer.next();
@@ -169,7 +165,7 @@ Step Parser::State::value(FieldType type, FieldValue& into, std::string_view nam
     frame.kind = type == FieldType::MFNode ? Frame::Kind::node_list : Frame::Kind::values;
     frame.start = token.location;
     frame.into = &into;
-    frame.name = name;
+    frame.name = type == FieldType::MFNode ? restricts : name;
     open(std::move(frame));
     return Step::done;
   }
@@ -181,7 +177,7 @@ Step Parser::State::value(FieldType type, FieldValue& into, std::string_view nam
     if (token.kind == TokenKind::word && !looks_like_number(token.text)) {
       FieldValue fresh = initial_value(type);
       FieldValue old = std::exchange(into, std::move(fresh));
-      const Step step = node_head(token, &into);
+      const Step step = node_head(token, {&into, restricts});
       if (step == Step::need_more) into = std::move(old);
       return step;
     }
@@ -229,7 +225,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
       const bool no = word == "FALSE" || word == "false" || word == "False" || word == "0";
       if (!yes && !no) return refuse_token(token, before);
       if (word != "TRUE" && word != "FALSE")
-        warn_once(said_bool_form, token.location, "expected TRUE or FALSE, found " + describe(token));
+        problems.warn_once(said_bool_form, token.location, "expected TRUE or FALSE, found " + describe(token));
       into.emplace<SFBool>(yes);
       return Step::done;
     }
@@ -256,8 +252,8 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
   number_type = type;
   for (int i = 0; i < wanted; ++i)
     if (!number_of(tokens[i], numbers[i]))
-      error(tokens[i].location,
-            "expected a number for " + std::string(name) + ", found " + describe(tokens[i]) + "; 0 is used");
+      problems.error(tokens[i].location,
+                     "expected a number for " + std::string(name) + ", found " + describe(tokens[i]) + "; 0 is used");
   const auto f = [&](int i) { return to_float(numbers[i]); };
   switch (type) {
     case FieldType::SFFloat:
@@ -303,8 +299,8 @@ Step Parser::State::node_list_step() {
       frames.pop_back();
       return Step::done;
     case TokenKind::close_brace: {
-      error(token.location, "expected ']' at the end of the list that begins at line " +
-                                std::to_string(frames.back().start.line) + ", found '}'");
+      problems.error(token.location, "expected ']' at the end of the list that begins at line " +
+                                         std::to_string(frames.back().start.line) + ", found '}'");
       frames.pop_back();
       lexer.go_back(start);
       return Step::done;
@@ -318,20 +314,11 @@ Step Parser::State::node_list_step() {
     const Step read = statement(token, was_statement);
     if (was_statement) {
       if (read == Step::done)
-        warn_once(said_route_in_list, token.location,
-                  std::string(token.text) + " inside a list of nodes; moved before the node");
+        problems.warn_once(said_route_in_list, token.location,
+                           std::string(token.text) + " inside a list of nodes; moved before the node");
       return read;
     }
-    if (is_id(token.text)) {
-      const std::size_t before = frames.size();
-      const std::string_view name = frames.back().name;
-      const bool check = before >= 2 && frames[before - 2].kind == Frame::Kind::node_body &&
-                         frames[before - 2].type->kind == NodeType::Kind::built_in;
-      const Step step = node_head(token, frames.back().into);
-      if (check && step == Step::done && frames.size() > before && frames.back().kind == Frame::Kind::node_body)
-        check_role(frames.back().node, name);
-      return step;
-    }
+    if (is_id(token.text)) return node_head(token, {frames.back().into, frames.back().name});
   }
   rubbish_token(token, "a node or ']'");
   return Step::done;
@@ -393,7 +380,7 @@ Step Parser::State::values_step() {
   } else if (auto* g = std::get_if<MFRotation>(&list)) {
     bulk_floats(frame, *g);
   }
-  charge_growth(frame, false);
+  sink.limits().charge_growth(list, frame.charged, false);
   const Lexer::Position before = lexer.position();
   Token token = lexer.next();
   if (token.kind == TokenKind::need_more) {
@@ -416,11 +403,11 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
   const FieldType type = type_of(list);
   const auto leave = [&] {
     if (frame.partial_count > 0)
-      error(token.location, "the last value of " + std::string(frame.name) + " has " +
-                                std::to_string(frame.partial_count) + " numbers; expected " +
-                                std::to_string(arity(type)));
+      problems.error(token.location, "the last value of " + std::string(frame.name) + " has " +
+                                         std::to_string(frame.partial_count) + " numbers; expected " +
+                                         std::to_string(arity(type)));
     shrink(list);
-    charge_growth(frame, true);
+    sink.limits().charge_growth(list, frame.charged, true);
     frames.pop_back();
     return Step::done;
   };
@@ -435,8 +422,8 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
   if (token.kind == TokenKind::word && type != FieldType::MFString) {
     bool taken = number_of(token, number);
     if (!taken && (looks_like_number(token.text) || is_keyword_number(token.text))) {
-      error(token.location,
-            "expected a number in " + std::string(frame.name) + ", found " + describe(token) + "; 0 is used");
+      problems.error(token.location,
+                     "expected a number in " + std::string(frame.name) + ", found " + describe(token) + "; 0 is used");
       taken = true;
       number = 0;
     }
@@ -453,9 +440,10 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
   // Missing bracket: the next field of the node, or its end, follows.
   const Frame* owner = frames.size() >= 2 ? &frames[frames.size() - 2] : nullptr;
   const bool next_field = token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
-                          (owner->type->find(token.text) || (owner->declaring && is_access_name(token.text)));
+                          (owner->node.type->find(token.text) || (owner->declaring && is_access_name(token.text)));
   if (token.kind == TokenKind::close_brace || next_field) {
-    error(token.location, "expected ']' at the end of " + std::string(frame.name) + ", found " + describe(token));
+    problems.error(token.location,
+                   "expected ']' at the end of " + std::string(frame.name) + ", found " + describe(token));
     lexer.go_back(before);
     return leave();
   }

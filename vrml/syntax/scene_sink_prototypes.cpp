@@ -1,0 +1,196 @@
+#include "vrml/scene/prototype.h"
+#include "vrml/syntax/scene_sink.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+// PROTO and EXTERNPROTO, IS, and ROUTE.
+namespace gs::vrml {
+namespace {
+
+// Checks VRML97 Table 4.4: may `inner` of a node in a PROTO body be IS `outer` of the PROTO's interface?
+bool may_be_mapped(AccessType inner, AccessType outer) { return inner == outer || inner == AccessType::exposedField; }
+
+}  // namespace
+
+std::vector<Statement>& SceneSink::statements() {
+  NodeType* const prototype = scopes_.back().prototype;
+  return prototype ? prototype->prototype->statements : text_.statements();
+}
+
+NodeType& SceneSink::begin_prototype(SourceName name, bool external) {
+  auto type = std::make_unique<NodeType>();
+  type->name = name.text;
+  type->location = name.location;
+  type->kind = external ? NodeType::Kind::external_prototype : NodeType::Kind::prototype;
+  if (!external) {
+    type->prototype = std::make_unique<Prototype>();
+    type->prototype->scene = &scene_;
+    type->prototype->text = &text_;
+  }
+  (void)scene_.charge(sizeof(NodeType) + sizeof(Prototype));
+  ++open_interfaces_;
+  return text_.add_type(std::move(type));
+}
+
+bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& declaration, SourceLocation location) {
+  const bool script = type.kind == NodeType::Kind::script;
+  if (script && declaration.access == AccessType::exposedField)
+    problems_.warn(location,
+                   "a Script has no exposedFields in VRML97 (6.40); " + quoted(declaration.name) + " is accepted");
+  const InterfaceDeclaration* const known = type.find(declaration.name);
+  if (!known) return true;
+  if (!script || known->access != declaration.access || known->type != declaration.type)
+    problems_.error(location,
+                    quoted(declaration.name) + " of " + type.name + " is declared twice; the first one is used");
+  (void)scene_.charge(sizeof(InterfaceDeclaration));
+  return false;
+}
+
+void SceneSink::declare(NodeType& type, NodeId script, InterfaceDeclaration declaration) {
+  (void)scene_.charge(sizeof(InterfaceDeclaration));
+  if (script) {
+    scene_.declare(script, type, std::move(declaration));
+  } else {
+    type.declare(std::move(declaration));
+  }
+}
+
+void SceneSink::begin_body(NodeType& type) {
+  Scope& scope = scopes_.emplace_back();
+  scope.prototype = &type;
+  scope.interfaces_around = open_interfaces_;
+}
+
+void SceneSink::end_body() {
+  add_waiting_routes();
+  NodeType& type = *scopes_.back().prototype;
+  scopes_.pop_back();
+  type.prototype->complete = true;
+  count_instance_nodes(scene_, *type.prototype);
+  // The first node of the body determines where instances may stand (VRML97 4.8.3).
+  for (const Statement& statement : type.prototype->statements) {
+    if (statement.kind != Statement::Kind::node) continue;
+    type.role = scene_.node(statement.node).type->role;
+    break;
+  }
+  add_type(type);
+}
+
+void SceneSink::end_external(NodeType& type, MFString url) {
+  type.url = std::move(url);
+  add_type(type);
+}
+
+// Adds a complete declaration: from here on, nodes of its name have this type. Names of types must be unique (4.8),
+// except that extensions may have fallbacks with their names for other browsers. A declaration inside a node (Annex
+// A.1) is printed before that node.
+void SceneSink::add_type(NodeType& type) {
+  const NodeType* const built_in = built_in_node_type(type.name);
+  const Scope& scope = scopes_.back();
+  const NodeType*& known = scopes_.back().types[type.name];
+  const bool taken = known || (built_in && !is_extension(built_in->clause));
+  if (taken && said_types_.insert(type.name).second)
+    problems_.warn(type.location, (known ? "a second declaration of '" + type.name + '\''
+                                         : '\'' + type.name + "' is a built-in node") +
+                                      " (VRML97 4.8); this PROTO is used from here on");
+  known = &type;
+  std::vector<Statement>& list = statements();
+  auto position = list.end();
+  if (scope.open_nodes > 0 || open_interfaces_ > scope.interfaces_around)
+    while (position != list.begin() && (--position)->kind != Statement::Kind::node) {
+    }
+  list.insert(position, {Statement::Kind::prototype, {}, &type, {}});
+}
+
+void SceneSink::connect(const OpenNode& node, SourceName inner_name, SourceName outer_name) {
+  if (!in_prototype_body()) {
+    problems_.error(inner_name.location, "IS outside of a PROTO body");
+    return;
+  }
+  const NodeType& type = *node.type;
+  const NodeType& prototype = *scopes_.back().prototype;
+  const InterfaceDeclaration* inner = type.find(inner_name.text);
+  if (!inner) inner = type.find_event_in(inner_name.text);
+  if (!inner) inner = type.find_event_out(inner_name.text);
+  const InterfaceDeclaration* const outer = prototype.find(outer_name.text);
+  if (!inner && type.stands_in) return;
+  if (!inner || !outer) {
+    problems_.error(inner ? outer_name.location : inner_name.location,
+                    inner ? "PROTO " + prototype.name + " has no " + quoted(outer_name.text)
+                          : type.name + " has no " + quoted(inner_name.text));
+    return;
+  }
+  const auto mapping = [&](std::string_view of_inner, std::string_view of_outer) {
+    return std::string(of_inner) + " " + quoted(inner_name.text) + " IS " + std::string(of_outer) + " " +
+           quoted(outer_name.text);
+  };
+  if (inner->type != outer->type) {
+    problems_.error(inner_name.location,
+                    mapping(name_of(inner->type), name_of(outer->type)) + "; expected equal types");
+    return;
+  }
+  if (!may_be_mapped(inner->access, outer->access))
+    problems_.warn(inner_name.location,
+                   mapping(name_of(inner->access), name_of(outer->access)) + " (VRML97 Table 4.4)");
+  prototype.prototype->mappings.push_back({node.id, inner, outer});
+}
+
+void SceneSink::add_route(const RouteNames& route) {
+  Scope& scope = scopes_.back();
+  const NodeId* const from = scope.names.find(route.from);
+  const NodeId* const to = scope.names.find(route.to);
+  if (from && to) {
+    connect_route(route, *from, *to);
+    return;
+  }
+  constexpr std::size_t kNames = 64;
+  (void)scene_.charge(sizeof route + kNames);
+  scope.waiting_routes.push_back(route);
+}
+
+void SceneSink::add_waiting_routes() {
+  Scope& scope = scopes_.back();
+  const std::vector<RouteNames> routes = std::exchange(scope.waiting_routes, {});
+  for (const RouteNames& route : routes) {
+    const NodeId* const from = scope.names.find(route.from);
+    const NodeId* const to = scope.names.find(route.to);
+    if (from && to) {
+      connect_route(route, *from, *to);
+    } else {
+      problems_.error(route.location,
+                      "ROUTE names '" + (!from ? route.from : route.to) + "', but no DEF has this name");
+    }
+  }
+}
+
+void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) {
+  if (!from || !to) return;  // a skipped node, already reported
+  Route route{from, to, nullptr, nullptr};
+  const NodeType& from_type = *scene_.node(from).type;
+  const NodeType& to_type = *scene_.node(to).type;
+  route.event_out = from_type.find_event_out(wanted.event_out);
+  route.event_in = to_type.find_event_in(wanted.event_in);
+  if ((!route.event_out && from_type.stands_in) || (!route.event_in && to_type.stands_in)) return;
+  if (!route.event_out) {
+    problems_.error(wanted.location, from_type.name + " has no eventOut '" + wanted.event_out + "'");
+    return;
+  }
+  if (!route.event_in) {
+    problems_.error(wanted.location, to_type.name + " has no eventIn '" + wanted.event_in + "'");
+    return;
+  }
+  if (route.event_out->type != route.event_in->type) {
+    problems_.error(wanted.location, "ROUTE from " + std::string(name_of(route.event_out->type)) + " '" +
+                                         wanted.event_out + "' to " + std::string(name_of(route.event_in->type)) +
+                                         " '" + wanted.event_in + "'; expected equal types");
+    return;
+  }
+  (void)scene_.charge(sizeof(Statement) + sizeof(Route));
+  statements().push_back({Statement::Kind::route, {}, nullptr, route});
+  if (!scopes_.back().prototype) scene_.routes().push_back(route);
+}
+
+}  // namespace gs::vrml

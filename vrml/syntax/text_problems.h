@@ -1,0 +1,35 @@
+#pragma once
+
+#include "vrml/scene/diagnostic.h"
+#include "vrml/scene/source_text.h"
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace gs::vrml {
+
+/// Reports problems of one text, with its file name. Single-threaded.
+class TextProblems {
+ public:
+  /// `text` and `diagnostics` must outlive this object.
+  TextProblems(const SourceText& text, Diagnostics& diagnostics) : text_(text), diagnostics_(diagnostics) {}
+
+  void report(Severity severity, SourceLocation location, std::string message) {
+    diagnostics_.add({severity, text_.file_name(), location, std::move(message)});
+  }
+  void error(SourceLocation location, std::string message) { report(Severity::error, location, std::move(message)); }
+  void warn(SourceLocation location, std::string message) { report(Severity::warning, location, std::move(message)); }
+  void warn_once(bool& said, SourceLocation location, std::string message) {
+    if (!std::exchange(said, true)) warn(location, std::move(message));
+  }
+
+ private:
+  const SourceText& text_;
+  Diagnostics& diagnostics_;
+};
+
+/// Returns a word as messages show it: in quotes, shortened, without control characters.
+[[nodiscard]] std::string quoted(std::string_view word);
+
+}  // namespace gs::vrml
