@@ -1,10 +1,10 @@
+#include "app/commands/animate.h"
+
 #include "app/base/console.h"
 #include "app/base/numbered_files.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
-#include "app/commands/picture_world.h"
-#include "app/commands/progress_bar.h"
+#include "app/commands/common/picture_world.h"
+#include "app/commands/common/progress_bar.h"
+#include "app/commands/common/shared.h"
 #include "app/picture/animation.h"
 #include "app/picture/frame_writer.h"
 #include "app/picture/volume_show.h"
@@ -27,7 +27,7 @@ namespace {
 /// World that is drawn repeatedly.
 class AnimatedWorld {
  public:
-  explicit AnimatedWorld(const Options& options) : options_(options) {}
+  explicit AnimatedWorld(const AnimateCommand& options) : options_(options) {}
 
   /// Opens a world. Returns the problem, or nullopt; an empty problem was already printed.
   std::optional<std::string> open(const std::string& file, const std::string& viewpoint) {
@@ -66,7 +66,7 @@ class AnimatedWorld {
     scene.list = &shown;
     if (!show_) {
       show_ = std::make_unique<VolumeShow>();
-      if (auto problem = show_->prepare(volume_wishes(options_), file_, shown, simulation_->world().color_key,
+      if (auto problem = show_->prepare(options_.volume, file_, shown, simulation_->world().color_key,
                                         std::make_shared<vrml::Budget>(options_.limits)))
         return std::move(*problem);
     }
@@ -75,7 +75,7 @@ class AnimatedWorld {
   }
 
  private:
-  const Options& options_;
+  const AnimateCommand& options_;
   std::string file_;
   std::optional<WorldLoading> loading_;
   std::unique_ptr<Simulation> simulation_;
@@ -83,7 +83,8 @@ class AnimatedWorld {
 };
 
 /// Returns the cameras of a tour, or an error if a Viewpoint is missing.
-std::variant<std::vector<render::Camera>, std::string> tour_of(const Options& options, const render::RenderList& list) {
+std::variant<std::vector<render::Camera>, std::string> tour_of(const AnimateCommand& options,
+                                                               const render::RenderList& list) {
   std::vector<render::Camera> cameras;
   for (const std::string& name : options.animation.tour) {
     const auto found = find_viewpoint(list.viewpoints, name);
@@ -103,14 +104,14 @@ int fail_unless_told(const std::string& problem) { return problem.empty() ? kFai
 
 }  // namespace
 
-std::optional<std::string> check_animate(const Options& options) {
+std::optional<std::string> check_animate(const AnimateCommand& options) {
   if (auto problem = check_camera(options)) return problem;
   return check_animation_name(options.files.back());
 }
 
-int run_animate(const Options& given_options) {
+int run_animate(const AnimateCommand& given_options) {
   use_universal_time();
-  Options options = given_options;
+  AnimateCommand options = given_options;
   if (const auto problem = settle_size(options)) return fail(*problem);
   const std::string& out = options.files.back();
   if (options.picture.transparent && !numbered_name(out))

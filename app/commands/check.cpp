@@ -1,14 +1,14 @@
+#include "app/commands/check.h"
+
 #include "app/base/console.h"
 #include "app/base/fact.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
+#include "app/commands/common/shared.h"
 #include "app/script/script_runner.h"
 #include "app/world/world_loader.h"
 
 namespace gs::app {
 
-int run_check(const Options& options) {
+int run_check(const CheckCommand& options) {
   std::size_t bytes = 0, nodes = 0, errors = 0, warnings = 0;
   double seconds = 0;
   for (const std::string& file : options.files) {

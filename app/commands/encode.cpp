@@ -1,9 +1,9 @@
+#include "app/commands/encode.h"
+
 #include "app/base/console.h"
 #include "app/base/fact.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
-#include "app/commands/progress_bar.h"
+#include "app/commands/common/progress_bar.h"
+#include "app/commands/common/shared.h"
 #include "app/commands/vectors_of.h"
 #include "net/files/file.h"
 #include "qnv/stream/container.h"
@@ -12,7 +12,7 @@
 
 namespace gs::app {
 
-std::optional<std::string> check_encode(const Options& options) {
+std::optional<std::string> check_encode(const EncodeCommand& options) {
   if ((options.vectors > 0) + (options.fraction > 0) + options.max_bytes_given > 1)
     return "--vectors, --fraction and --max-bytes exclude each other; expected one of them";
   if (options.packed + options.records + options.displaced > 1)
@@ -36,7 +36,7 @@ std::optional<std::string> check_encode(const Options& options) {
   return std::nullopt;
 }
 
-int run_encode(const Options& options) {
+int run_encode(const EncodeCommand& options) {
   if (options.outlines) return encode_outlines(options);
   const std::string &in = options.files[0], &out = options.files[1];
   const auto start = std::chrono::steady_clock::now();

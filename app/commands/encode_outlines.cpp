@@ -1,10 +1,9 @@
 #include "app/base/console.h"
 #include "app/base/fact.h"
 #include "app/base/gunzip.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
-#include "app/commands/progress_bar.h"
+#include "app/commands/common/progress_bar.h"
+#include "app/commands/common/shared.h"
+#include "app/commands/encode.h"
 #include "app/commands/vectors_of.h"
 #include "app/encode/outline_model.h"
 #include "app/encode/surface_triangles.h"
@@ -33,7 +32,7 @@ std::string_view extension(const std::string& path) {
   return {};
 }
 
-std::variant<OutlineModel, std::string> model_of(const Options& options, const OpenedInput& input,
+std::variant<OutlineModel, std::string> model_of(const EncodeCommand& options, const OpenedInput& input,
                                                  ProgressBar& progress) {
   if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
     if (options.isovalue) return "is not a volume; --isovalue applies to volumes only";
@@ -65,7 +64,7 @@ void make_relative(std::vector<qnv::OutlineAppearance>& appearances, const std::
   }
 }
 
-void tell(const Options& options, const qnv::OutlineGroups& groups, std::size_t bytes, double seconds) {
+void tell(const EncodeCommand& options, const qnv::OutlineGroups& groups, std::size_t bytes, double seconds) {
   std::size_t outlines = 0, inner = 0;
   for (const qnv::OutlineGroup& group : groups.groups) outlines += group.outline.size(), inner += group.inner.size();
   const qnv::OutlineCounts& counts = groups.counts;
@@ -92,7 +91,7 @@ void tell(const Options& options, const qnv::OutlineGroups& groups, std::size_t 
 
 }  // namespace
 
-int encode_outlines(const Options& options) {
+int encode_outlines(const EncodeCommand& options) {
   const std::string &in = options.files[0], &out = options.files[1];
   const auto start = std::chrono::steady_clock::now();
   const bool stream = extension(out) == ".qnv";

@@ -1,10 +1,10 @@
-#include "app/formats/export/export.h"
+#include "app/commands/export.h"
+
 #include "app/base/console.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
-#include "app/commands/progress_bar.h"
+#include "app/commands/common/progress_bar.h"
+#include "app/commands/common/shared.h"
 #include "app/commands/vectors_of.h"
+#include "app/formats/export/export.h"
 #include "app/formats/export/outline_text.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
@@ -18,13 +18,14 @@
 namespace gs::app {
 namespace {
 
-const ExportFormat* format_of(const Options& options) {
+const ExportFormat* format_of(const ExportCommand& options) {
   const ExportFormat* format = export_format_of(options.files.back());
   return options.vrml97 && format && !format->name.starts_with("vrml97") ? nullptr : format;
 }
 
 // Returns the first `count` vectors of the progressive order. A surface keeps its area.
-qnv::Cloud thinned(const qnv::Cloud& cloud, std::size_t count, const Options& options, qnv::Progress& progress) {
+qnv::Cloud thinned(const qnv::Cloud& cloud, std::size_t count, const ConversionOptions& options,
+                   qnv::Progress& progress) {
   qnv::OrderOptions order_options;
   order_options.seed = options.seed;
   order_options.kind = cloud.description.kind;
@@ -75,14 +76,14 @@ int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::s
 
 }  // namespace
 
-std::optional<std::string> check_export(const Options& options) {
+std::optional<std::string> check_export(const ExportCommand& options) {
   const std::string& out = options.files.back();
   if (format_of(options)) return std::nullopt;
   return options.vrml97 ? "expected OUT.wrl with --vrml97, not '" + out + "'"
                         : "unknown extension of '" + out + "'; expected one of: " + export_format_list();
 }
 
-int run_export(const Options& options) {
+int run_export(const ExportCommand& options) {
   const std::string &in = options.files[0], &out = options.files[1];
   std::error_code error;
   if (std::filesystem::equivalent(in, out, error)) return fail(out + " is also the input; not overwritten");

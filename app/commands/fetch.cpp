@@ -1,9 +1,9 @@
+#include "app/commands/fetch.h"
+
 #include "app/base/console.h"
 #include "app/base/fact.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
-#include "app/commands/progress_bar.h"
+#include "app/commands/common/progress_bar.h"
+#include "app/commands/common/shared.h"
 #include "app/streams/stream_feed.h"
 #include "app/world/world_loading.h"
 #include "net/base/schemes.h"
@@ -99,13 +99,13 @@ void print(const Report& report) {
 
 }  // namespace
 
-std::optional<std::string> check_fetch(const Options& options) {
+std::optional<std::string> check_fetch(const FetchCommand& options) {
   if (options.loss > 0 && !comes_as_cells(options.files.front()))
     return "--loss: only cells are lost, because other transports retransmit; expected a cells: URL";
   return std::nullopt;
 }
 
-int run_fetch(const Options& options) {
+int run_fetch(const FetchCommand& options) {
   const std::string& url = options.files.front();
   LoadOptions load = load_options(options);
   load.whole_surfaces = true;  // the report counts their vectors

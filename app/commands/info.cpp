@@ -1,8 +1,8 @@
+#include "app/commands/info.h"
+
 #include "app/base/console.h"
 #include "app/base/fact.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
+#include "app/commands/common/shared.h"
 #include "app/commands/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
@@ -274,7 +274,7 @@ void describe_world(Fact& facts, const OpenedSurface& opened) {
 
 }  // namespace
 
-int run_info(const Options& options) {
+int run_info(const InfoCommand& options) {
   const std::string& path = options.files.front();
   const net::Url url = net::parse_url(path);
   const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;

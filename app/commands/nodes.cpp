@@ -1,7 +1,7 @@
+#include "app/commands/nodes.h"
+
 #include "app/base/console.h"
-#include "app/commands/options/command_line.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
+#include "app/base/exit_status.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/syntax/printer.h"
 
@@ -31,15 +31,10 @@ std::string as_prototype(const vrml::NodeType& type) {
 
 }  // namespace
 
-int run_nodes(const Options& options) {
+int run_nodes(const NodesCommand& options) {
   std::string text = options.markdown ? "" : "#VRML V2.0 utf8\n";
   for (const auto& type : vrml::built_in_node_types()) text += (options.markdown ? as_markdown : as_prototype)(*type);
   print_text(text);
-  return kDone;
-}
-
-int run_man(const Options&) {
-  print_text(manual_page());
   return kDone;
 }
 

@@ -1,8 +1,8 @@
+#include "app/commands/open.h"
+
 #include "app/base/console.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
-#include "app/commands/picture_world.h"
+#include "app/commands/common/picture_world.h"
+#include "app/commands/common/shared.h"
 #include "app/settings/user_folders.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/headless.h"
@@ -18,41 +18,48 @@ constexpr double kNoTimeout = 1e6;  // seconds
 
 }  // namespace
 
-std::optional<std::string> check_open(const Options& options) {
-  if (auto problem = check_camera(options)) return problem;
+std::optional<std::string> check_open(const OpenCommand& options) {
+  const bool window = options.snapshot.empty();
+  if (!window && options.files.size() > 1) return "--snapshot: expected one file";
+  if (window && (options.time > 0 || !options.input.empty() || options.press_sensors))
+    return "--time, --input and --press-sensors: expected with --snapshot";
+  if (!window && options.control.any()) return "--control: expected without --snapshot; clients can request pictures";
+  if (!options.control.any() && !options.control.token_file.empty()) return "--control-token: expected with --control";
+  if (window && !options.confine.empty()) return "--confine: a window needs wider access; expected --snapshot";
+  if (const auto problem = check_camera(options)) return "open: " + *problem;
   const PictureRequest& picture = options.picture;
   const bool of_picture = picture.transparent || picture.stereo != render::Stereo::none || picture.eye_distance > 0 ||
-                          picture.dots_per_inch > 0 || picture.paper;
-  if (of_picture && options.snapshot.empty())
-    return "--background transparent, --stereo, --eye-distance, --dpi and paper sizes need --snapshot";
+                          picture.dots_per_inch > 0 || options.paper;
+  if (window && of_picture)
+    return "open: --background transparent, --stereo, --eye-distance, --dpi and paper sizes need --snapshot";
   return std::nullopt;
 }
 
-int run_open(const Options& options) {
+int run_open(const OpenCommand& options) {
   const std::string first = options.files.empty() ? demo_world() : options.files.front();
   if (!options.snapshot.empty()) return run_snapshot(options, first);
   if (options.reuse && hand_over(hand_over_folder(), options.files)) return kDone;
   ViewerOptions viewer;
-  viewer.files = options.files.empty() ? std::vector<std::string>{first} : options.files;
+  viewer.session.files = options.files.empty() ? std::vector<std::string>{first} : options.files;
+  viewer.session.split = options.layout;
+  viewer.session.viewpoint = options.viewpoint;
+  viewer.session.headlight = options.headlight;
+  viewer.session.audible = true;
+  viewer.session.muted = options.muted;
+  viewer.session.style = view_style(options);
+  viewer.session.camera = options.camera;
+  viewer.up_given = options.up.has_value();
   viewer.width = options.width;
   viewer.height = options.height;
+  viewer.size_given = options.size_given;
   viewer.samples = options.samples;
-  viewer.headlight = options.headlight;
   viewer.background = options.background;
-  viewer.viewpoint = options.viewpoint;
-  viewer.up = options.up;
-  viewer.orthographic = options.orthographic;
-  viewer.display = options.display;
-  viewer.camera = options.camera;
-  viewer.volume = volume_wishes(options);
-  viewer.split = options.layout;
-  viewer.muted = options.muted;
   viewer.budget = options.budget;
-  viewer.splats = splat_path(options.splats);
-  viewer.control = {options.control_paths, options.control_ports, options.control_token};
+  viewer.volume = options.volume;
+  viewer.splats = options.splats;
+  viewer.control = options.control;
   if (!options.no_config && !viewer.control.any() && options.confine.empty())
     viewer.folders = user_folders(options.config);
-  viewer.size_given = options.size_given;
   if (options.files.empty()) viewer.not_kept = first;
   LoadOptions load = load_options(options);
   // In a window, the user sees the progress and can cancel, so there is no default timeout.

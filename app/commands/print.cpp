@@ -1,7 +1,7 @@
+#include "app/commands/print.h"
+
 #include "app/base/console.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
+#include "app/commands/common/shared.h"
 #include "app/world/world_loader.h"
 #include "vrml/syntax/printer.h"
 
@@ -9,7 +9,7 @@
 
 namespace gs::app {
 
-int run_print(const Options& options) {
+int run_print(const LoadingOptions& options) {
   LoadOptions load = load_options(options);
   load.references = false;
   const OpenedWorld world = load_world(options.files.front(), load);

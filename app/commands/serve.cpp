@@ -2,9 +2,7 @@
 
 #include "app/base/confinement.h"
 #include "app/base/console.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
+#include "app/commands/common/shared.h"
 
 #include <atomic>
 #include <csignal>
@@ -24,7 +22,11 @@ std::string place(const ArchiveOptions& options, std::uint16_t port) {
 
 }  // namespace
 
-int serve(const ArchiveOptions& options) {
+int run_serve(const ServeCommand& given_options) {
+  ArchiveOptions options = given_options;
+  options.folder = given_options.files.front();
+  if (!options.http_port && !options.cells_port) options.http_port = kHttpPort;
+  options.report = [](const std::string& message) { complain("ghostspace: %s", message.c_str()); };
   // Blocks the signals before any thread exists, so that all threads inherit this and only sigwait below receives them.
   sigset_t signals, before;
   sigemptyset(&signals);
@@ -53,24 +55,6 @@ int serve(const ArchiveOptions& options) {
   complain("ghostspace: stopping; transfers may take %d s more", static_cast<int>(kGrace.count()));
   archive.stop(kGrace);
   return kDone;
-}
-
-int run_serve(const Options& options) {
-  ArchiveOptions archive;
-  archive.folder = options.files.front();
-  archive.http_port = options.http_port;
-  archive.cells_port = options.cells_port;
-  if (!archive.http_port && !archive.cells_port) archive.http_port = kHttpPort;
-  archive.bind = options.bind;
-  archive.rate = options.rate;
-  archive.congestion = options.congestion;
-  archive.cache = options.cache;
-  archive.log = options.log;
-  archive.host_names = options.host_names;
-  if (!options.origins.empty()) archive.origins = options.origins;
-  archive.proxies = options.proxies;
-  archive.report = [](const std::string& message) { complain("ghostspace: %s", message.c_str()); };
-  return serve(archive);
 }
 
 }  // namespace gs::app

@@ -1,10 +1,9 @@
 #include "app/base/console.h"
 #include "app/base/fact.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
-#include "app/commands/picture_memory.h"
-#include "app/commands/picture_world.h"
+#include "app/commands/common/picture_memory.h"
+#include "app/commands/common/picture_world.h"
+#include "app/commands/common/shared.h"
+#include "app/commands/open.h"
 #include "app/media/wave_file.h"
 #include "app/picture/paint.h"
 #include "app/picture/volume_show.h"
@@ -136,10 +135,10 @@ int leave(std::optional<WorldLoading>& loading, int status) {
 
 }  // namespace
 
-int run_snapshot(const Options& given_options, const std::string& named) {
+int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   keep_memory();
   use_universal_time();
-  Options options = given_options;
+  OpenCommand options = given_options;
   if (const auto problem = settle_size(options)) return fail(*problem);
   using render::Phase;
   GivenPlace given = given_place(named);
@@ -188,7 +187,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   if (!options.sound.empty()) simulation.hear([&](std::span<const float> pairs) { sound.add(pairs); });
   simulation.run(options.time);
   if (const int status = write_sound(options, sound); status != kDone) return status;
-  tell_of_simulation(options, simulation);
+  tell_of_simulation(options, named, simulation);
   const auto asked = camera_of_options(options, *simulation.look().list);
   const render::Camera camera = asked ? *asked : simulation.camera();
   simulation.stand_at(camera);
@@ -219,7 +218,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   PictureScene scene{&list, camera, draw, unit, {}, measured};
   if (!options.stats.empty()) scene.over = [&](render::Image& band, int, const glm::ivec2&) { colors.add(band); };
   VolumeShow volume;
-  if (const auto problem = volume.prepare(volume_wishes(options), file, list, simulation.world().color_key,
+  if (const auto problem = volume.prepare(options.volume, file, list, simulation.world().color_key,
                                           std::make_shared<vrml::Budget>(options.limits)))
     return fail(*problem);
   volume.apply(scene);

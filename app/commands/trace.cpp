@@ -1,7 +1,7 @@
+#include "app/commands/trace.h"
+
 #include "app/base/console.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
+#include "app/commands/common/shared.h"
 #include "app/media/wave_file.h"
 #include "app/session/links.h"
 #include "app/simulation/simulation.h"
@@ -18,12 +18,12 @@
 
 namespace gs::app {
 
-std::optional<std::string> check_trace(const Options& options) {
-  if (options.picture.paper) return "expected a --size in pixels";
+std::optional<std::string> check_trace(const TraceCommand& options) {
+  if (options.paper) return "expected a --size in pixels";
   return options.until ? std::optional<std::string>() : "expected --until SECONDS";
 }
 
-bool plan_input(const Options& options, Simulation& simulation) {
+bool plan_input(const SimulationOptions& options, Simulation& simulation) {
   if (options.press_sensors) simulation.press_sensors();
   if (options.input.empty()) return true;
   const auto opened = net::map_file(options.input);
@@ -42,9 +42,8 @@ bool plan_input(const Options& options, Simulation& simulation) {
 
 void use_universal_time() { (void)::setenv("TZ", "UTC", 1); }
 
-void tell_of_simulation(const Options& options, Simulation& simulation) {
-  const std::string file_name = options.files.empty() ? demo_world() : options.files.front();
-  const char* const file = file_name.c_str();
+void tell_of_simulation(const SimulationOptions& options, const std::string& path, Simulation& simulation) {
+  const char* const file = path.c_str();
   print_diagnostics(simulation.troubles());
   if (options.press_sensors) {
     const SensorTour::Counts counts = simulation.pressed_sensors();
@@ -56,7 +55,7 @@ void tell_of_simulation(const Options& options, Simulation& simulation) {
 }
 
 // Writes the sound. Replaces only sound files, so that a mistyped FILE.wav does not destroy a world.
-int write_sound(const Options& options, const WaveFile& sound) {
+int write_sound(const SimulationOptions& options, const WaveFile& sound) {
   if (options.sound.empty()) return kDone;
   const auto opened = net::map_file(options.sound);
   if (const auto* file = std::get_if<net::MappedFile>(&opened)) {
@@ -70,7 +69,7 @@ int write_sound(const Options& options, const WaveFile& sound) {
   return kDone;
 }
 
-int run_trace(const Options& options) {
+int run_trace(const TraceCommand& options) {
   use_universal_time();
   const GivenPlace given = given_place(options.files.front());
   if (!given.problem.empty()) return fail(given.target + ": " + given.problem);
@@ -109,7 +108,7 @@ int run_trace(const Options& options) {
   if (!options.sound.empty()) simulation.hear([&](std::span<const float> pairs) { sound.add(pairs); });
   simulation.run(*options.until, [] { return !output_failed(); });
   if (const int status = write_sound(options, sound); status != kDone) return status;
-  tell_of_simulation(options, simulation);
+  tell_of_simulation(options, options.files.front(), simulation);
   return simulation.world().truncated ? kFailed : kDone;
 }
 

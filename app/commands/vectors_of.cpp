@@ -3,8 +3,7 @@
 #include "app/base/console.h"
 #include "app/base/local_file.h"
 #include "app/base/text.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
+#include "app/commands/common/shared.h"
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
 #include "app/formats/content_types.h"
@@ -35,20 +34,20 @@ using Clock = std::chrono::steady_clock;
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 using qnv::EncodeError;
 
-bool is_raw(const Options& options) { return options.raw.dimensions != decltype(options.raw.dimensions){}; }
+bool is_raw(const InputOptions& options) { return options.raw.dimensions != decltype(options.raw.dimensions){}; }
 
-Clock::time_point deadline_of(const Options& options) {
+Clock::time_point deadline_of(const LoadingOptions& options) {
   const auto time = std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6));
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(time);
 }
 
-WorldBudget budget_of(const Options& options, const LoadLimit& limit) {
+WorldBudget budget_of(const LoadingOptions& options, const LoadLimit& limit) {
   auto budget = std::make_shared<vrml::Budget>(options.limits);
   budget->stop_when([limit] { return limit.over(); });
   return budget;
 }
 
-std::optional<Opened> open_volume_input(const Options& options, const std::string& path) {
+std::optional<Opened> open_volume_input(const InputOptions& options, const std::string& path) {
   auto opened = open_volume(path, options.raw, {reader_beside(path, load_options(options).allowed), {}},
                             budget_of(options, LoadLimit(deadline_of(options))));
   if (const auto* problem = std::get_if<std::string>(&opened)) {
@@ -58,7 +57,7 @@ std::optional<Opened> open_volume_input(const Options& options, const std::strin
   return std::move(std::get<qnv::VolumeSource>(opened));
 }
 
-std::optional<Opened> open_cloud_input(const Options& options, const ContentType& type, const CloudFile& file) {
+std::optional<Opened> open_cloud_input(const LoadingOptions& options, const ContentType& type, const CloudFile& file) {
   vrml::Diagnostics diagnostics;
   const LoadLimit limit(deadline_of(options));
   const WorldBudget budget = budget_of(options, limit);
@@ -80,7 +79,7 @@ std::optional<Opened> open_cloud_input(const Options& options, const ContentType
   return std::move(*cloud);
 }
 
-std::optional<Opened> open_world_input(const Options& options, const std::string& path, std::string& title) {
+std::optional<Opened> open_world_input(const LoadingOptions& options, const std::string& path, std::string& title) {
   auto surface = std::make_unique<OpenedSurface>();
   LoadOptions load = load_options(options);
   load.max_bytes = LoadOptions{}.max_bytes;  // here, `--max-bytes` limits the output
@@ -101,7 +100,7 @@ std::optional<Opened> open_world_input(const Options& options, const std::string
 
 // Opens a mesh that is too large for a world, to be read from its file in several passes. Returns nullopt for other
 // meshes.
-std::optional<MeshStream> large_mesh(const Options& options, const ContentType& type,
+std::optional<MeshStream> large_mesh(const LoadingOptions& options, const ContentType& type,
                                      const std::shared_ptr<const net::MappedFile>& file) {
   if (!type.in_order) return std::nullopt;
   auto mesh = open_mesh_stream(file->bytes(), [file](std::size_t bytes) { file->put_aside(bytes); });
@@ -110,7 +109,8 @@ std::optional<MeshStream> large_mesh(const Options& options, const ContentType& 
 }
 
 // Returns the metadata of a stream. Values about its origin override those of the source.
-Metadata metadata_of(const Options& options, const OpenedInput& input, const std::string& path, const Metadata& own) {
+Metadata metadata_of(const ConversionOptions& options, const OpenedInput& input, const std::string& path,
+                     const Metadata& own) {
   const bool chosen_up = options.up && *options.up != UpAxis::automatic;
   Metadata all{{"title", input.title}, {"source", file_name(path)}};
   if (input.type == "VRML97" || input.type == "glTF") all.emplace_back("units", "m");  // VRML97 4.4.5; glTF 2.0, 3.4
@@ -194,7 +194,7 @@ Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar
   return surface;
 }
 
-std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, const Options& options,
+std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, const ConversionOptions& options,
                                                      qnv::EncodeOptions encode_options, ProgressBar& progress) {
   encode_options.two_sided = surface.two_sided;
   if (surface.shine)
@@ -233,7 +233,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_vectors(const qnv::Cloud& c
   return qnv::row_of(payload).encode(std::cref(cloud), std::move(options), &progress.whole());
 }
 
-std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume, const Options& options,
+std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume, const ConversionOptions& options,
                                                 ProgressBar& progress) {
   qnv::GradientOptions gradient_options;
   if (options.vectors > 0) {
@@ -261,7 +261,7 @@ std::size_t most_encoded_triangles(const vrml::Limits& limits) {
   return limits.memory / 32 * vrml::kHeldShare / qnv::kDisplacedTriangleBytes;
 }
 
-std::optional<OpenedInput> open_input(const Options& options, const std::string& path) {
+std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path) {
   const net::Url url = net::parse_url(path);
   const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
   auto mapped = net::map_file(local);
@@ -300,14 +300,14 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
   return input;
 }
 
-Upright wanted_upright(const Options& options, const OpenedInput& input) {
+Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input) {
   if (options.up && *options.up != UpAxis::automatic) return upright_of(*options.up);
   if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content))
     if (const auto stated = stated_upright(volume->layout.metadata)) return *stated;
   return input.upright;
 }
 
-std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& options, const OpenedInput& input,
+std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptions& options, const OpenedInput& input,
                                                            ProgressBar& progress) {
   const std::string& path = options.files.front();
   qnv::EncodeOptions encode_options;
@@ -359,8 +359,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
       .encode(qnv::VolumeVectors{cloud, volume.layout}, std::move(encode_options), &progress.whole());
 }
 
-std::variant<OutlineModel, std::string> isosurface_outlines(const Options& options, const qnv::VolumeSource& volume,
-                                                            ProgressBar& progress) {
+std::variant<OutlineModel, std::string> isosurface_outlines(const ConversionOptions& options,
+                                                            const qnv::VolumeSource& volume, ProgressBar& progress) {
   const Surface surface = surface_of(volume, *options.isovalue, progress);
   vrml::Budget budget(options.limits);
   const qnv::TriangleSource bounded = [&](const qnv::TriangleSink& sink) {
@@ -383,7 +383,8 @@ std::variant<OutlineModel, std::string> isosurface_outlines(const Options& optio
   return model;
 }
 
-std::variant<qnv::Cloud, EncodeError> cloud_of_input(const Options& options, OpenedInput input, ProgressBar& progress) {
+std::variant<qnv::Cloud, EncodeError> cloud_of_input(const ConversionOptions& options, OpenedInput input,
+                                                     ProgressBar& progress) {
   const auto stand = [&](qnv::Cloud& cloud) {
     Metadata& metadata = cloud.description.metadata;
     if (stated_upright(metadata)) return;

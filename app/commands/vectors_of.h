@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/commands/options/options.h"
-#include "app/commands/progress_bar.h"
+#include "app/commands/common/option_groups.h"
+#include "app/commands/common/progress_bar.h"
 #include "app/encode/mesh_stream.h"
 #include "app/encode/outline_model.h"
 #include "app/world/opened_world.h"
@@ -43,13 +43,13 @@ struct OpenedInput {
 
 /// Opens a file of any type, or a volume without header if the options give dimensions. Prints errors; returns nullopt
 /// if there is nothing to encode.
-[[nodiscard]] std::optional<OpenedInput> open_input(const Options& options, const std::string& path);
+[[nodiscard]] std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path);
 
 /// Returns the up axis of the result: that of the options, else that of the file.
-[[nodiscard]] Upright wanted_upright(const Options& options, const OpenedInput& input);
+[[nodiscard]] Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input);
 
 /// Encodes an input as the options say. Surfaces use the octree payload unless `records` is set.
-[[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const Options& options,
+[[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const ConversionOptions& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress);
 
@@ -57,12 +57,12 @@ struct OpenedInput {
 inline constexpr std::uint64_t kOutlineTriangleBytes = 400;
 
 /// Returns the isosurface of a volume as polygons, or an error.
-[[nodiscard]] std::variant<OutlineModel, std::string> isosurface_outlines(const Options& options,
+[[nodiscard]] std::variant<OutlineModel, std::string> isosurface_outlines(const ConversionOptions& options,
                                                                           const qnv::VolumeSource& volume,
                                                                           ProgressBar& progress);
 
 /// Returns the vectors of an input: its own, the gradients of a volume, or those of its encoded surface.
-[[nodiscard]] std::variant<qnv::Cloud, qnv::EncodeError> cloud_of_input(const Options& options, OpenedInput input,
-                                                                        ProgressBar& progress);
+[[nodiscard]] std::variant<qnv::Cloud, qnv::EncodeError> cloud_of_input(const ConversionOptions& options,
+                                                                        OpenedInput input, ProgressBar& progress);
 
 }  // namespace gs::app

@@ -39,7 +39,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
   const EndOverdueScripts overdue([] { return EndOnSignals::told(); });
   const auto wake = [&bell] { bell.ring(); };
   std::optional<OpenedRenderer> opened;
-  Session session(session_options(options), load, wake);
+  Session session(options.session, load, wake);
   auto started = ControlService::start(options.control, wake);
   if (auto* problem = std::get_if<std::string>(&started)) {
     error = "cannot be controlled: " + *problem;

@@ -12,7 +12,6 @@
 
 namespace gs::app {
 
-[[nodiscard]] SessionOptions session_options(const ViewerOptions& options);
 /// Draws a view and returns the bytes of a PNG file, or an error. The renderer's context must be current.
 [[nodiscard]] std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& renderer,
                                                                       const ViewerOptions& options, const View& view,

@@ -20,12 +20,12 @@ constexpr double kLoadingWait = 0.25;  // between pictures of the progress line
 
 DeskOptions desk_options(const ViewerOptions& options, float scale) {
   DeskOptions result;
-  result.session = session_options(options);
+  result.session = options.session;
   result.folders = options.folders;
   result.not_kept = options.not_kept;
   result.scale = scale;
   result.dialogs = dialog_programs();
-  result.up_given = options.up.has_value();
+  result.up_given = options.up_given;
   return result;
 }
 
@@ -39,21 +39,6 @@ glm::ivec2 first_size(const ViewerOptions& options) {
 }
 
 }  // namespace
-
-SessionOptions session_options(const ViewerOptions& options) {
-  SessionOptions result;
-  result.files = options.files;
-  result.split = options.split;
-  result.viewpoint = options.viewpoint;
-  result.headlight = options.headlight;
-  result.audible = true;
-  result.muted = options.muted;
-  result.style.up = options.up.value_or(UpAxis::automatic);
-  result.style.parallel = options.orthographic;
-  result.style.display = options.display;
-  result.camera = options.camera;
-  return result;
-}
 
 std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& renderer, const ViewerOptions& options,
                                                         const View& view, const glm::ivec2& size) {

@@ -1,11 +1,9 @@
 #pragma once
 
 #include "app/control/control_service.h"
-#include "app/formats/common/upright.h"
 #include "app/picture/volume_show.h"
+#include "app/session/session.h"
 #include "app/settings/user_folders.h"
-#include "app/view/navigation.h"
-#include "app/view/panes/split_tree.h"
 #include "app/world/world_loader.h"
 #include "render/draw/renderer.h"
 
@@ -22,21 +20,14 @@ namespace gs::app {
 inline constexpr std::size_t kWindowBudget = 2'000'000;
 
 struct ViewerOptions {
-  std::vector<std::string> files;       // opened at start, one per viewport as far as possible
-  std::optional<SplitTree> split;       // split of the window; nullopt derives it from the number of files
+  SessionOptions session;
+  bool up_given = false;                // session.style.up overrides the setting
   int width = 1024, height = 768;       // of the window
   bool size_given = false;              // otherwise the size of the last window is used, if known
   int samples = 4;                      // anti-aliasing
-  std::optional<bool> headlight;        // overrides the worlds' NavigationInfo
   std::optional<glm::vec3> background;  // colour that replaces the worlds' Backgrounds
-  std::string viewpoint;                // description, DEF name or number of the Viewpoint to bind
   std::size_t budget = 0;               // splats of all viewports together; 0 means kWindowBudget
-  std::optional<UpAxis> up;             // nullopt means the setting
-  bool orthographic = false;
-  render::DisplayMode display = render::DisplayMode::surface;
-  std::optional<Pose> camera;  // initial camera of the first file
-  VolumeWishes volume;         // initial display of volumes
-  bool muted = false;          // no sound until the user turns it on
+  VolumeWishes volume;                  // initial display of volumes
   render::SplatPath splats = render::SplatPath::automatic;
   ControlPlaces control;  // sockets on which clients can control it
   UserFolders folders;    // of the user data; if empty, none is stored

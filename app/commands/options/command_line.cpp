@@ -3,9 +3,9 @@
 #include "app/base/confinement.h"
 #include "app/base/console.h"
 #include "app/base/temporary_file.h"
-#include "app/commands/options/commands.h"
+#include "app/commands/common/shared.h"
+#include "app/commands/open.h"
 #include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
 #include "app/formats/content_types.h"
 #include "app/script/script_runner.h"
 #include "app/settings/user_settings.h"
@@ -20,6 +20,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <span>
 #include <sstream>
@@ -32,15 +33,30 @@
 namespace gs::app {
 namespace {
 
-bool applies(const OptionRow& option, const CommandRow& command) {
-  return option.commands.find(std::string(command.name) + ' ') != std::string_view::npos;
+// Command with its parser and the values of its options.
+struct ParsedCommand {
+  const CommandRow& row;
+  CLI::App* parser;
+  std::unique_ptr<CommandOptions> options;
+};
+
+// Sets an option of a command. Options before the name of a command are those of the first row, and hold for that
+// command, too.
+std::optional<std::string> set_option(const std::vector<ParsedCommand>& commands, const CommandRow& command,
+                                      const OptionRow& row, const std::string& value) {
+  std::optional<std::string> problem;
+  for (const ParsedCommand& each : commands)
+    if (&each.row == &command || (&command == &command_rows().front() && accepts(each.row, row)))
+      if (auto wrong = row.set(*each.options, value)) problem = std::move(wrong);
+  return problem;
 }
 
-void add_options(CLI::App& parser, const CommandRow& command, Options& options) {
+void add_options(const ParsedCommand& command, const std::vector<ParsedCommand>& commands) {
+  CLI::App& parser = *command.parser;
   for (const OptionRow& row : option_rows()) {
-    if (!applies(row, command)) continue;
-    const auto take = [&options, &row](const std::string& value) {
-      if (const auto problem = row.set(options, value))
+    if (!accepts(command.row, row)) continue;
+    const auto take = [&commands, &taker = command.row, &row](const std::string& value) {
+      if (const auto problem = set_option(commands, taker, row, value))
         throw CLI::ValidationError(std::string(row.name), *problem + ", not '" + value + "'");
     };
     std::string help(row.help);
@@ -53,9 +69,9 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
       static constexpr std::string_view kAlone = "true";
       parser.add_flag(std::string(row.name), std::as_const(help))
           ->type_name(std::string(row.argument))
-          ->each([&options, &row](const std::string& value) {
+          ->each([&commands, &taker = command.row, &row](const std::string& value) {
             // The parser adds the name of the option.
-            if (const auto problem = row.set(options, value == kAlone ? "" : value))
+            if (const auto problem = set_option(commands, taker, row, value == kAlone ? "" : value))
               throw CLI::ValidationError(*problem + ", not '" + value + "'");
           });
     } else {
@@ -65,21 +81,20 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
           ->trigger_on_parse(row.repeats);
     }
   }
-  if (command.most_files > 0) parser.add_option("files", options.files, "")->type_name("")->group("");
+  if (command.row.most_files > 0) parser.add_option("files", command.options->files, "")->type_name("")->group("");
 }
 
 // Returns the file that a command writes, or an empty string.
-std::string output_of(const Options& options, const CommandRow& command) {
-  if (!options.snapshot.empty()) return options.snapshot;
-  const bool writes = command.run == run_encode || command.run == run_export;
-  return writes ? options.files.back() : std::string();
+std::string output_of(const CommandRow& command, const CommandOptions& options) {
+  if (command.writes_last) return options.files.back();
+  const auto* open = dynamic_cast<const OpenCommand*>(&options);
+  return open ? open->snapshot : std::string();
 }
 
 // Returns all files that a command writes to paths from the user.
-std::vector<std::string> written_files(const Options& options, const CommandRow& command) {
-  std::vector<std::string> files{output_of(options, command), options.sound};
-  if (command.run == run_animate) files.push_back(options.files.back());
-  return files;
+std::vector<std::string> written_files(const CommandRow& command, const CommandOptions& options) {
+  const auto* simulation = dynamic_cast<const SimulationOptions*>(&options);
+  return {output_of(command, options), simulation ? simulation->sound : std::string()};
 }
 
 std::string folder_of(const std::string& file) {
@@ -103,57 +118,62 @@ std::optional<std::string> unknown_word(const std::string& word) {
 }
 
 // Replaces "-" among the inputs by standard input. Returns the problem, or nullopt.
-std::optional<std::string> take_standard_input(Options& options, const CommandRow& command) {
-  const bool writes = command.run == run_encode || command.run == run_export;
-  const std::span<std::string> inputs = std::span(options.files).first(options.files.size() - (writes ? 1 : 0));
+std::optional<std::string> take_standard_input(const CommandRow& command, CommandOptions& options) {
+  const std::span<std::string> inputs =
+      std::span(options.files).first(options.files.size() - (command.writes_last ? 1 : 0));
   const auto count = std::count(inputs.begin(), inputs.end(), net::kStandardInput);
   if (count == 0) return std::nullopt;
   if (count > 1) return "standard input can be used only once";
   std::replace(inputs.begin(), inputs.end(), std::string(net::kStandardInput), std::string(net::kStandardInputPath));
-  return net::hold_standard_input(options.limits.memory);
+  const auto* loading = dynamic_cast<const LoadingOptions*>(&options);
+  return net::hold_standard_input((loading ? loading->limits : vrml::Limits{}).memory);
+}
+
+// Throws a usage error if the files or a combination of options are wrong.
+void check_usage(const CommandRow& command, const CommandOptions& options) {
+  const bool is_open = &command == &command_rows().front();
+  if (options.files.size() < command.least_files || options.files.size() > command.most_files)
+    throw CLI::ValidationError(std::string(command.name), "expected " + std::string(command.arguments));
+  if (is_open && !options.files.empty())
+    if (const auto problem = unknown_word(options.files.front()))
+      throw CLI::ValidationError(options.files.front(), *problem);
+  if (const auto problem = command.calls.check(options))
+    throw CLI::ValidationError(is_open ? *problem : std::string(command.name) + ": " + *problem);
+}
+
+int run_command(const CommandRow& command, CommandOptions& options) {
+  remove_abandoned_files();
+  for (const std::string& file : written_files(command, options)) remove_unfinished_beside(file);
+  if (const auto problem = take_standard_input(command, options)) return fail(*problem);
+  if (const auto* loading = dynamic_cast<const LoadingOptions*>(&options); loading && !loading->confine.empty())
+    if (const auto problem = confine({loading->confine, folder_of(output_of(command, options))})) return fail(*problem);
+  return command.calls.run(options);
 }
 
 int parse_and_run(int count, char** arguments) {
-  Options options;
   CLI::App parser("GhostSpace: a browser for VRML97 worlds and 3D models");
   parser.name("ghostspace");
   parser.set_version_flag("--version", "ghostspace " GHOSTSPACE_VERSION);
   parser.footer("Formats, also compressed with gzip: " + content_type_list() +
                 ".\nExit status: 0 success, 1 a file cannot be read or drawn or has errors, 2 wrong usage, 3 output "
                 "cannot be written.");
-  const CommandRow* chosen = &command_rows().front();
-  add_options(parser, command_rows().front(), options);
-  std::vector<std::pair<CLI::App*, const CommandRow*>> subcommands;
-  for (const CommandRow& command : command_rows().subspan(1)) {
-    CLI::App* sub = parser.add_subcommand(
-        std::string(command.name),
-        std::string(command.help) + (command.arguments.empty() ? "" : ": " + std::string(command.arguments)));
-    add_options(*sub, command, options);
-    subcommands.emplace_back(sub, &command);
+  std::vector<ParsedCommand> commands;
+  for (const CommandRow& row : command_rows()) {
+    CLI::App* const own =
+        commands.empty()
+            ? &parser
+            : parser.add_subcommand(std::string(row.name), std::string(row.help) + (row.arguments.empty() ? "" : ": ") +
+                                                               std::string(row.arguments));
+    commands.push_back({row, own, row.calls.defaults()});
   }
+  for (const ParsedCommand& command : commands) add_options(command, commands);
   try {
     parser.parse(count, arguments);
-    for (const auto& [sub, command] : subcommands)
-      if (sub->parsed()) chosen = command;
-    if (options.files.size() < chosen->least_files || options.files.size() > chosen->most_files)
-      throw CLI::ValidationError(std::string(chosen->name), "expected " + std::string(chosen->arguments));
-    if (chosen == &command_rows().front() && !options.files.empty())
-      if (const auto problem = unknown_word(options.files.front()))
-        throw CLI::ValidationError(options.files.front(), *problem);
-    if (!options.snapshot.empty() && options.files.size() > 1)
-      throw CLI::ValidationError("--snapshot", "expected one file");
-    if ((options.time > 0 || !options.input.empty() || options.press_sensors) && chosen == &command_rows().front() &&
-        options.snapshot.empty())
-      throw CLI::ValidationError("--time, --input and --press-sensors", "expected with --snapshot");
-    const bool controlled = !options.control_paths.empty() || !options.control_ports.empty();
-    if (controlled && !options.snapshot.empty())
-      throw CLI::ValidationError("--control", "expected without --snapshot; clients can request pictures");
-    if (!controlled && !options.control_token.empty())
-      throw CLI::ValidationError("--control-token", "expected with --control");
-    if (!options.confine.empty() && chosen == &command_rows().front() && options.snapshot.empty())
-      throw CLI::ValidationError("--confine", "a window needs wider access; expected --snapshot");
-    if (chosen->check)
-      if (const auto problem = chosen->check(options)) throw CLI::ValidationError(std::string(chosen->name), *problem);
+    const auto chosen = std::find_if(commands.begin() + 1, commands.end(),
+                                     [](const ParsedCommand& command) { return command.parser->parsed(); });
+    const ParsedCommand& command = chosen == commands.end() ? commands.front() : *chosen;
+    check_usage(command.row, *command.options);
+    return run_command(command.row, *command.options);
   } catch (const CLI::Success& help) {
     std::ostringstream text;
     const int status = parser.exit(help, text, text);
@@ -164,12 +184,6 @@ int parse_and_run(int count, char** arguments) {
     complain("See 'ghostspace --help'.");
     return kUsage;
   }
-  remove_abandoned_files();
-  for (const std::string& file : written_files(options, *chosen)) remove_unfinished_beside(file);
-  if (const auto problem = take_standard_input(options, *chosen)) return fail(*problem);
-  if (!options.confine.empty())
-    if (const auto problem = confine({options.confine, folder_of(output_of(options, *chosen))})) return fail(*problem);
-  return chosen->run(options);
 }
 
 constexpr char kNoMemory[] = "ghostspace: error: not enough memory";
@@ -210,7 +224,7 @@ std::string manual_page() {
   for (const CommandRow& command : command_rows()) {
     out += ".SH " + std::string(command.name) + "\n" + std::string(command.help) + ".\n";
     for (const OptionRow& row : option_rows()) {
-      if (!applies(row, command)) continue;
+      if (!accepts(command, row)) continue;
       std::string name(row.name);
       for (std::size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.replace(i, 1, "\\-");
       out += ".TP\n.B " + name + (row.argument.empty() || has_optional_value(row) ? "" : " ") +
@@ -235,6 +249,11 @@ std::string manual_page() {
       ".SH EXIT STATUS\n0: success. 1: a file cannot be read or drawn, or has errors. 2: wrong usage. 3: output cannot "
       "be written, for example on a full disk.\n";
   return out;
+}
+
+int run_man(const CommandOptions&) {
+  print_text(manual_page());
+  return kDone;
 }
 
 int run_command_line(int count, char** arguments) {

@@ -4,8 +4,12 @@
 
 namespace gs::app {
 
+struct CommandOptions;
+
 /// Returns the manual page (roff, section 1), made from the tables of options and commands.
 [[nodiscard]] std::string manual_page();
+/// Prints the manual page.
+int run_man(const CommandOptions&);
 
 /// Parses a command line and runs its command. Prints usage errors; returns the exit status.
 int run_command_line(int count, char** arguments);

@@ -11,10 +11,6 @@
 namespace gs::app {
 namespace {
 
-bool stands_with(const OptionRow& option, const CommandRow& command) {
-  return option.commands.find(std::string(command.name) + ' ') != std::string_view::npos;
-}
-
 enum class ValueKind : std::uint8_t { none, words, file, folder, other };
 
 // Returns the kind of value, from its name in the help.
@@ -66,7 +62,7 @@ std::string option_names(const CommandRow& command) {
   std::vector<std::string> names{"--help"};
   if (&command == &command_rows().front()) names.emplace_back("--version");
   for (const OptionRow& row : option_rows())
-    if (stands_with(row, command)) names.emplace_back(row.name);
+    if (accepts(command, row)) names.emplace_back(row.name);
   return joined(names, " ");
 }
 
@@ -147,14 +143,14 @@ std::string zsh_completion() {
   for (const CommandRow& command : command_rows().subspan(1)) {
     text += "    " + std::string(command.name) + ")\n      options=('--help[show what it takes]'\n";
     for (const OptionRow& row : option_rows())
-      if (stands_with(row, command))
+      if (accepts(command, row))
         text += "        '" + std::string(row.repeats ? "*" : "") + std::string(row.name) + "[" +
                 quoted_help(row.help, "'\\''", kMarked) + "]" + value_of(row) + "'\n";
     text += "      )\n      ;;\n";
   }
   text += "    *)\n      options=('--help[show what it takes]' '--version[show the version]'\n";
   for (const OptionRow& row : option_rows())
-    if (stands_with(row, command_rows().front()))
+    if (accepts(command_rows().front(), row))
       text += "        '" + std::string(row.repeats ? "*" : "") + std::string(row.name) + "[" +
               quoted_help(row.help, "'\\''", kMarked) + "]" + value_of(row) + "'\n";
   text +=
@@ -176,7 +172,7 @@ std::string fish_completion() {
       text += "complete -c ghostspace -n '" + none + "' -a " + std::string(command.name) + " -d '" +
               quoted_help(command.help, "\\'", "\\") + "'\n";
     for (const OptionRow& row : option_rows()) {
-      if (!stands_with(row, command)) continue;
+      if (!accepts(command, row)) continue;
       const ValueKind kind = value_kind_of(row);
       text += "complete -c ghostspace -n '" + when + "' -l " + std::string(row.name.substr(2));
       if (kind == ValueKind::words) text += " -x -a '" + words_of(row, ' ') + "'";

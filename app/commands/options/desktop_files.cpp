@@ -1,8 +1,7 @@
 #include "app/commands/options/desktop_files.h"
 
 #include "app/base/console.h"
-#include "app/commands/options/command_line.h"
-#include "app/commands/options/commands.h"
+#include "app/base/exit_status.h"
 #include "app/commands/options/options.h"
 #include "app/formats/content_types.h"
 
@@ -195,7 +194,7 @@ constexpr DesktopFile kDesktopFiles[] = {
 
 std::span<const DesktopFile> desktop_files() { return kDesktopFiles; }
 
-std::optional<std::string> check_desktop(const Options& options) {
+std::optional<std::string> check_desktop(const CommandOptions& options) {
   std::string names;
   for (const DesktopFile& file : kDesktopFiles) {
     if (file.name == options.files.front()) return std::nullopt;
@@ -204,7 +203,7 @@ std::optional<std::string> check_desktop(const Options& options) {
   return names;
 }
 
-int run_desktop(const Options& options) {
+int run_desktop(const CommandOptions& options) {
   for (const DesktopFile& file : kDesktopFiles)
     if (file.name == options.files.front()) print_text(file.make());
   return kDone;

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace gs::app {
+
+struct CommandOptions;
 
 /// Name of the program in desktops: of its entry, icon and metainfo.
 inline constexpr std::string_view kDesktopName = "org.ghostspace.GhostSpace";
@@ -16,6 +19,10 @@ struct DesktopFile {
   std::string (*make)();
 };
 [[nodiscard]] std::span<const DesktopFile> desktop_files();
+
+/// Prints a file of desktop_files().
+int run_desktop(const CommandOptions& options);
+std::optional<std::string> check_desktop(const CommandOptions& options);
 
 /// Return the scripts that complete the command line.
 [[nodiscard]] std::string bash_completion();

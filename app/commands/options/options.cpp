@@ -1,10 +1,14 @@
-
 #include "app/commands/options/options.h"
 #include "app/base/text.h"
+#include "app/commands/check.h"
+#include "app/commands/nodes.h"
+#include "app/commands/open.h"
 #include "app/commands/options/encode_options.h"
 #include "app/commands/options/option_values.h"
 #include "app/commands/options/picture_options.h"
-#include "app/formats/content_types.h"
+#include "app/commands/options/setters.h"
+#include "app/commands/serve.h"
+#include "app/commands/trace.h"
 #include "net/base/host_names.h"
 #include "render/gl/context.h"
 
@@ -18,11 +22,9 @@
 namespace gs::app {
 namespace {
 
-using Problem = std::optional<std::string>;
-
-Problem set_size(Options& options, const std::string& value) {
-  options.picture.paper = read_paper(value);
-  if (options.picture.paper) return {};
+Problem set_size(SizeOptions& options, const std::string& value) {
+  options.paper = read_paper(value);
+  if (options.paper) return {};
   double size[2];
   if (!read_list(value, 'x', size) || size[0] < 1 || size[1] < 1 || size[0] > kMostPictureSide ||
       size[1] > kMostPictureSide)
@@ -34,7 +36,7 @@ Problem set_size(Options& options, const std::string& value) {
 }
 
 // Sets the image. The name may lack an extension, as desktops request for thumbnails.
-Problem set_snapshot(Options& options, const std::string& value) {
+Problem set_snapshot(OpenCommand& options, const std::string& value) {
   options.snapshot = value;
   const std::string extension = lower_case(std::filesystem::path(value).extension().string());
   if (value.empty()) return "expected a file";
@@ -42,30 +44,30 @@ Problem set_snapshot(Options& options, const std::string& value) {
                                                   : "expected a name that ends in .png, because pictures are PNG files";
 }
 
-Problem set_samples(Options& options, const std::string& value) {
+Problem set_samples(PictureOptions& options, const std::string& value) {
   return read(value, options.samples) && options.samples >= 1 && options.samples <= 64 ? Problem{} : "expected 1 to 64";
 }
 
-Problem set_orbit(Options& options, const std::string& value) {
+Problem set_orbit(PictureOptions& options, const std::string& value) {
   double angles[2];
   if (!read_list(value, ',', angles)) return "expected AZIMUTH,ELEVATION in degrees";
   options.orbit = {angles[0], angles[1]};
   return {};
 }
 
-Problem set_layout(Options& options, const std::string& value) {
+Problem set_layout(OpenCommand& options, const std::string& value) {
   auto read = read_split(value);
   if (auto* problem = std::get_if<std::string>(&read)) return "expected a split such as '1:2|(2/3)': " + *problem;
   options.layout = std::move(std::get<SplitTree>(read));
   return {};
 }
 
-Problem set_max_bytes(Options& options, const std::string& value) {
+Problem set_max_bytes(LoadingOptions& options, const std::string& value) {
   options.max_bytes_given = true;
   return read_bytes(value, options.max_bytes) ? Problem{} : std::string(kExpectedBytes);
 }
 
-Problem set_backend(Options& options, const std::string& value) {
+Problem set_backend(PictureOptions& options, const std::string& value) {
   const auto known = render::headless_backends();
   if (value != "auto" && value != "glfw" && std::find(known.begin(), known.end(), value) == known.end()) {
     std::string names = "expected auto, glfw";
@@ -76,7 +78,7 @@ Problem set_backend(Options& options, const std::string& value) {
   return {};
 }
 
-Problem set_headlight(Options& options, const std::string& value) {
+Problem set_headlight(PictureOptions& options, const std::string& value) {
   if (value != "on" && value != "off") return "expected on or off";
   options.headlight = value == "on";
   return {};
@@ -88,24 +90,25 @@ Problem set_seconds(double& seconds, const std::string& value) {
   return read(value, seconds) && seconds >= 0 && seconds <= kLongest ? Problem{} : "expected seconds, from 0 to 86400";
 }
 
-Problem set_until(Options& options, const std::string& value) {
+Problem set_until(TraceCommand& options, const std::string& value) {
   double seconds = 0;
   const Problem problem = set_seconds(seconds, value);
   options.until = seconds;
   return problem;
 }
 
-Problem set_splats(Options& options, const std::string& value) {
-  if (value != "auto" && value != "gl" && value != "cpu") return "expected auto, gl or cpu";
-  options.splats = value;
-  return {};
+Problem set_splats(PictureOptions& options, const std::string& value) {
+  options.splats = value == "gl"    ? render::SplatPath::gl
+                   : value == "cpu" ? render::SplatPath::cpu
+                                    : render::SplatPath::automatic;
+  return value == "auto" || value == "gl" || value == "cpu" ? Problem{} : "expected auto, gl or cpu";
 }
 
-Problem set_budget(Options& options, const std::string& value) {
+Problem set_budget(PictureOptions& options, const std::string& value) {
   return read_count(value, options.budget) && options.budget > 0 ? Problem{} : "expected a number of vectors above 0";
 }
 
-Problem set_loss(Options& options, const std::string& value) {
+Problem set_loss(LoadOptions& options, const std::string& value) {
   const std::size_t colon = value.find(':');
   const bool good = read(std::string_view(value).substr(0, colon), options.loss) && options.loss >= 0 &&
                     options.loss <= 1 &&
@@ -113,19 +116,19 @@ Problem set_loss(Options& options, const std::string& value) {
   return good ? Problem{} : "expected a share from 0 to 1, optionally followed by :SEED";
 }
 
-Problem set_allowed(Options& options, const std::string& value) {
+Problem set_allowed(LoadOptions& options, const std::string& value) {
   std::error_code error;
   if (!std::filesystem::exists(value, error)) return "expected an existing folder";
   options.allowed.push_back(value);
   return {};
 }
 
-Problem set_timeout(Options& options, const std::string& value) {
+Problem set_timeout(LoadingOptions& options, const std::string& value) {
   options.timeout_given = true;
   return read(value, options.timeout_seconds) && options.timeout_seconds > 0 ? Problem{} : "expected seconds above 0";
 }
 
-Problem set_memory(Options& options, const std::string& value) {
+Problem set_memory(LoadOptions& options, const std::string& value) {
   constexpr std::uint64_t kLeast = std::uint64_t{16} << 20, kMost = std::uint64_t{1} << 46;
   std::uint64_t bytes = 0;
   if (!read_bytes(value, bytes) || bytes > kMost || bytes < kLeast)
@@ -141,24 +144,37 @@ Problem set_port(std::optional<std::uint16_t>& port, const std::string& value) {
   return {};
 }
 
-Problem set_control(Options& options, const std::string& value) {
+Problem set_control(OpenCommand& options, const std::string& value) {
   std::optional<std::uint16_t> port;
   if (value.find_first_not_of("0123456789") == std::string::npos) {
     const Problem problem = set_port(port, value);
-    if (!problem) options.control_ports.push_back(*port);
+    if (!problem) options.control.ports.push_back(*port);
     return problem;
   }
-  options.control_paths.push_back(value);
+  options.control.paths.push_back(value);
   return {};
 }
 
-Problem set_rate(Options& options, const std::string& value) {
-  return read_count(value, options.rate) && options.rate > 0
-             ? Problem{}
-             : "expected bits per second above 0, optionally with k, M or G: 200k";
+Problem set_confine(LoadingOptions& options, const std::string& value) {
+  options.confine = value;
+  options.offline = true;
+  return value.empty() ? Problem("expected a folder") : Problem{};
 }
 
-Problem set_congestion(Options& options, const std::string& value) {
+// Sets the rate of a server, or of what is read from servers.
+Problem set_rate(CommandOptions& options, const std::string& value) {
+  auto* served = dynamic_cast<ArchiveOptions*>(&options);
+  std::uint64_t& rate = served ? served->rate : dynamic_cast<LoadOptions&>(options).rate;
+  return read_count(value, rate) && rate > 0 ? Problem{}
+                                             : "expected bits per second above 0, optionally with k, M or G: 200k";
+}
+
+Problem set_control_token(OpenCommand& options, const std::string& value) {
+  options.control.token_file = value;
+  return value.empty() ? Problem("expected a file") : Problem{};
+}
+
+Problem set_congestion(ArchiveOptions& options, const std::string& value) {
   std::string names;
   for (const net::CongestionName& row : net::congestion_names()) {
     if (row.name == value) {
@@ -170,7 +186,7 @@ Problem set_congestion(Options& options, const std::string& value) {
   return names;
 }
 
-Problem set_host_names(Options& options, const std::string& value) {
+Problem set_host_names(ArchiveOptions& options, const std::string& value) {
   const bool good = each_of(value, [&](const std::string& name) {
     options.host_names.push_back(name);
     return net::host_of(name) || net::ip_address_of(name);
@@ -178,9 +194,10 @@ Problem set_host_names(Options& options, const std::string& value) {
   return good ? Problem{} : "expected host names separated by commas";
 }
 
-Problem set_origins(Options& options, const std::string& value) {
+Problem set_origins(ArchiveOptions& options, const std::string& value) {
+  options.origins.emplace();
   const bool good = each_of(value, [&](const std::string& origin) {
-    options.origins.push_back(origin);
+    options.origins->push_back(origin);
     if (origin == "*") return true;
     const std::size_t host = origin.find("://");
     return host != std::string::npos && host > 0 && net::host_of(std::string_view(origin).substr(host + 3)).has_value();
@@ -188,7 +205,7 @@ Problem set_origins(Options& options, const std::string& value) {
   return good ? Problem{} : "expected * or origins such as https://example.org, separated by commas";
 }
 
-Problem set_proxies(Options& options, const std::string& value) {
+Problem set_proxies(ArchiveOptions& options, const std::string& value) {
   const bool good = each_of(value, [&](const std::string& text) {
     const auto block = net::address_block_of(text);
     if (block) options.proxies.push_back(*block);
@@ -198,152 +215,99 @@ Problem set_proxies(Options& options, const std::string& value) {
 }
 
 constexpr OptionRow kOptions[] = {
-    {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ", set_snapshot},
+    {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ", with<set_snapshot>},
     {"--size", "WxH", "1024x768", "size of the window or picture in pixels; pictures also in mm, cm or in: 210x297mm",
-     "open animate trace ", set_size},
+     "open animate trace ", with<set_size>},
     {"--time", "SECONDS", "0",
      "draw the picture after this simulated time, in steps of at most 1/60 s. The simulated clock starts at 946684800, "
      "which is 2000-01-01T00:00:00Z",
-     "open ", [](Options& o, const std::string& v) { return set_seconds(o.time, v); }},
-    {"--until", "SECONDS", "", "end after this simulated time", "trace ", set_until},
+     "open ", with<[](OpenCommand& o, const std::string& v) { return set_seconds(o.time, v); }>},
+    {"--until", "SECONDS", "", "end after this simulated time", "trace ", with<set_until>},
     {"--sound", "FILE.wav", "", "write the sound of the simulated time, at most one hour", "open trace ",
-     [](Options& o, const std::string& v) {
-       o.sound = v;
-       return Problem{};
-     }},
-    {"--mute", "", "", "start without sound; M turns it on", "open ",
-     [](Options& o, const std::string&) {
-       o.muted = true;
-       return Problem{};
-     }},
-    {"--reuse", "", "", "open the files in the existing window, if there is one", "open ",
-     [](Options& o, const std::string&) {
-       o.reuse = true;
-       return Problem{};
-     }},
+     text<&SimulationOptions::sound>},
+    {"--mute", "", "", "start without sound; M turns it on", "open ", flag<&OpenCommand::muted>},
+    {"--reuse", "", "", "open the files in the existing window, if there is one", "open ", flag<&OpenCommand::reuse>},
     {"--config", "FILE", "", "use FILE as settings file instead of ~/.config/ghostspace/settings.conf", "open ",
-     [](Options& o, const std::string& v) {
-       o.config = v;
-       return v.empty() ? Problem("expected a file") : Problem{};
-     }},
+     file<&OpenCommand::config>},
     {"--no-config", "", "",
      "read and write no user data: settings, bookmarks, recent files or log. Always on for pictures and controlled "
      "programs",
-     "open ",
-     [](Options& o, const std::string&) {
-       o.no_config = true;
-       return Problem{};
-     }},
+     "open ", flag<&OpenCommand::no_config>},
     {"--input", "FILE", "",
      "apply user input from JSON lines in the order of time. {\"t\":3,\"viewpoint\":\"NAME\"} binds a Viewpoint. "
      "{\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"} sends an event. {\"t\":5,\"move\":[X,Y]}, or press or "
      "release instead of move, uses the left button at a pixel of --size, from the upper left corner. "
      "{\"t\":6,\"press\":\"NAME\"} presses a sensor by DEF name or Type#number, {\"t\":7,\"drag\":[X,Y]} drags it by "
      "pixels, {\"t\":8,\"release\":true} releases it. {\"t\":9,\"viewer\":[X,Y,Z]} moves the viewer",
-     "open trace ",
-     [](Options& o, const std::string& v) {
-       o.input = v;
-       return Problem{};
-     }},
+     "open trace ", text<&SimulationOptions::input>},
     {"--press-sensors", "", "",
      "press, drag and release every pointing-device sensor and Anchor, even if hidden, and visit every "
      "ProximitySensor. The last line reports their number",
-     "open trace ",
-     [](Options& o, const std::string&) {
-       o.press_sensors = true;
-       return Problem{};
-     }},
+     "open trace ", flag<&SimulationOptions::press_sensors>},
     {"--control", "PATH|PORT", "",
      "accept control by local programs with a token: JSON-RPC over a Unix socket at PATH, or over WebSockets on PORT "
      "of 127.0.0.1 (0 is any free port). May be repeated. With --backend osmesa or egl there is no window, and the "
      "program runs until a client ends it",
-     "open ", set_control, true},
+     "open ", with<set_control>, true},
     {"--control-token", "FILE", "",
      "write the token for --control to FILE, readable by its owner only, instead of standard error", "open ",
-     [](Options& o, const std::string& v) {
-       o.control_token = v;
-       return v.empty() ? Problem("expected a file") : Problem{};
-     }},
-    {"--samples", "N", "4", "anti-aliasing samples per pixel", "open animate ", set_samples},
+     with<set_control_token>},
+    {"--samples", "N", "4", "anti-aliasing samples per pixel", "open animate ", with<set_samples>},
     {"--viewpoint", "NAME|N", "", "start at the Viewpoint with this description, DEF name or number (from 1)",
-     "open animate ",
-     [](Options& o, const std::string& v) {
-       o.viewpoint = v;
-       return Problem{};
-     }},
+     "open animate ", text<&PictureOptions::viewpoint>},
     {"--layout", "SPLIT", "",
      "arrange the viewports, numbered from 1 like the files. '|' places them side by side, '/' above each other, "
      "brackets group them, and ':N' makes one N times as large: '1:2|(2/3)'",
-     "open ", set_layout},
+     "open ", with<set_layout>},
     {"--orbit", "AZ,EL", "",
      "frame the whole scene from this azimuth and elevation in degrees; 0,0 is the view from +Z", "open animate ",
-     set_orbit},
-    {"--headlight", "on|off", "", "override the headlight of the world", "open animate ", set_headlight},
-    {"--backend", "auto|glfw|egl|osmesa", "auto", "select the drawing backend", "open animate ", set_backend},
-    {"--splats", "auto|gl|cpu", "auto", "select the splat renderer", "open animate ", set_splats},
-    {"--budget", "VECTORS", "", "limit the vectors drawn in a viewport", "open animate ", set_budget},
-    {"--loss", "P[:SEED]", "", "drop this share of the packets of a stream", "open fetch ", set_loss},
+     with<set_orbit>},
+    {"--headlight", "on|off", "", "override the headlight of the world", "open animate ", with<set_headlight>},
+    {"--backend", "auto|glfw|egl|osmesa", "auto", "select the drawing backend", "open animate ", with<set_backend>},
+    {"--splats", "auto|gl|cpu", "auto", "select the splat renderer", "open animate ", with<set_splats>},
+    {"--budget", "VECTORS", "", "limit the vectors drawn in a viewport", "open animate ", with<set_budget>},
+    {"--loss", "P[:SEED]", "", "drop this share of the packets of a stream", "open fetch ", with<set_loss>},
     {"--max-bytes", "SIZE", "",
      "read only this number of bytes of the file; encode: limit the size of the output. Bytes, optionally with K, M or "
      "G: 400k",
-     "open check info encode fetch trace ", set_max_bytes},
+     "open check info encode fetch trace ", with<set_max_bytes>},
 };
 
 constexpr OptionRow kOtherOptions[] = {
-    {"--json", "", "", "machine-readable", "info encode fetch ",
-     [](Options& o, const std::string&) {
-       o.json = true;
-       return Problem{};
-     }},
+    {"--json", "", "", "machine-readable", "info encode fetch ", flag<&ReportOptions::json>},
     {"--timeout", "SECONDS", "30",
      "limit loading and leave out the rest. Drawing a snapshot may take as long again. By default, a window waits "
      "without limit",
-     "open animate check print info encode export fetch trace ", set_timeout},
+     "open animate check print info encode export fetch trace ", with<set_timeout>},
     {"--memory", "SIZE", "2G",
      "limit the memory of one world (bytes, optionally with K, M or G). The excess is left out, and a message names "
      "the limit",
-     "open animate check print info encode export fetch trace ", set_memory},
+     "open animate check print info encode export fetch trace ", with<set_memory>},
     {"--offline", "", "", "disable the network", "open animate check print info encode export trace ",
-     [](Options& o, const std::string&) {
-       o.offline = true;
-       return Problem{};
-     }},
+     flag<&LoadOptions::offline>},
     {"--allow-network", "", "", "allow network access, without a question, to Scripts that have read other local files",
-     "open animate trace ",
-     [](Options& o, const std::string&) {
-       o.allow_network = true;
-       return Problem{};
-     }},
+     "open animate trace ", flag<&LoadOptions::allow_network>},
     {"--allow", "FOLDER", "", "let a local world also read this folder and its subfolders; may be repeated",
-     "open animate check print info encode export fetch trace ", set_allowed, true},
+     "open animate check print info encode export fetch trace ", with<set_allowed>, true},
     {"--confine", "FOLDER", "",
      "restrict the process, for untrusted files: it reads only FOLDER and the system libraries, writes only to the "
      "folder of OUT and opens no connection. Needs Landlock and seccomp in the kernel",
-     "open check print info encode export trace ",
-     [](Options& o, const std::string& v) {
-       o.confine = v;
-       o.offline = true;
-       return v.empty() ? Problem("expected a folder") : Problem{};
-     }},
+     "open check print info encode export trace ", with<set_confine>},
     {"--http", "PORT", "8080", "serve HTTP on this port; 0 is any free port. Off if only --cells is given", "serve ",
-     [](Options& o, const std::string& v) { return set_port(o.http_port, v); }},
+     with<[](ArchiveOptions& o, const std::string& v) { return set_port(o.http_port, v); }>},
     {"--cells", "PORT", "", "serve streams as ATM cells over UDP on this port", "serve ",
-     [](Options& o, const std::string& v) { return set_port(o.cells_port, v); }},
-    {"--bind", "ADDRESS|*", "127.0.0.1", "listen at this address; * is all", "serve ",
-     [](Options& o, const std::string& v) {
-       o.bind = v;
-       return Problem{};
-     }},
+     with<[](ArchiveOptions& o, const std::string& v) { return set_port(o.cells_port, v); }>},
+    {"--bind", "ADDRESS|*", "127.0.0.1", "listen at this address; * is all", "serve ", text<&ArchiveOptions::bind>},
     {"--host", "NAME,...", "",
      "further names of the server besides localhost and its address. A local server rejects all other names, against "
      "DNS rebinding",
-     "serve ", set_host_names},
+     "serve ", with<set_host_names>},
     {"--cors", "ORIGIN,...|*", "none; all with --bind", "sites with access from their web pages", "serve ",
-     set_origins},
+     with<set_origins>},
     {"--proxies", "ADDRESS,...", "",
      "trusted proxies, as addresses or blocks (10.0.0.0/8). Per-client limits apply to the client in their "
      "X-Forwarded-For",
-     "serve ", set_proxies},
+     "serve ", with<set_proxies>},
     {"--rate", "BIT/S", "",
      "serve: limit the traffic of all clients together; otherwise: request this rate from cell servers and limit other "
      "servers to it. In a window the limit applies to each viewport and can be changed there",
@@ -351,41 +315,24 @@ constexpr OptionRow kOtherOptions[] = {
     {"--congestion", "NAME", "equation",
      "response of cells to losses: equation (like TCP), delay-aware (ignores losses without a queue, for lossy links) "
      "or reserved (ignores all losses, for paths with a reserved rate)",
-     "serve ", set_congestion},
+     "serve ", with<set_congestion>},
     {"--cache", "FOLDER", "", "keep thumbnails and encoded streams in this folder", "serve ",
-     [](Options& o, const std::string& v) {
-       o.cache = v;
-       return Problem{};
-     }},
-    {"--log", "FILE", "-", "write the access log to FILE; - is standard output", "serve ",
-     [](Options& o, const std::string& v) {
-       o.log = v;
-       return Problem{};
-     }},
-    {"--scripts", "", "", "also compile the programs of Scripts", "check ",
-     [](Options& o, const std::string&) {
-       o.scripts = true;
-       return Problem{};
-     }},
+     text<&ArchiveOptions::cache>},
+    {"--log", "FILE", "-", "write the access log to FILE; - is standard output", "serve ", text<&ArchiveOptions::log>},
+    {"--scripts", "", "", "also compile the programs of Scripts", "check ", flag<&CheckCommand::scripts>},
     {"--stats", "FILE.json", "",
      "write measurements of the run: seconds per phase, bytes, triangles, memory; - is standard output", "open check ",
-     [](Options& o, const std::string& v) {
-       o.stats = v;
-       return Problem{};
-     }},
-    {"--markdown", "", "", "print Markdown tables", "nodes ",
-     [](Options& o, const std::string&) {
-       o.markdown = true;
-       return Problem{};
-     }},
+     text<&ReportOptions::stats>},
+    {"--markdown", "", "", "print Markdown tables", "nodes ", flag<&NodesCommand::markdown>},
     {"--wrl", "", "", "print PROTO declarations (the default)", "nodes ",
-     [](Options& o, const std::string&) {
-       o.wrl = true;
-       return Problem{};
-     }},
+     [](CommandOptions&, const std::string&) { return Problem{}; }},
 };
 
 }  // namespace
+
+bool accepts(const CommandRow& command, const OptionRow& option) {
+  return option.commands.find(std::string(command.name) + ' ') != std::string_view::npos;
+}
 
 std::span<const OptionRow> option_rows() {
   static const std::vector<OptionRow> all = [] {

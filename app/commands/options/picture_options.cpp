@@ -1,6 +1,7 @@
 #include "app/commands/options/picture_options.h"
 
 #include "app/commands/options/option_values.h"
+#include "app/commands/options/setters.h"
 #include "app/view/camera_text.h"
 #include "app/view/values/color_maps.h"
 
@@ -11,8 +12,6 @@
 
 namespace gs::app {
 namespace {
-
-using OptionProblem = std::optional<std::string>;
 
 constexpr double kMostDots = 20000;
 
@@ -80,61 +79,61 @@ std::optional<std::pair<double, double>> read_times(std::string_view text) {
 
 namespace {
 
-OptionProblem set_background(Options& options, const std::string& value) {
+Problem set_background(PictureOptions& options, const std::string& value) {
   options.picture.transparent = value == "transparent";
   options.backdrop = value == "gradient";
   if (options.picture.transparent || options.backdrop) return {};
   options.background = read_color(value);
-  return options.background ? OptionProblem{}
+  return options.background ? Problem{}
                             : "expected transparent, gradient, #rrggbb, or RED,GREEN,BLUE, each from 0 to 1";
 }
 
-OptionProblem set_slice(Options& options, const std::string& value) {
+Problem set_slice(PictureOptions& options, const std::string& value) {
   const auto wish = read_slice_wish(value);
-  if (wish) options.slices.push_back(*wish);
-  return wish ? OptionProblem{} : "expected x=, y= or z= with a voxel number from 0, or a percentage such as 50%";
+  if (wish) options.volume.slices.push_back(*wish);
+  return wish ? Problem{} : "expected x=, y= or z= with a voxel number from 0, or a percentage such as 50%";
 }
 
-OptionProblem set_window(Options& options, const std::string& value) {
+Problem set_window(PictureOptions& options, const std::string& value) {
   double ends[2];
   if (!read_list(value, ',', ends) || !(ends[0] < ends[1])) return "expected LOW,HIGH with LOW below HIGH";
-  options.slice_look.window = {static_cast<float>(ends[0]), static_cast<float>(ends[1])};
+  options.volume.slice_look.window = {static_cast<float>(ends[0]), static_cast<float>(ends[1])};
   return {};
 }
 
-OptionProblem set_slice_map(Options& options, const std::string& value) {
-  options.slice_look.map = value;
-  return find_color_map(value) ? OptionProblem{} : "expected one of " + color_map_names();
+Problem set_slice_map(PictureOptions& options, const std::string& value) {
+  options.volume.slice_look.map = value;
+  return find_color_map(value) ? Problem{} : "expected one of " + color_map_names();
 }
 
-OptionProblem set_tour(Options& options, const std::string& value) {
+Problem set_tour(PictureOptions& options, const std::string& value) {
   const bool good = each_of(value, [&](const std::string& name) {
     options.animation.tour.push_back(name);
     return !name.empty();
   });
-  return good && options.animation.tour.size() > 1 ? OptionProblem{}
+  return good && options.animation.tour.size() > 1 ? Problem{}
                                                    : "expected at least two Viewpoints, separated by commas";
 }
 
-OptionProblem set_pictures(Options& options, const std::string& value) {
+Problem set_pictures(PictureOptions& options, const std::string& value) {
   return read(value, options.animation.pictures) && options.animation.pictures > 0
-             ? OptionProblem{}
+             ? Problem{}
              : "expected a number of pictures above 0";
 }
 
-OptionProblem set_picture_rate(Options& options, const std::string& value) {
+Problem set_picture_rate(PictureOptions& options, const std::string& value) {
   return read(value, options.animation.rate) && options.animation.rate >= 0.1 && options.animation.rate <= 240
-             ? OptionProblem{}
+             ? Problem{}
              : "expected pictures per second, from 0.1 to 240";
 }
 
-OptionProblem set_animation_length(Options& options, const std::string& value) {
+Problem set_animation_length(PictureOptions& options, const std::string& value) {
   return read(value, options.animation.length) && options.animation.length > 0 && options.animation.length <= 86400
-             ? OptionProblem{}
+             ? Problem{}
              : "expected seconds above 0";
 }
 
-OptionProblem set_up(Options& options, const std::string& value) {
+Problem set_up(UpOption& options, const std::string& value) {
   options.up = find_up_axis(value);
   if (options.up) return {};
   std::string names;
@@ -142,7 +141,7 @@ OptionProblem set_up(Options& options, const std::string& value) {
   return names;
 }
 
-OptionProblem set_display(Options& options, const std::string& value) {
+Problem set_display(PictureOptions& options, const std::string& value) {
   static constexpr std::string_view kModes[] = {"surface", "edges", "wireframe", "points"};
   const auto* const found = std::find(std::begin(kModes), std::end(kModes), value);
   if (found == std::end(kModes)) return "expected surface, edges, wireframe or points";
@@ -150,7 +149,7 @@ OptionProblem set_display(Options& options, const std::string& value) {
   return {};
 }
 
-OptionProblem set_camera(Options& options, const std::string& value) {
+Problem set_camera(PictureOptions& options, const std::string& value) {
   auto camera = read_camera(value);
   if (auto* problem = std::get_if<std::string>(&camera)) return std::move(*problem);
   options.camera = std::get<Pose>(camera);
@@ -161,72 +160,67 @@ constexpr OptionRow kPictureOptions[] = {
     {"--camera", "POSE", "",
      "use this camera: position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS, with height=H for parallel "
      "projection, or the text of a Viewpoint. Copy camera in the menu of a window writes both",
-     "open animate ", set_camera},
+     "open animate ", with<set_camera>},
     {"--display", "surface|edges|wireframe|points", "surface",
      "display faces as surface, edges (surface and edges of triangles), wireframe or points; splats and volumes stay "
      "unchanged",
-     "open animate ", set_display},
+     "open animate ", with<set_display>},
     {"--up", "AXIS", "auto",
      "set the up axis: x, -x, y, -y, z, -z, or auto for the axis of the file or its format (docs/formats.md). --orbit "
      "and --turntable use it; encode stores it in streams",
-     "open animate encode ", set_up},
-    {"--orthographic", "", "", "use parallel projection", "open animate ",
-     [](Options& o, const std::string&) {
-       o.orthographic = true;
-       return OptionProblem{};
-     }},
+     "open animate encode ", with<set_up>},
+    {"--orthographic", "", "", "use parallel projection", "open animate ", flag<&PictureOptions::orthographic>},
     {"--background", "COLOR", "",
      "replace the Background of the world: R,G,B from 0 to 1, #rrggbb, gradient, or transparent for pictures",
-     "open animate ", set_background},
+     "open animate ", with<set_background>},
     {"--stereo", "side-by-side|anaglyph", "",
      "draw a picture for each eye: side by side, or red for the left and cyan for the right eye", "open animate ",
-     [](Options& o, const std::string& v) { return read_stereo(v, o.picture); }},
+     with<[](PictureOptions& o, const std::string& v) { return read_stereo(v, o.picture); }>},
     {"--eye-distance", "LENGTH", "",
      "distance of the eyes in metres of the world (default: 1/30 of the distance to its centre)", "open animate ",
-     [](Options& o, const std::string& v) { return read_eye_distance(v, o.picture); }},
+     with<[](PictureOptions& o, const std::string& v) { return read_eye_distance(v, o.picture); }>},
     {"--dpi", "N", "", "dots per inch for print, stored in the file (300 for sizes in mm, cm or in)", "open animate ",
-     [](Options& o, const std::string& v) { return read_dots(v, o.picture); }},
+     with<[](PictureOptions& o, const std::string& v) { return read_dots(v, o.picture); }>},
     {"--color-bar", "", "", "draw a bar with the values of the colours beside a volume", "open animate ",
-     [](Options& o, const std::string&) {
-       o.picture.color_bar = true;
-       return OptionProblem{};
-     }},
+     with<[](PictureOptions& o, const std::string&) {
+       o.volume.color_bar = true;
+       return Problem{};
+     }>},
     {"--transfer", "MAP|FILE", "",
      "transfer function of volumes: a colour map (grey, viridis, cividis, inferno, magma, turbo, coolwarm) or a JSON "
      "file saved in the window",
-     "open animate ",
-     [](Options& o, const std::string& v) {
-       o.transfer = v;
-       return v.empty() ? OptionProblem("expected a colour map or a file") : OptionProblem{};
-     }},
+     "open animate ", with<[](PictureOptions& o, const std::string& v) {
+       o.volume.transfer = v;
+       return v.empty() ? Problem("expected a colour map or a file") : Problem{};
+     }>},
     {"--slice", "AXIS=PLACE", "",
      "show a plane of voxels: x=, y= or z= with a voxel number from 0, or a percentage such as 50%; once per axis",
-     "open animate ", set_slice, true},
+     "open animate ", with<set_slice>, true},
     {"--slices-alone", "", "", "hide the volume and show only its planes", "open animate ",
-     [](Options& o, const std::string&) {
-       o.slice_look.alone = true;
-       return OptionProblem{};
-     }},
-    {"--window", "LOW,HIGH", "", "values of the first and last colour of the planes", "open animate ", set_window},
+     with<[](PictureOptions& o, const std::string&) {
+       o.volume.slice_look.alone = true;
+       return Problem{};
+     }>},
+    {"--window", "LOW,HIGH", "", "values of the first and last colour of the planes", "open animate ",
+     with<set_window>},
     {"--slice-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "grey", "colour map of the planes",
-     "open animate ", set_slice_map},
-    {"--turntable", "", "", "turn once about the up axis", "animate ",
-     [](Options& o, const std::string&) {
+     "open animate ", with<set_slice_map>},
+    {"--turntable", "", "", "turn once about the up axis", "animate ", with<[](PictureOptions& o, const std::string&) {
        o.animation.turntable = true;
-       return OptionProblem{};
-     }},
+       return Problem{};
+     }>},
     {"--during", "FROM..TO", "", "show these seconds of simulated time", "animate ",
-     [](Options& o, const std::string& v) {
+     with<[](PictureOptions& o, const std::string& v) {
        o.animation.times = read_times(v);
-       return o.animation.times ? OptionProblem{}
-                                : OptionProblem("expected FROM..TO in seconds, from 0 to 86400: 0..10");
-     }},
+       return o.animation.times ? Problem{} : Problem("expected FROM..TO in seconds, from 0 to 86400: 0..10");
+     }>},
     {"--tour", "NAME,NAME,...", "", "go from Viewpoint to Viewpoint, by description, DEF name or number (from 1)",
-     "animate ", set_tour},
-    {"--frames", "N", "", "total number of pictures", "animate ", set_pictures},
+     "animate ", with<set_tour>},
+    {"--frames", "N", "", "total number of pictures", "animate ", with<set_pictures>},
     {"--fps", "N", "25", "pictures per second, or files per second of a series such as run.%04d.vti", "open animate ",
-     set_picture_rate},
-    {"--seconds", "S", "", "duration of a turntable (8) or of each tour section (3)", "animate ", set_animation_length},
+     with<set_picture_rate>},
+    {"--seconds", "S", "", "duration of a turntable (8) or of each tour section (3)", "animate ",
+     with<set_animation_length>},
 };
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include "app/base/confinement.h"
 #include "app/base/environment.h"
 
-#include "app/commands/options/options.h"
+#include "app/base/exit_status.h"
 #include "app/serve/child_program.h"
 #include "net/files/file.h"
 #include "tests/app/program.h"

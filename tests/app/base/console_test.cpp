@@ -1,7 +1,7 @@
 // Tests of printing: no control of the terminal, and no failure without a message.
 #include "app/base/console.h"
 
-#include "app/commands/options/options.h"
+#include "app/base/exit_status.h"
 #include "tests/app/program.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"

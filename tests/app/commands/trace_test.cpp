@@ -1,4 +1,4 @@
-#include "app/commands/options/options.h"
+#include "app/base/exit_status.h"
 #include "app/simulation/input_rows.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"

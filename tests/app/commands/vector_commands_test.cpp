@@ -1,7 +1,6 @@
 // encode and info, as a user runs them.
 #include "tests/app/commands/vector_commands.h"
-#include "app/commands/options/commands.h"
-#include "app/commands/options/options.h"
+#include "app/commands/encode.h"
 #include "app/commands/vectors_of.h"
 
 #include <catch2/catch.hpp>
@@ -348,7 +347,7 @@ TEST_CASE("encode, info and export: report wrong usage in one line with status 2
 
 TEST_CASE("encode: cancels every kind of work on an interrupt") {
   const ScratchFolder folder;
-  Options options;
+  EncodeCommand options;
   for (const std::string& file : {folder.write("ball.wrl", kBall), folder.write("ball.raw", raw_ball()),
                                   folder.write("p.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n")}) {
     options.files = {file, folder.path("out.qnv")};

@@ -1,6 +1,6 @@
 #include "app/commands/options/command_line.h"
 
-#include "app/commands/options/commands.h"
+#include "app/base/exit_status.h"
 #include "app/commands/options/options.h"
 #include "app/serve/archive.h"
 #include "tests/app/run_program.h"
@@ -41,7 +41,7 @@ TEST_CASE("lists every option of the table once in the help and in the manual pa
     for (std::size_t i = 0; (i = roff.find('-', i)) != std::string::npos; i += 2) roff.replace(i, 1, "\\-");
     CHECK(manual.find(roff) != std::string::npos);
     for (const CommandRow& command : command_rows()) {
-      if (row.commands.find(std::string(command.name) + " ") == std::string_view::npos) continue;
+      if (!accepts(command, row)) continue;
       auto [entry, added] = helps.try_emplace(command.name);
       Run& help = entry->second;
       if (added) help = run(command.name == "open" ? "--help" : std::string(command.name) + " --help");
@@ -49,6 +49,25 @@ TEST_CASE("lists every option of the table once in the help and in the manual pa
       CHECK(help.output.find(row.name) != std::string::npos);
     }
   }
+}
+
+TEST_CASE("sets each option in the struct of every command that accepts it") {
+  for (const OptionRow& row : option_rows())
+    for (const CommandRow& command : command_rows()) {
+      if (!accepts(command, row)) continue;
+      INFO(command.name << " " << row.name);
+      const auto options = command.calls.defaults();
+      CHECK_NOTHROW(row.set(*options, ""));
+    }
+}
+
+TEST_CASE("applies options before the name of a command to that command") {
+  const ScratchFolder folder;
+  const std::string world = quoted(folder.write("box.wrl", kBox));
+  const Run cut = run("--max-bytes 30 check " + world);
+  CHECK(cut.status == kFailed);
+  CHECK(cut.output == run("check --max-bytes 30 " + world).output);
+  CHECK(run("--max-bytes many check " + world).status == kUsage);
 }
 
 TEST_CASE("reports wrong usage in one clear line with status 2") {

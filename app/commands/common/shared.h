@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/base/exit_status.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,32 +11,27 @@
 namespace gs::vrml {
 class Diagnostics;
 }
-namespace gs::render {
-enum class SplatPath : std::uint8_t;
-}
 
 namespace gs::app {
 
 class Simulation;
 class WaveFile;
 struct LoadOptions;
-struct Options;
+struct LoadingOptions;
+struct SimulationOptions;
 
 // Functions that several commands use.
 
 /// Writes the sound of a simulation, if requested. Returns kDone, or prints the reason and returns kFailed.
-[[nodiscard]] int write_sound(const Options& options, const WaveFile& sound);
+[[nodiscard]] int write_sound(const SimulationOptions& options, const WaveFile& sound);
 /// Reads the file of `--input`, if given, and plans its rows in `simulation`. Prints its errors and returns false if it
 /// has any.
-[[nodiscard]] bool plan_input(const Options& options, Simulation& simulation);
+[[nodiscard]] bool plan_input(const SimulationOptions& options, Simulation& simulation);
 /// Sets the time zone to UTC, so that programs of worlds depend only on the simulated clock. Call before everything
 /// else.
 void use_universal_time();
-/// Prints the messages of a simulation after it has run.
-void tell_of_simulation(const Options& options, Simulation& simulation);
-
-/// Returns the path that draws splats, from the value of `--splats`.
-[[nodiscard]] render::SplatPath splat_path(const std::string& name);
+/// Prints the messages of a simulation of the world `path` after it has run.
+void tell_of_simulation(const SimulationOptions& options, const std::string& path, Simulation& simulation);
 
 /// Prints diagnostics to standard error, one per line.
 void print_diagnostics(const vrml::Diagnostics& diagnostics);
@@ -53,7 +50,7 @@ int fail_to_write(const std::string& what);
 /// Returns the list of export formats: ".ply (PLY points), .glb (...), ...".
 [[nodiscard]] std::string export_format_list();
 /// Returns the options for reading files. Local worlds may also read the files of the command line.
-[[nodiscard]] LoadOptions load_options(const Options& options);
+[[nodiscard]] LoadOptions load_options(const LoadingOptions& options);
 /// Returns the folder of the HTTP cache: in $XDG_CACHE_HOME, else ~/.cache; empty if there is neither.
 [[nodiscard]] std::string http_cache_folder();
 /// Returns the peak memory of this process, in bytes.

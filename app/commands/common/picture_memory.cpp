@@ -1,4 +1,4 @@
-#include "app/commands/picture_memory.h"
+#include "app/commands/common/picture_memory.h"
 
 #include "vrml/scene/scene_graph.h"
 

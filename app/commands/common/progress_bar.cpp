@@ -1,4 +1,4 @@
-#include "app/commands/progress_bar.h"
+#include "app/commands/common/progress_bar.h"
 
 #include "app/base/console.h"
 

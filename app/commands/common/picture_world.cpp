@@ -1,16 +1,14 @@
-#include "app/commands/picture_world.h"
+#include "app/commands/common/picture_world.h"
 
 #include "app/base/numbered_files.h"
-#include "app/commands/options/options.h"
-#include "app/commands/options/shared.h"
-#include "app/picture/volume_show.h"
+#include "app/commands/common/option_groups.h"
 #include "app/session/view.h"
 
 #include <glm/trigonometric.hpp>
 
 namespace gs::app {
 
-render::DrawOptions picture_draw(const Options& options, const View& seen) {
+render::DrawOptions picture_draw(const PictureOptions& options, const View& seen) {
   render::DrawOptions draw;
   draw.width = options.width;
   draw.height = options.height;
@@ -22,11 +20,11 @@ render::DrawOptions picture_draw(const Options& options, const View& seen) {
   draw.display = options.display;
   draw.backdrop = options.backdrop;
   draw.budget = options.budget;
-  draw.splats = splat_path(options.splats);
+  draw.splats = options.splats;
   return draw;
 }
 
-ViewStyle view_style(const Options& options) {
+ViewStyle view_style(const PictureOptions& options) {
   ViewStyle style;
   style.up = options.up.value_or(UpAxis::automatic);
   style.parallel = options.orthographic;
@@ -34,13 +32,13 @@ ViewStyle view_style(const Options& options) {
   return style;
 }
 
-std::optional<std::string> check_camera(const Options& options) {
+std::optional<std::string> check_camera(const PictureOptions& options) {
   if (options.camera && (options.orbit || !options.viewpoint.empty()))
     return "--camera, --orbit and --viewpoint exclude each other; expected one of them";
   return std::nullopt;
 }
 
-std::optional<render::Camera> camera_of_options(const Options& options, const render::RenderList& list) {
+std::optional<render::Camera> camera_of_options(const PictureOptions& options, const render::RenderList& list) {
   if (options.camera) {
     if (!options.orthographic || options.camera->height > 0) return camera_of(*options.camera);
     const glm::dvec3 center(list.bounds.empty() ? glm::dvec3(0) : list.bounds.center());
@@ -57,8 +55,9 @@ std::optional<render::Camera> camera_of_options(const Options& options, const re
   return camera;
 }
 
-std::optional<std::string> settle_size(Options& options) {
-  if (!options.picture.paper) return std::nullopt;
+std::optional<std::string> settle_size(PictureOptions& options) {
+  if (!options.paper) return std::nullopt;
+  options.picture.paper = options.paper;
   const auto pixels = pixels_of(options.picture);
   if (!pixels) return "--size with this --dpi is out of range; expected 1 to 65536 pixels per side";
   options.width = pixels->x;
@@ -67,16 +66,12 @@ std::optional<std::string> settle_size(Options& options) {
   return std::nullopt;
 }
 
-std::optional<std::string> settle_series(const Options& options, double time, std::string& path) {
+std::optional<std::string> settle_series(const PictureOptions& options, double time, std::string& path) {
   const auto files = file_series(path);
   if (!files) return std::nullopt;
   if (files->empty()) return path + ": no file of this series exists";
   path = (*files)[series_place(time, options.animation.rate, files->size())];
   return std::nullopt;
-}
-
-VolumeWishes volume_wishes(const Options& options) {
-  return {options.transfer, options.slices, options.slice_look, options.picture.color_bar};
 }
 
 }  // namespace gs::app

@@ -1,13 +1,11 @@
-#include "app/commands/options/shared.h"
+#include "app/commands/common/shared.h"
 
 #include "app/base/console.h"
 #include "app/base/fact.h"
-#include "app/commands/options/options.h"
+#include "app/commands/common/option_groups.h"
 #include "app/formats/content_types.h"
 #include "app/formats/export/export.h"
-#include "app/world/world_loader.h"
 #include "net/files/file.h"
-#include "render/scene/draw_options.h"
 #include "vrml/scene/diagnostic.h"
 
 #include <sys/resource.h>
@@ -43,10 +41,6 @@ int write_stats(const std::string& path, const std::string& json) {
   return problem ? kNotWritten : kDone;
 }
 
-render::SplatPath splat_path(const std::string& name) {
-  return name == "gl" ? render::SplatPath::gl : name == "cpu" ? render::SplatPath::cpu : render::SplatPath::automatic;
-}
-
 int fail(const std::string& what) {
   complain("ghostspace: error: %s", what.c_str());
   return kFailed;
@@ -79,18 +73,9 @@ std::string export_format_list() {
   return text;
 }
 
-LoadOptions load_options(const Options& options) {
-  LoadOptions load;
-  load.limits = options.limits;
-  load.max_bytes = options.max_bytes;
-  load.loss = options.loss;
-  load.loss_seed = options.loss_seed;
-  load.timeout_seconds = options.timeout_seconds;
-  load.offline = options.offline;
-  load.allow_network = options.allow_network;
-  load.rate = options.rate;
+LoadOptions load_options(const LoadingOptions& options) {
+  LoadOptions load = options;
   load.cache_folder = http_cache_folder();
-  load.allowed = options.allowed;
   load.allowed.insert(load.allowed.end(), options.files.begin(), options.files.end());
   return load;
 }

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "app/commands/common/option_groups.h"
+
+#include <optional>
+#include <string>
+
+/// Setters for the rows of options. Each sets a member of a group, or of the struct of one command.
+namespace gs::app {
+
+/// Expected form of a wrong value; nullopt if the value is right.
+using Problem = std::optional<std::string>;
+
+template <class Group>
+Group group_of_setter(Problem (*)(Group&, const std::string&));
+template <class Group, class Value>
+Group group_of_member(Value Group::*);
+
+/// Calls `setter` with its group of the options.
+template <auto setter>
+Problem with(CommandOptions& options, const std::string& value) {
+  using Group = decltype(group_of_setter(+setter));
+  return setter(dynamic_cast<Group&>(options), value);
+}
+
+/// Returns a member of one of the groups.
+template <auto member>
+auto& member_of(CommandOptions& options) {
+  return dynamic_cast<decltype(group_of_member(member))&>(options).*member;
+}
+
+template <auto member>
+Problem flag(CommandOptions& options, const std::string&) {
+  member_of<member>(options) = true;
+  return {};
+}
+
+template <auto member>
+Problem text(CommandOptions& options, const std::string& value) {
+  member_of<member>(options) = value;
+  return {};
+}
+
+/// Sets a path, which must not be empty.
+template <auto member>
+Problem file(CommandOptions& options, const std::string& value) {
+  member_of<member>(options) = value;
+  return value.empty() ? Problem("expected a file") : Problem{};
+}
+
+}  // namespace gs::app

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "app/commands/common/option_groups.h"
+
+namespace gs::app {
+
+/// Prints a file as VRML97 text.
+int run_print(const LoadingOptions& options);
+
+}  // namespace gs::app
