@@ -11,8 +11,9 @@
 #include "bench/mesh_files.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/reader/stream_decoder.h"
 
 #include <unistd.h>
 

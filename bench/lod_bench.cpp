@@ -7,8 +7,9 @@
 
 #include "app/formats/qnv/cloud_reader.h"
 #include "net/files/file.h"
-#include "qnv/encode/encode_surface.h"
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/shared/encode_options.h"
 
 #include <glm/geometric.hpp>
 

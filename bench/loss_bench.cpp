@@ -9,9 +9,10 @@
 #include "app/world/world_loader.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
-#include "qnv/codec/loss.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/reader/loss.h"
+#include "qnv/reader/stream_decoder.h"
 
 #include <algorithm>
 #include <array>

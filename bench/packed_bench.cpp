@@ -7,8 +7,8 @@
 // with the same static models and clusters of the same size.
 #include "app/encode/surface_triangles.h"
 #include "app/world/world_loader.h"
-#include "qnv/packed/packed_layout.h"
-#include "qnv/packed/packed_quantize.h"
+#include "qnv/codecs/octree/encode/packed_quantize.h"
+#include "qnv/codecs/octree/packed_layout.h"
 
 #include <algorithm>
 #include <array>

@@ -12,9 +12,9 @@
 #include "bench/picture_error.h"
 #include "bench/studio.h"
 #include "bench/surface_distance.h"
-#include "qnv/codec/payloads.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/reader/stream_decoder.h"
 
 #include <meshoptimizer.h>
 
@@ -181,7 +181,8 @@ void plot(const std::string& path, const std::vector<std::pair<std::string, Curv
 /// Of displaced streams, with the mesh at their end and without it, and of Draco's files.
 void print_distances(const Curves& curves) {
   std::printf(
-      "\n| budget, bytes | displaced: geometric PSNR | mean, 1e-4 | Hausdorff, 1e-4 | without mesh: geometric PSNR | mean | "
+      "\n| budget, bytes | displaced: geometric PSNR | mean, 1e-4 | Hausdorff, 1e-4 | without mesh: geometric PSNR | "
+      "mean | "
       "Hausdorff | Draco: geometric PSNR | mean | Hausdorff |\n|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const std::size_t budget : kBudgets) {
     std::printf("| %zu |", budget);

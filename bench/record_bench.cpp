@@ -4,8 +4,8 @@
 // unpacking, packing; medians are reported. Bytes are those read plus those written: 8 + 29 a vector (12 position,
 // 12 normal, 4 weight, 1 colour), and for memcpy each byte twice. The memory is there (touched) before the clock runs.
 
-#include "qnv/records/record.h"
-#include "qnv/records/record_paths.h"
+#include "qnv/codecs/records/record.h"
+#include "qnv/codecs/records/record_paths.h"
 
 #include <algorithm>
 #include <chrono>

@@ -8,7 +8,7 @@
 // counted: it uploads, and compiles the programs.
 
 #include "qnv/base/parallel.h"
-#include "qnv/records/record.h"
+#include "qnv/codecs/records/record.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
 #include "render/splat/splat_gl.h"

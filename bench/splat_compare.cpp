@@ -6,9 +6,10 @@
 // second: all of the cloud, in view or not, over the median time of R runs; of the oracle, one run. Prints a
 // Markdown table.
 
-#include "qnv/encode/encode_surface.h"
-#include "qnv/lod/lod.h"
-#include "qnv/records/record.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/records/record.h"
+#include "qnv/codecs/shared/encode_options.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"

@@ -9,9 +9,9 @@
 // contain TEXT.
 
 #include "net/files/file.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/lod/lod.h"
-#include "qnv/surface/surface_cut.h"
+#include "qnv/codecs/displaced/tessellation/surface_cut.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/reader/stream_decoder.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/scene/camera.h"

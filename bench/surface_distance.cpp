@@ -1,6 +1,6 @@
 #include "bench/surface_distance.h"
 
-#include "qnv/displaced/triangle_tree.h"
+#include "qnv/mesh/triangle_tree.h"
 
 #include <glm/geometric.hpp>
 

@@ -12,9 +12,9 @@
 #include "app/world/world_loader.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
-#include "qnv/codec/payloads.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/reader/stream_decoder.h"
 #include "render/image/image.h"
 
 #include <meshoptimizer.h>

@@ -9,10 +9,10 @@
 // are empty. `--pictures` writes what prefixes of 4, 15, 60 and 600 kB look like.
 #include "app/formats/volume/volume.h"
 #include "bench/picture_error.h"
-#include "qnv/codec/payloads.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_volume.h"
-#include "qnv/volume/volume_slices.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/reader/stream_decoder.h"
+#include "qnv/sampling/volume/gradients.h"
+#include "qnv/sampling/volume/volume_slices.h"
 #include "render/scene/camera.h"
 #include "render/volume/volume_raster.h"
 

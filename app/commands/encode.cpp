@@ -6,7 +6,7 @@
 #include "app/commands/common/shared.h"
 #include "app/commands/vectors_of.h"
 #include "net/files/file.h"
-#include "qnv/stream/container.h"
+#include "qnv/container/container.h"
 
 #include <chrono>
 

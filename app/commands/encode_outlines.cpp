@@ -11,9 +11,9 @@
 #include "app/formats/export/vrml_text.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
-#include "qnv/codec/payloads.h"
-#include "qnv/outline/outline_stream.h"
-#include "qnv/stream/container.h"
+#include "qnv/codecs/outlines/outline_stream.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/container/container.h"
 
 #include <chrono>
 #include <cstdint>

@@ -8,8 +8,8 @@
 #include "app/formats/export/outline_text.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
-#include "qnv/order/order.h"
-#include "qnv/stream/container.h"
+#include "qnv/container/container.h"
+#include "qnv/sampling/order/order.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -9,12 +9,12 @@
 #include "app/formats/qnv/cloud_reader.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
-#include "qnv/codec/payloads.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/displaced/surface.h"
-#include "qnv/lod/lod.h"
-#include "qnv/outline/outline_stream.h"
-#include "qnv/volume/volume_slices.h"
+#include "qnv/codecs/displaced/surface.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/outlines/outline_stream.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/reader/stream_decoder.h"
+#include "qnv/sampling/volume/volume_slices.h"
 
 #include <algorithm>
 #include <chrono>

@@ -12,11 +12,12 @@
 #include "app/world/world_loader.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
-#include "qnv/codec/payloads.h"
-#include "qnv/encode/encode_volume.h"
-#include "qnv/encode/isosurface.h"
-#include "qnv/lod/lod.h"
-#include "qnv/volume/volume_slices.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/reader/decode_stream.h"
+#include "qnv/sampling/volume/gradients.h"
+#include "qnv/sampling/volume/isosurface.h"
+#include "qnv/sampling/volume/volume_slices.h"
 
 #include <algorithm>
 #include <chrono>
@@ -405,7 +406,7 @@ std::variant<qnv::Cloud, EncodeError> cloud_of_input(const ConversionOptions& op
   if (auto* problem = std::get_if<EncodeError>(&encoded)) return std::move(*problem);
   const auto& stream = std::get<qnv::EncodedStream>(encoded);
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
-  auto decoded = qnv::row_of(stream.header.payload).decode(stream.bytes, kAll);
+  auto decoded = qnv::decode_stream(stream.bytes, kAll);
   return std::get<qnv::Cloud>(std::move(decoded.content));
 }
 

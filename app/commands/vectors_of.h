@@ -6,8 +6,8 @@
 #include "app/encode/outline_model.h"
 #include "app/world/opened_world.h"
 #include "net/files/file.h"
-#include "qnv/encode/encode_surface.h"
-#include "qnv/volume/volume.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/sampling/volume/volume.h"
 #include "render/scene/render_list.h"
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/shared/encode_options.h"
 
 #include <glm/vec3.hpp>
 

@@ -2,8 +2,8 @@
 
 #include "app/world/opened_world.h"
 #include "qnv/base/triangles.h"
-#include "qnv/outline/outline_groups.h"
-#include "qnv/stream/outline_header.h"
+#include "qnv/codecs/outlines/grouping/outline_groups.h"
+#include "qnv/container/outline_header.h"
 #include "render/scene/render_list.h"
 
 #include <cstddef>

@@ -13,7 +13,7 @@
 #include "app/formats/mesh/vtk_legacy.h"
 #include "app/formats/mesh/vtp.h"
 #include "app/formats/volume/volume.h"
-#include "qnv/codec/payloads.h"
+#include "qnv/codecs/payloads.h"
 
 #include <algorithm>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "app/serve/cell_archive.h"
 
 #include "app/streams/cell_regions.h"
-#include "qnv/codec/payloads.h"
+#include "qnv/codecs/payloads.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "app/streams/ranged_stream.h"
 
-#include "qnv/stream/container.h"
+#include "qnv/container/container.h"
 
 #include <algorithm>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/lod/lod.h"
 
 #include <atomic>
 #include <cstddef>

@@ -1,8 +1,8 @@
 #include "app/world/cloud_handler.h"
 #include "app/base/temporary_file.h"
-#include "qnv/codec/payloads.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/lod/lod_source.h"
+#include "qnv/codecs/octree/lod/lod_source.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/reader/stream_decoder.h"
 
 #include <algorithm>
 #include <filesystem>

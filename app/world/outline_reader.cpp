@@ -1,5 +1,5 @@
 #include "app/world/outline_reader.h"
-#include "qnv/lod/lod_source.h"
+#include "qnv/codecs/octree/lod/lod_source.h"
 
 #include <utility>
 #include <variant>

@@ -3,7 +3,7 @@
 #include "app/formats/common/upright.h"
 #include "app/formats/qnv/outline_scene.h"
 #include "app/world/world_loading_state.h"
-#include "qnv/outline/outline_stream.h"
+#include "qnv/codecs/outlines/outline_stream.h"
 
 #include <cstddef>
 #include <optional>

@@ -1,6 +1,6 @@
 #include "bench/transfer/tables.h"
 #include "net/files/file.h"
-#include "qnv/decode/decoder.h"
+#include "qnv/reader/stream_decoder.h"
 
 #include <algorithm>
 #include <cstdio>

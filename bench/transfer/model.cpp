@@ -5,9 +5,10 @@
 #include "app/world/world_loader.h"
 #include "bench/mesh_files.h"
 #include "net/files/file.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_surface.h"
-#include "qnv/outline/outline_stream.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/outlines/outline_stream.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/reader/stream_decoder.h"
 
 #include <algorithm>
 #include <filesystem>

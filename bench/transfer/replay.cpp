@@ -3,9 +3,9 @@
 #include "bench/studio.h"
 #include "bench/transfer/run.h"
 #include "net/base/range_set.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/records/records_payload.h"
-#include "qnv/stream/container.h"
+#include "qnv/codecs/records/records_payload.h"
+#include "qnv/container/container.h"
+#include "qnv/reader/stream_decoder.h"
 
 #include <algorithm>
 #include <map>

@@ -2,7 +2,7 @@
 
 #include "qnv/base/finite.h"
 #include "qnv/base/parallel.h"
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/lod/lod.h"
 #include "render/splat/splat_constants.h"
 
 #include <glm/geometric.hpp>

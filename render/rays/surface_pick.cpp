@@ -1,6 +1,6 @@
 #include "render/rays/surface_pick.h"
 
-#include "qnv/surface/patch_mesh.h"
+#include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 
 #include <glm/geometric.hpp>
 

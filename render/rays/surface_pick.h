@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/surface/patch_surface.h"
+#include "qnv/codecs/displaced/tessellation/patch_surface.h"
 #include "render/rays/box_tree.h"
 
 #include <array>

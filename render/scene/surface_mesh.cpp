@@ -1,6 +1,6 @@
 #include "render/scene/surface_mesh.h"
 
-#include "qnv/surface/patch_mesh.h"
+#include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
-#include "qnv/surface/surface_cut.h"
+#include "qnv/codecs/displaced/tessellation/surface_cut.h"
 #include "render/scene/render_list.h"
 #include "vrml/mesh/mesh.h"
 

@@ -1,6 +1,6 @@
 #include "render/splat/splat_budget.h"
 
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/lod/lod.h"
 
 #include <glm/glm.hpp>
 

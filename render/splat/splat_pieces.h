@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/lod/lod.h"
 #include "render/scene/cloud_look.h"
 #include "render/splat/splat_gl.h"
 #include "render/splat/splat_raster.h"

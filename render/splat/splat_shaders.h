@@ -5,8 +5,8 @@
 namespace gs::render {
 
 /// Decodes a vector from the buffers of SplatStore or SplatRecords. An instance draws up to 64 (SplatGl::kAnInstance)
-/// vectors of one piece, four vertices each. Defines: RECORDS (8-byte records of a stream, qnv/records/record.h), CELLS
-/// (splats of an octree).
+/// vectors of one piece, four vertices each. Defines: RECORDS (8-byte records of a stream,
+/// qnv/codecs/records/record.h), CELLS (splats of an octree).
 inline constexpr char kSplatVectorShader[] = R"glsl(
 struct Vector {
   vec3 position, normal;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
-#include "qnv/records/record.h"
+#include "qnv/codecs/records/record.h"
 #include "render/gl/gpu.h"
 #include "render/gl/range_allocator.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/surface/patch_mesh.h"
+#include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 #include "render/splat/splat_kernel.h"
 #include "render/surface/patch_raster.h"
 #include "render/surface/patch_screen.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/surface/surface_cut.h"
+#include "qnv/codecs/displaced/tessellation/surface_cut.h"
 #include "render/scene/cloud_look.h"
 #include "render/splat/splat_raster.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/surface/surface_cut.h"
+#include "qnv/codecs/displaced/tessellation/surface_cut.h"
 #include "render/gl/gpu.h"
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"

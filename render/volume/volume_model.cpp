@@ -2,7 +2,7 @@
 
 #include "qnv/base/finite.h"
 #include "qnv/base/parallel.h"
-#include "qnv/encode/encode_volume.h"
+#include "qnv/sampling/volume/gradients.h"
 #include "render/scene/color_ramps.h"
 
 #include <glm/geometric.hpp>

@@ -1,7 +1,8 @@
 #pragma once
 
 #include "net/files/file.h"
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/shared/encode_options.h"
 
 #include <catch2/catch.hpp>
 

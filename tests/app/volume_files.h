@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/formats/volume/volume.h"
-#include "qnv/volume/volume_slices.h"
+#include "qnv/sampling/volume/volume_slices.h"
 #include "tests/app/formats_helpers.h"
 #include "tests/app/scratch_folder.h"
 

@@ -1,10 +1,10 @@
 // Any bytes, whole and in pieces, must decode without harm and to the same sound cloud, and be drawn at any detail.
 // Checksums that a mutation broke are mended first, so that the fuzzer reaches what is behind them.
-#include "qnv/codec/loss.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/lod/lod.h"
-#include "qnv/outline/outline_stream.h"
-#include "qnv/surface/patch_mesh.h"
+#include "qnv/codecs/displaced/tessellation/patch_mesh.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/outlines/outline_stream.h"
+#include "qnv/reader/loss.h"
+#include "qnv/reader/stream_decoder.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/stream_bytes.h"
 
@@ -157,7 +157,8 @@ void look_at(const SurfacePatches& patches) {
       require(one.part < patches.parts.size() && one.patch < patches.parts[one.part]->size());
       mesh.build(*patches.parts[one.part], one);
       for (const PatchVertex& vertex : mesh.vertices())
-        require(std::isfinite(vertex.position.x) && std::isfinite(vertex.position.y) && std::isfinite(vertex.position.z));
+        require(std::isfinite(vertex.position.x) && std::isfinite(vertex.position.y) &&
+                std::isfinite(vertex.position.z));
       for (const auto& some : {mesh.inner(), mesh.border()})
         for (const PatchMesh::Triangle& t : some)
           for (const auto corner : t) require(corner < mesh.vertices().size());

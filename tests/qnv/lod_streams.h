@@ -1,6 +1,7 @@
 #pragma once
 
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/octree/lod/lod.h"
 #include "tests/qnv/surface_shapes.h"
 
 #include <catch2/catch.hpp>

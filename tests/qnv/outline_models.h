@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/outline/outline_groups.h"
+#include "qnv/codecs/outlines/grouping/outline_groups.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

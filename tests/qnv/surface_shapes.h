@@ -2,7 +2,8 @@
 
 #include "qnv/base/triangles.h"
 #include "qnv/base/voxels.h"
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/shared/encode_options.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

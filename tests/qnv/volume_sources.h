@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/volume/volume.h"
+#include "qnv/sampling/volume/volume.h"
 
 #include <cstddef>
 #include <cstring>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "qnv/encode/encode_volume.h"
-#include "qnv/encode/encode_voxels.h"
-#include "qnv/stream/container.h"
+#include "qnv/codecs/voxels/encode/encode_voxels.h"
+#include "qnv/container/container.h"
+#include "qnv/sampling/volume/gradients.h"
 #include "tests/qnv/volume_sources.h"
 
 #include <cmath>

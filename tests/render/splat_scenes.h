@@ -3,9 +3,10 @@
 // Point sets for tests of splatting, and a bare context.
 
 #include "qnv/base/cloud.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_surface.h"
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/reader/stream_decoder.h"
 #include "render/gl/gl.h"
 
 #include <catch2/catch.hpp>

@@ -4,7 +4,7 @@
 #include "app/commands/export.h"
 #include "app/commands/options/option_values.h"
 #include "app/commands/options/setters.h"
-#include "qnv/exact/exact_mesh.h"
+#include "qnv/codecs/lossless/exact_mesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "qnv/outline/outline_groups.h"
-#include "qnv/stream/outline_header.h"
+#include "qnv/codecs/outlines/grouping/outline_groups.h"
+#include "qnv/container/outline_header.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>

@@ -5,12 +5,12 @@
 #include "app/formats/common/color_key.h"
 #include "app/formats/volume/volume.h"
 #include "net/files/file.h"
-#include "qnv/codec/loss.h"
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_volume.h"
-#include "qnv/lod/lod.h"
-#include "qnv/records/record.h"
-#include "qnv/surface/patch_surface.h"
+#include "qnv/codecs/displaced/tessellation/patch_surface.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/records/record.h"
+#include "qnv/reader/loss.h"
+#include "qnv/reader/stream_decoder.h"
+#include "qnv/sampling/volume/gradients.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/outline/outline_stream.h"
+#include "qnv/codecs/outlines/outline_stream.h"
 #include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/volume/voxel_type.h"
+#include "qnv/sampling/volume/voxel_type.h"
 
 #include <array>
 #include <cstdint>

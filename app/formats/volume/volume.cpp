@@ -4,7 +4,7 @@
 #include "app/base/local_file.h"
 #include "app/formats/volume/volume_common.h"
 #include "net/files/file.h"
-#include "qnv/volume/volume_slices.h"
+#include "qnv/sampling/volume/volume_slices.h"
 
 #include <algorithm>
 #include <charconv>

@@ -4,7 +4,7 @@
 #include "app/base/world_budget.h"
 #include "app/formats/common/upright.h"
 #include "app/formats/volume/raw_volume.h"
-#include "qnv/volume/volume.h"
+#include "qnv/sampling/volume/volume.h"
 
 #include <array>
 #include <cstddef>

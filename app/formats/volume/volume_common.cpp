@@ -5,7 +5,7 @@
 #include "net/base/reference_policy.h"
 #include "net/files/file.h"
 #include "qnv/base/finite.h"
-#include "qnv/volume/volume_slices.h"
+#include "qnv/sampling/volume/volume_slices.h"
 
 #include <zlib.h>
 

@@ -3,7 +3,7 @@
 #include "app/base/text.h"
 #include "app/base/world_budget.h"
 #include "app/formats/volume/volume.h"
-#include "qnv/volume/volume.h"
+#include "qnv/sampling/volume/volume.h"
 
 #include <cstddef>
 #include <cstdint>

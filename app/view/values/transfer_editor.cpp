@@ -1,6 +1,6 @@
 #include "app/view/values/transfer_editor.h"
 
-#include "qnv/encode/encode_volume.h"
+#include "qnv/sampling/volume/gradients.h"
 
 #include <glm/geometric.hpp>
 

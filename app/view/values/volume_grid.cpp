@@ -1,6 +1,6 @@
 #include "app/view/values/volume_grid.h"
 
-#include "qnv/volume/volume_slices.h"
+#include "qnv/sampling/volume/volume_slices.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>

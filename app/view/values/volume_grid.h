@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/formats/volume/volume.h"
-#include "qnv/volume/volume.h"
+#include "qnv/sampling/volume/volume.h"
 
 #include <glm/vec3.hpp>
 

@@ -2,7 +2,7 @@
 #include "app/serve/archive_index.h"
 #include "app/serve/cell_archive.h"
 #include "app/serve/child_program.h"
-#include "qnv/stream/container.h"
+#include "qnv/container/container.h"
 
 #include "tests/app/formats_helpers.h"
 #include "tests/app/program.h"

@@ -1,8 +1,9 @@
 // Files of vectors as worlds: what load_world makes of them, and of QNV nodes.
 #include "app/formats/content_types.h"
 #include "app/world/world_loader.h"
-#include "qnv/encode/encode_surface.h"
-#include "qnv/records/record.h"
+#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/record.h"
+#include "qnv/codecs/shared/encode_options.h"
 #include "tests/app/clouds.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/volume_files.h"

@@ -1,8 +1,9 @@
 #include "app/encode/outline_model.h"
-#include "qnv/codec/payloads.h"
-#include "qnv/encode/encode_surface.h"
-#include "qnv/outline/outline_groups.h"
-#include "qnv/outline/outline_stream.h"
+#include "qnv/codecs/outlines/grouping/outline_groups.h"
+#include "qnv/codecs/outlines/outline_stream.h"
+#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/reader/decode_stream.h"
 
 #include "tests/app/clouds.h"
 #include "tests/app/late_worlds.h"
@@ -30,7 +31,7 @@ Bytes ball(std::size_t vectors) {
 
 std::size_t size_of(const Bytes& stream) {
   constexpr std::size_t kMost = 1 << 20;
-  const auto decoded = qnv::row_of(qnv::Payload::records).decode(stream, kMost);
+  const auto decoded = qnv::decode_stream(stream, kMost);
   return std::get<qnv::Cloud>(decoded.content).size();
 }
 
@@ -106,8 +107,7 @@ TEST_CASE("replaces the polygons of an OutlineGroup on set_url") {
   CHECK(world.triangles() == 0);
   world.arrive();
   CHECK(world.triangles() == 12);
-  const auto complete = [&] {
-    return world.opened.scene->get<vrml::SFBool>(world.geometry(), "complete"); };
+  const auto complete = [&] { return world.opened.scene->get<vrml::SFBool>(world.geometry(), "complete"); };
   CHECK(complete());
   for (int round = 0; round < 3; ++round) {
     world.set_url("tetrahedron.qnv");

@@ -1,13 +1,14 @@
 // Displaced surfaces as worlds: what is loaded to be drawn, and what a pointer meets.
 #include "app/view/picking.h"
 #include "app/world/world_loader.h"
-#include "qnv/encode/encode_surface.h"
-#include "qnv/surface/patch_surface.h"
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/displaced/tessellation/patch_surface.h"
+#include "qnv/codecs/shared/encode_options.h"
 #include "render/scene/collector.h"
 #include "tests/app/clouds.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
-#include "tests/qnv/displaced/displaced_shapes.h"
+#include "tests/qnv/codecs/displaced/displaced_shapes.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

@@ -2,14 +2,15 @@
 #include "app/formats/qnv/surface_pictures.h"
 #include "app/view/picking.h"
 #include "app/world/world_loader.h"
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/shared/encode_options.h"
 #include "render/image/image.h"
 #include "render/scene/collector.h"
 #include "render/scene/render_scene.h"
 #include "tests/app/clouds.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
-#include "tests/qnv/displaced/displaced_shapes.h"
+#include "tests/qnv/codecs/displaced/displaced_shapes.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

@@ -3,7 +3,7 @@
 
 #include "app/streams/stream_feed.h"
 #include "net/load/transport_memory.h"
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/lod/lod.h"
 #include "tests/app/clouds.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"

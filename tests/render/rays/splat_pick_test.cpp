@@ -1,7 +1,8 @@
 #include "render/rays/splat_pick.h"
 
-#include "qnv/encode/encode_surface.h"
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/shared/encode_options.h"
 #include "render/rays/raycast.h"
 #include "tests/render/clouds.h"
 #include "tests/render/splat_scenes.h"

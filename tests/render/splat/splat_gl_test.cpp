@@ -1,5 +1,5 @@
 #include "render/splat/splat_gl.h"
-#include "qnv/records/record.h"
+#include "qnv/codecs/records/record.h"
 #include "render/splat/splat_closing.h"
 #include "tests/render/drawing.h"
 #include "tests/render/splat_scenes.h"

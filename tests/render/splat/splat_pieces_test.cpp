@@ -1,5 +1,5 @@
 #include "render/splat/splat_pieces.h"
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/lod/lod.h"
 #include "render/scene/color_ramps.h"
 #include "render/splat/splat_budget.h"
 #include "tests/render/splat_scenes.h"

@@ -1,7 +1,8 @@
 #include "render/splat/splat_raster.h"
 
-#include "qnv/decode/decoder.h"
-#include "qnv/encode/encode_surface.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/reader/stream_decoder.h"
 #include "render/rays/raycast.h"
 #include "render/splat/splat_kernel.h"
 #include "tests/render/clouds.h"

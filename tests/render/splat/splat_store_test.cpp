@@ -1,5 +1,5 @@
 #include "render/splat/splat_store.h"
-#include "qnv/records/record.h"
+#include "qnv/codecs/records/record.h"
 #include "render/splat/splat_shaders.h"
 #include "tests/render/splat_scenes.h"
 

@@ -3,7 +3,7 @@
 #include "render/rays/surface_pick.h"
 #include "render/splat/splat_pieces.h"
 #include "render/surface/patch_kernel.h"
-#include "tests/qnv/surface/patch_shapes.h"
+#include "tests/qnv/codecs/displaced/tessellation/patch_shapes.h"
 #include "tests/render/clouds.h"
 
 #include <catch2/catch.hpp>

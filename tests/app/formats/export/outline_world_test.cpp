@@ -3,7 +3,7 @@
 #include "app/formats/export/outline_text.h"
 #include "app/formats/qnv/outline_scene.h"
 #include "app/world/world_loading.h"
-#include "qnv/outline/outline_stream.h"
+#include "qnv/codecs/outlines/outline_stream.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/scene/camera.h"

@@ -3,8 +3,8 @@
 
 #include "app/formats/common/color_key.h"
 #include "app/world/world_loader.h"
-#include "qnv/encode/encode_surface.h"
-#include "qnv/lod/lod.h"
+#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/shared/encode_options.h"
 #include "tests/app/clouds.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"

@@ -1,0 +1,469 @@
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/base/parallel.h"
+#include "qnv/codecs/displaced/decode/surface_stages.h"
+#include "qnv/codecs/displaced/encode/stage_encode.h"
+#include "qnv/codecs/displaced/encode/thin_surface.h"
+#include "qnv/codecs/lossless/encode/surface_tail.h"
+#include "qnv/codecs/lossless/encode/tail_cover.h"
+#include "qnv/codecs/progressive/progressive.h"
+#include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/shared/stream_writer.h"
+#include "qnv/container/piece_group.h"
+#include "qnv/mesh/simplify/simplify.h"
+#include "qnv/mesh/survey.h"
+#include "qnv/mesh/triangle_pipeline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+using displaced::EncodedStage;
+using displaced::StageCluster;
+
+// Target size of the header with its base: a whole object in the first kilobyte, unless metadata takes too much of it.
+constexpr std::size_t kFirstBytes = 990, kFewestBaseBytes = 500;
+constexpr std::size_t kFirstTriangles = 640;
+// Limits for a surface that suits a first stage: the base's bytes, and the error relative to the box. Other surfaces
+// are better encoded as an octree.
+constexpr std::size_t kMostFirstBytes = 4000;
+constexpr float kMostFirstError = 0.002f;
+// Components below this fraction of the area are excluded from the stages and follow them.
+constexpr double kLeastPart = 2e-4;
+// Error, in source edges, above which another stage with four times as many triangles follows.
+constexpr float kMostError = 0.045f;
+constexpr std::size_t kMostStages = 4;
+// Bytes sent of a stage with a successor, relative to the next base.
+constexpr double kBeforeNext = 1.5;
+// Parity of the front of the last stage and of the small parts, relative to its size, plus additional pieces. At 30 %
+// loss, one stage in a hundred is lost.
+constexpr double kParity = 0.75, kParityBeside = 0.4;
+constexpr std::size_t kParityBesides = 3, kMostFrontBytes = 100'000;
+// Piece size of splits near the start of the stream, and the length of that start.
+constexpr std::size_t kSmallPieceBytes = 480, kSmallPiecesUntil = 3000;
+constexpr std::size_t kClustersAt = 3;  // offset of StageHeader::clusters in its bytes
+// Bases are simplified from a mesh of this size, which is close enough to finer ones.
+constexpr std::size_t kCoarseTriangles = 30'000;
+// Maximum step of the finest layer, relative to a source edge.
+constexpr float kFinestStep = 1.0f / 14;
+
+// Maximum bytes before the exact tail, relative to it. If the tail was requested explicitly, the total should stay
+// small; else intermediate pictures matter.
+constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
+// For a textured surface, the picture adds to the tail.
+constexpr double kBeforeTexturedTail = 1.0 / 3, kLeastBeforeTextured = 2000;
+// Weight, as a fraction of the tail's bytes, of the picture shown until the tail is complete.
+constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
+// Minimum bytes of a stage before a tail, relative to its front, in addition to it; below that, it looks no better than
+// the previous stage.
+constexpr double kBesidesFront = 0.5;
+// Maximum fraction of these bytes for later bases; a stage with little beyond its base does not pay.
+constexpr double kBasesBeforeTail = 0.5;
+// Limits for surfaces that do not suit a first stage and get an exact tail instead: triangles, tail bytes, lattice
+// bits.
+constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
+constexpr int kFewBits = 12;
+
+/// Sorts clusters for sending: largest gain per byte first, but after those that they refine.
+std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
+  using Kind = displaced::ClusterHeader::Kind;
+  // Sort by dependency: by level within a layer, layer by layer; colours separately.
+  std::stable_sort(clusters.begin(), clusters.end(), [](const StageCluster& a, const StageCluster& b) {
+    const auto rank = [](const StageCluster& c) {
+      return std::array{static_cast<int>(c.header.kind), c.header.layer, c.header.level};
+    };
+    return rank(a) < rank(b);
+  });
+  constexpr double kAny = 1e300;
+  // Minimum gain per byte of the earlier clusters of each patch.
+  std::array<std::vector<double>, displaced::kLayers + 1> so_far;
+  for (auto& worth : so_far) worth.assign(patches, kAny);
+  std::vector<std::pair<double, std::size_t>> keys;
+  for (std::size_t i = 0; i < clusters.size(); ++i) {
+    const auto& h = clusters[i].header;
+    auto& worth = so_far[h.kind == Kind::color ? displaced::kLayers : static_cast<std::size_t>(h.layer)];
+    double key = clusters[i].gain / static_cast<double>(clusters[i].payload.size() + 10);
+    for (std::uint32_t p = h.first; p < h.first + h.count; ++p) key = std::min(key, worth[p]);
+    for (std::uint32_t p = h.first; p < h.first + h.count; ++p) worth[p] = key;
+    keys.emplace_back(key, i);
+  }
+  std::stable_sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<StageCluster> out;
+  out.reserve(clusters.size());
+  for (const auto& [key, i] : keys) out.push_back(std::move(clusters[i]));
+  return out;
+}
+
+OutgoingChunk chunk_of(StageCluster cluster, const displaced::Frame& frame) {
+  OutgoingChunk chunk;
+  chunk.type = ChunkType::displaced;
+  chunk.entry.level = static_cast<std::uint8_t>(cluster.header.level);
+  chunk.entry.parent = 0xffffffff;
+  chunk.entry.vectors = cluster.vertices;
+  chunk.entry.box = {frame.outside(cluster.box.lower), frame.outside(cluster.box.upper)};
+  chunk.payload = std::move(cluster.payload);
+  return chunk;
+}
+
+/// Front of a later stage: its base, and the clusters required before it is shown.
+class StageFront {
+ public:
+  StageFront(const EncodedStage& stage, int number, std::size_t clusters, const Box& box) {
+    displaced::ClusterHeader head;
+    head.kind = displaced::ClusterHeader::Kind::base;
+    head.stage = number;
+    std::vector<std::vector<std::byte>> payloads{displaced::encode_cluster_header(head)};
+    payloads[0].insert(payloads[0].end(), stage.bytes.begin(), stage.bytes.end());
+    entry_.parent = 0xffffffff;
+    entry_.vectors = static_cast<std::uint32_t>(stage.header.base.vertices.size());
+    entry_.box = box;
+    for (std::size_t i = 0; i < clusters; ++i) {
+      payloads.push_back(stage.clusters[i].payload);
+      entry_.vectors += stage.clusters[i].vertices;
+    }
+    pieces_ = stage.header.beside ? cut_group(number, payloads, kParityBeside, kParityBesides)
+                                  : cut_group(number, payloads, kParity, kParityBesides);
+  }
+  void append(bool parity, std::vector<OutgoingChunk>& chunks) {
+    for (std::vector<std::byte>& piece : parity ? pieces_.parity : pieces_.data) {
+      OutgoingChunk& chunk = chunks.emplace_back();
+      chunk.type = ChunkType::piece;
+      chunk.entry = entry_;
+      if (parity || &piece != &pieces_.data.back()) chunk.entry.vectors = 0;
+      chunk.payload = std::move(piece);
+    }
+  }
+
+ private:
+  CutGroup pieces_;
+  DirectoryEntry entry_;
+};
+
+/// Chunks of all stages in order. Stages before the last send only as much as pays until the next is shown. `places` is
+/// the number of source vertices. `distances` has the squared errors of the shown surface, in the unit of cluster
+/// gains, before the first chunk and after each.
+struct StageChunks {
+  std::vector<OutgoingChunk> chunks;
+  std::vector<double> distances;
+  std::vector<std::vector<OutgoingChunk>> parity;  // of the front of each stage
+  std::vector<std::size_t> begins, ready;          // first chunk of each stage, and the first after its front
+};
+StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
+  const displaced::Frame frame(box);
+  StageChunks out;
+  std::vector<OutgoingChunk>& chunks = out.chunks;
+  std::vector<double>& distances = out.distances;
+  out.parity.resize(stages.size());
+  double shown = 0;  // error of the previous stage, in the unit of gains
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    EncodedStage& stage = stages[i];
+    double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
+    for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
+    if (i == 0) distances = {left};
+    std::size_t needed = 0, bytes = 0, sent = 0;
+    out.begins.push_back(chunks.size());
+    if (i > 0) {
+      const std::size_t most = std::min<std::size_t>(stage.clusters.size(), 255);
+      double then = left;
+      while (!stage.header.beside && needed < most && then > shown) then -= stage.clusters[needed++].gain;
+      for (std::size_t k = needed; k < most; ++k)
+        if (stage.clusters[k].header.layer == 0 && stage.clusters[k].header.level == 1) needed = k + 1;
+      stage.bytes[kClustersAt] = static_cast<std::byte>(stage.header.beside ? 0 : needed);
+      std::size_t grouped = stage.bytes.size();
+      while (sent < needed && grouped + stage.clusters[sent].payload.size() < kMostFrontBytes) {
+        grouped += stage.clusters[sent].payload.size();
+        left -= stage.clusters[sent++].gain;
+      }
+      StageFront front(stage, static_cast<int>(i), sent, box);
+      front.append(false, chunks);
+      distances.resize(chunks.size(), shown);
+      distances.push_back(left);
+      front.append(true, out.parity[i]);
+      bytes = grouped - stage.bytes.size();
+    }
+    out.ready.push_back(chunks.size());
+    const double most = i + 1 < stages.size() ? static_cast<double>(stages[i + 1].bytes.size()) * kBeforeNext : 1e300;
+    for (; sent < stage.clusters.size(); ++sent) {
+      StageCluster& cluster = stage.clusters[sent];
+      if (static_cast<double>(bytes) > most) break;
+      bytes += cluster.payload.size();
+      left -= cluster.gain;
+      chunks.push_back(chunk_of(std::move(cluster), frame));
+      distances.push_back(left);
+    }
+    shown = left;
+  }
+  return out;
+}
+
+/// Returns the segments of a progressive mesh, in pieces with parity, so that losses do not stop it.
+std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, const Box& box) {
+  // Small pieces near the start, where every byte counts: a truncated piece is useless.
+  std::size_t few = 0;
+  for (std::size_t bytes = 0; few < mesh.segments.size() && bytes < kSmallPiecesUntil; ++few)
+    bytes += mesh.segments[few].size();
+  const std::span<const std::vector<std::byte>> all(mesh.segments);
+  CutGroup front, rest;
+  if (few > 0) front = cut_group(kGroupsOfSplits, all.first(few), kParity, kParityBesides, kSmallPieceBytes);
+  if (few < all.size()) rest = cut_group(kGroupsOfSplits + 1, all.subspan(few), kParity, kParityBesides);
+  std::vector<OutgoingChunk> chunks;
+  const std::size_t data = front.data.size() + rest.data.size();
+  for (auto* pieces : {&front.data, &rest.data, &front.parity, &rest.parity})
+    for (std::vector<std::byte>& piece : *pieces) {
+      OutgoingChunk& chunk = chunks.emplace_back();
+      chunk.type = ChunkType::piece;
+      chunk.entry.parent = 0xffffffff;
+      chunk.entry.box = box;
+      const std::size_t n = chunks.size();  // about as many vertices in each
+      if (n <= data)
+        chunk.entry.vectors = static_cast<std::uint32_t>(mesh.vertices * n / data - mesh.vertices * (n - 1) / data);
+      chunk.payload = std::move(piece);
+    }
+  return chunks;
+}
+
+/// Truncates the stages to the chunks that fit into `bytes`, including container overhead, and that pay before a tail
+/// of `tail` bytes. Minimises the shown error, summed over all bytes until the tail is complete.
+void keep_before(StageChunks& stages, double bytes, double tail) {
+  std::vector<OutgoingChunk>& chunks = stages.chunks;
+  std::size_t kept = 0, stage = 0;
+  double least = stages.distances[0] * tail, shown = 0, sum = 0, began = 0, front = 0;
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    const auto more = static_cast<double>(kChunkHeaderBytes + kDirectoryEntryBytes + chunks[i].payload.size());
+    if (stage + 1 < stages.begins.size() && i == stages.begins[stage + 1]) {
+      ++stage;
+      began = sum;
+    }
+    sum += more;
+    if (sum > bytes) break;
+    shown += stages.distances[i] * more;
+    if (i + 1 <= stages.ready[stage]) front = sum - began;
+    const bool enough = stage == 0 || sum - began >= (1 + kBesidesFront) * front;
+    if (const double all = shown + stages.distances[i + 1] * tail; enough && all <= least) {
+      least = all;
+      kept = i + 1;
+    }
+  }
+  chunks.resize(kept);
+}
+
+/// Returns the stages as a decoder has them after all chunks.
+SurfaceStages received_stages(const StreamHeader& header, std::span<const OutgoingChunk> chunks) {
+  constexpr std::size_t kMostDecodedVectors = std::size_t{1} << 26;
+  SurfaceStages stages;
+  stages.begin(header.base, header.description.box, kMostDecodedVectors);
+  PieceGroups groups;
+  for (const OutgoingChunk& chunk : chunks)
+    if (chunk.type == ChunkType::piece)
+      (void)groups.add(chunk.payload, [&](ChunkType, std::span<const std::byte> payload) { stages.add(payload); });
+    else
+      stages.add(chunk.payload);
+  return stages;
+}
+
+/// Encodes a surface that exceeds the memory limit, after thinning it.
+std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& source, const EncodeOptions& options,
+                                                        Progress* progress) {
+  if (options.exact_bits > 0)
+    return EncodeError{"the exact mesh has more than " + std::to_string(options.most_triangles) +
+                       " triangles, which exceed the memory limit; expected a smaller mesh, or a larger --memory"};
+  auto thinned = thin_surface(source, options.most_triangles, progress);
+  if (auto* error = std::get_if<EncodeError>(&thinned)) return std::move(*error);
+  EncodeOptions rest = options;
+  rest.most_triangles = 0;
+  rest.exact_bits = 0;
+  auto encoded = encode_displaced(std::get<ThinnedSurface>(thinned).source(), rest, progress);
+  if (auto* stream = std::get_if<EncodedStream>(&encoded)) stream->thinned = true;
+  return encoded;
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source, const EncodeOptions& options,
+                                                          Progress* progress) {
+  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
+  if (progress) progress->stage = "reading";
+  SurfaceSurvey s;
+  displaced::MeshBuilder builder(true);
+  bool too_many = false;
+  TrianglePipeline joined([&](std::span<const Triangle> triangles) { builder.add(triangles); }, options.threads);
+  const bool read = source([&](std::span<const Triangle> triangles) {
+    s.add(triangles);
+    too_many = options.most_triangles != 0 && s.triangles > options.most_triangles;
+    return !too_many && joined.put(triangles) && !cancelled();
+  });
+  joined.finish();
+  if (too_many) {
+    builder = displaced::MeshBuilder(true);  // frees its memory
+    return encode_thinned(source, options, progress);
+  }
+  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
+  if (progress) progress->stage = "joining";
+  const displaced::Frame frame(s.box);
+  const bool chosen = options.exact_bits == kExactWherePays;
+  std::optional<exact::ExactMesh> exact;
+  const TexturedSurface* textured = options.textured;
+  const std::size_t triangles = textured ? textured->triangles.size() : s.triangles;
+  if (options.exact_bits > 0 || (chosen && triangles <= kMostChosenTriangles)) {
+    const int bits = std::max(options.exact_bits, 0);
+    exact = textured ? exact_mesh_of(*textured, frame, bits) : exact_mesh_of(builder, frame, s.colored, bits);
+  }
+  // For parts with sharp edges and few triangles, the exact mesh is smaller than any good approximation.
+  std::optional<exact::ExactMesh> small;
+  if (options.only_if_suited && options.exact_bits <= 0 && triangles <= kFewTriangles)
+    small = textured ? exact_mesh_of(*textured, frame, kFewBits) : exact_mesh_of(builder, frame, s.colored, kFewBits);
+  displaced::Neighbours neighbours;
+  displaced::SurfaceMesh mesh = builder.finish(&neighbours);
+  if (mesh.triangles.empty()) return EncodeError{"no surface to encode; expected triangles with an area"};
+  for (glm::vec3& p : mesh.positions) p = frame.inside(p);
+  if (progress) progress->stage = "simplifying";
+  // While one thread finishes simplifying, the others build search trees of the target.
+  std::optional<displaced::Target> made;
+  const displaced::SplitMesh parts = displaced::split_components(mesh, kLeastPart);
+  const displaced::SurfaceMesh& body = parts.large.triangles.empty() ? parts.small : parts.large;
+  const displaced::SurfaceMesh coarse =
+      displaced::simplify(body, std::min(kCoarseTriangles, body.triangles.size()), options.threads,
+                          [&] { made.emplace(mesh, std::exchange(neighbours, {}), options.threads); });
+  const displaced::Target& target = *made;
+  if (cancelled()) return EncodeError{"cancelled"};
+  StreamHeader header;
+  header.payload = Payload::displaced;
+  header.colored = s.colored;
+  header.color = s.mean_color();
+  header.cube = Cube::around(s.box);
+  header.description.two_sided = options.two_sided && !s.closed();
+  header.description.origin = options.origin;
+  header.description.box = s.box;
+  header.description.total = s.area;
+  header.description.metadata = options.metadata;
+  displaced::BaseMeshPrefetcher prefetcher(coarse, options.threads);
+  displaced::StageOptions stage_options;
+  stage_options.bases = &prefetcher;
+  stage_options.colored = s.colored;
+  stage_options.threads = options.threads;
+  stage_options.triangles = kFirstTriangles;
+  stage_options.most_bytes = kFirstBytes - std::min(encode_header(header).size(), kFirstBytes - kFewestBaseBytes);
+  const float wanted = kFinestStep * target.edge();
+  float step = std::ldexp(1.0f, -stage_options.step_exponent);
+  for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
+    step = std::ldexp(step, -displaced::kLayerShift);
+  int tail_bits = kTailBits;
+  std::size_t tail_size = 0;  // approximate, including low bits
+  const auto room = [&] {
+    if (!exact) return 1e300;
+    const double bytes = static_cast<double>(tail_size);
+    if (textured && chosen) return std::max(kBeforeTexturedTail * bytes, kLeastBeforeTextured);
+    return (chosen ? kBeforeChosenTail : kBeforeTail) * bytes;
+  };
+  std::size_t bases = 0;
+  if (progress) progress->stage = "displacing";
+  std::vector<EncodedStage> stages;
+  do {
+    stage_options.number = static_cast<int>(stages.size());
+    stage_options.most_error = stages.size() + 1 < kMostStages ? kMostError * target.edge() : 0;
+    stage_options.trusted_error = stages.empty() && options.only_if_suited ? kMostFirstError : 1;
+    EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
+    if (cancelled()) return EncodeError{"cancelled"};
+    const bool follows = stage.bytes.size() <= kMostFirstBytes && stage.error <= kMostFirstError;
+    if (stages.empty() && options.only_if_suited && !follows) {
+      bool fits = false;
+      if (small) {
+        if (s.colored && !textured) {
+          // Touching parts of different colours keep sharp colour borders.
+          displaced::MeshBuilder parted(true, true);
+          const bool again = source([&](std::span<const Triangle> some) {
+            parted.add(some);
+            return !cancelled();
+          });
+          if (!again) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
+          small = exact_mesh_of(parted, frame, true, kFewBits);
+        }
+        auto split = textured ? std::nullopt : progressive::encode_progressive(*small, stage_options.most_bytes);
+        if (split) {
+          header.base = std::move(split->front);
+          return write_stream(std::move(header), chunks_of(*split, s.box), options.max_bytes);
+        }
+        const std::size_t bytes = rough_tail_size(*small, small->bits);
+        fits = bytes <= kMostSmallTail && stage.bytes.size() <= kMostFirstBytes &&
+               (options.max_bytes == 0 || bytes * 5 / 4 + kMostFirstBytes <= options.max_bytes);
+        exact = std::move(small);
+      }
+      if (!fits)
+        return EncodeError{"the surface has too many or too sharp parts for a base mesh; expected a smooth surface",
+                           true};
+    }
+    if (stages.empty() && exact) {
+      tail_bits = options.exact_bits > 0 ? fewest_tail_bits(*exact) : first_tail_bits(*exact);
+      tail_size = rough_tail_size(*exact, tail_bits);
+      if (tail_size > exact::kMostTailBytes)
+        return EncodeError{"the mesh has " + std::to_string(tail_size) + " bytes; expected at most " +
+                           std::to_string(exact::kMostTailBytes)};
+      if (chosen && options.max_bytes != 0 && tail_size > options.max_bytes) exact.reset();
+    }
+    if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
+      return EncodeError{"the base mesh has " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
+                         std::to_string(kMostHeaderBytes / 2)};
+    bases += stage.bytes.size();
+    if (!stages.empty() && static_cast<double>(bases) > kBasesBeforeTail * room()) break;
+    stage.clusters = ordered(std::move(stage.clusters), stage.header.base.triangles.size());
+    stages.push_back(std::move(stage));
+    stage_options.triangles = displaced::kMoreTriangles * stages.back().header.base.triangles.size();
+    stage_options.most_bytes = 0;
+  } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
+           stages.size() < kMostStages);
+  // Add small components unchanged.
+  if (!exact && !parts.large.triangles.empty() && !parts.small.triangles.empty()) {
+    stage_options.number = static_cast<int>(stages.size());
+    stage_options.triangles = parts.small.triangles.size();
+    stage_options.most_bytes = 0;
+    stage_options.beside = true;
+    stage_options.most_error = 0;
+    stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
+    if (cancelled()) return EncodeError{"cancelled"};
+    if (stages.back().bytes.size() + 8 > kMostGroupBytes)
+      return EncodeError{"the surface has small parts of " + std::to_string(stages.back().bytes.size()) +
+                             " bytes; expected at most " + std::to_string(kMostGroupBytes),
+                         true};
+  }
+  header.base = stages[0].bytes;
+  int last = static_cast<int>(stages.size()) - (stages.back().header.beside ? 2 : 1);  // last stage that is not
+                                                                                       // `beside`
+  StageChunks sent = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
+  std::vector<OutgoingChunk>& chunks = sent.chunks;
+  if (exact)
+    keep_before(sent, room() - static_cast<double>(encode_header(header).size()),
+                (chosen ? kWorthOfChosenTail : kWorthOfTail) * static_cast<double>(tail_size));
+  if (exact) {
+    if (progress) progress->stage = "joining";
+    // State shown before the tail arrives.
+    const SurfaceStages received = received_stages(header, chunks);
+    const SurfaceStages::Shown main = received.main();
+    last = main.number;
+    const TailCover beside(*exact, *main.surface, main.level, options.threads);
+    // For a small stream, use the order of growth with the fewest bytes.
+    std::optional<exact::TailRanks> ranks;
+    if (options.exact_bits <= 0) ranks = beside.ranks();
+    exact::TailOrder order;
+    SurfaceTail tail = tail_of(*exact, tail_bits, ranks ? &*ranks : nullptr, &order);
+    tail.cover = beside.cover(main.number, order);
+    tail.parity = options.exact_bits <= 0;
+    if (!exact->coordinates.empty()) set_picture(tail, *textured);
+    append_tail(tail, s.box, chunks);
+  }
+  // Losing a stage's front loses the whole stage, which matters little if another stage follows.
+  if (options.exact_bits <= 0)
+    for (std::size_t i = 0; i < sent.parity.size(); ++i)
+      if (static_cast<int>(i) == last || (!exact && static_cast<int>(i) > last))
+        std::ranges::move(sent.parity[i], std::back_inserter(chunks));
+  return write_stream(std::move(header), std::move(chunks), options.max_bytes);
+}
+
+}  // namespace gs::qnv

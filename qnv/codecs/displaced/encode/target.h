@@ -1,0 +1,39 @@
+#pragma once
+
+#include "qnv/mesh/manifold.h"
+#include "qnv/mesh/triangle_tree.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+
+namespace gs::qnv::displaced {
+
+/// Surface that an encoder approximates, with its search structures. All coordinates are in a Frame.
+class Target {
+ public:
+  /// `mesh` must outlive this object; `beside` are its neighbours. Uses `threads` threads (0: one per core).
+  Target(const SurfaceMesh& mesh, const Neighbours& beside, unsigned threads);
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+
+  [[nodiscard]] const SurfaceMesh& mesh() const { return mesh_; }
+  /// Returns the mean length of an edge.
+  [[nodiscard]] float edge() const { return edge_; }
+  /// Returns the signed distance along `normal` from a point to the smooth surface, or 0 if there is none within
+  /// `reach`. `triangle` caches the triangle hit, for nearby queries; start with kNone.
+  [[nodiscard]] float distance(const glm::vec3& from, const glm::vec3& normal, float reach,
+                               std::uint32_t& triangle) const;
+  /// Returns the nearest point on a rim or crease; the triangle is kNone if there is none within `reach`.
+  [[nodiscard]] SurfacePoint line(const glm::vec3& from, float reach) const;
+  /// Returns the colour of the nearest point.
+  [[nodiscard]] glm::vec3 color(const glm::vec3& from, const glm::vec3& normal, float reach) const;
+
+ private:
+  const SurfaceMesh& mesh_;
+  SurfaceMesh lines_;
+  TriangleTree tree_, line_tree_;
+  float edge_ = 0;
+};
+
+}  // namespace gs::qnv::displaced

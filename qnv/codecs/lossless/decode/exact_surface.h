@@ -1,0 +1,94 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "qnv/codecs/lossless/cover.h"
+#include "qnv/codecs/lossless/decode/shaded_mesh.h"
+#include "qnv/codecs/lossless/decode/tail_reader.h"
+#include "qnv/codecs/lossless/exact_mesh.h"
+#include "qnv/codecs/lossless/low_bits.h"
+#include "qnv/codecs/lossless/picture.h"
+#include "qnv/codecs/lossless/tail_pieces.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Exact mesh at the end of a stream. It grows triangle by triangle as its tail is received. With the table of covered
+/// patches, its received part is shown beside the remaining patches of a stage. Not thread-safe; safe for untrusted
+/// bytes.
+class ExactSurface {
+ public:
+  struct Count {
+    std::size_t refused = 0, taken = 0;
+    bool full = false;  // dropped because of `most_vectors`
+  };
+
+  /// Adds the payload of a tail chunk. `box` is the stream's.
+  void add(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors);
+  /// Adds the payload of a shading chunk, even after the tail.
+  void add_shading(std::span<const std::byte> payload);
+  /// Adds the low bits of positions, even before the tail.
+  void add_low_bits(std::span<const std::byte> payload);
+  /// Adds the table of covered patches, even after the tail.
+  void add_cover(std::span<const std::byte> payload);
+  /// Adds a part of the picture, even before the tail. A textured mesh is shown only with its picture.
+  void add_picture(std::span<const std::byte> payload);
+  /// Adds a part of the mesh's own normals, even before the tail. They are used once they and the tail are complete.
+  void add_normals(std::span<const std::byte> payload);
+  /// Reports whether the mesh can be shown; its positions and picture may still be refined.
+  [[nodiscard]] bool whole() const { return mesh_ && dressed(); }
+  /// Returns the table of covered patches if a part of the mesh can be shown, else nullptr.
+  [[nodiscard]] const exact::Cover* cover() const;
+  /// Returns the number of triangles received.
+  [[nodiscard]] std::size_t triangles() const {
+    return mesh_ ? mesh_->triangles.size() : reader_ ? reader_->triangles() : 0;
+  }
+  /// Reports whether the mesh is final.
+  [[nodiscard]] bool finest() const;
+  /// Returns the bytes of the tail received; length() returns the total, or 0 if unknown.
+  [[nodiscard]] std::size_t come() const { return pieces_.come(); }
+  [[nodiscard]] std::size_t length() const { return pieces_.length(); }
+  /// Returns log2 of the lattice positions per axis, or 0 without a mesh.
+  [[nodiscard]] int bits() const { return mesh_ ? std::max(mesh_->bits, mesh_->finest) : 0; }
+  /// Appends the received vertices, duplicated at creases, and their triangles. `colored` appends colours; a mesh
+  /// without colours uses the point set's colour.
+  void append(Cloud& cloud, bool colored) const;
+  /// Returns the bytes of the picture received; picture_length() returns the total, or 0 if unknown.
+  [[nodiscard]] std::size_t picture_come() const { return picture_.come(); }
+  [[nodiscard]] std::size_t picture_length() const { return picture_.length(); }
+  /// Returns the number of vertices shown.
+  [[nodiscard]] std::size_t vectors() const { return triangles() > 0 ? shown().positions.size() : 0; }
+  [[nodiscard]] const Count& count() const { return count_; }
+
+ private:
+  /// Decodes the mesh's own normals once they and the tail are complete.
+  void read_normals();
+  /// Returns the shown vertices; recomputes them after changes.
+  [[nodiscard]] const ShadedVertices& shown() const;
+  [[nodiscard]] bool textured() const { return mesh_ ? mesh_->texture.bits > 0 : reader_ && reader_->textured(); }
+  /// Reports whether everything needed to show the received part is available.
+  [[nodiscard]] bool dressed() const { return !textured() || picture_.enough(); }
+
+  exact::TailPieces pieces_;
+  std::optional<exact::TailReader> reader_;  // until the tail is complete
+  std::optional<exact::ExactMesh> mesh_;     // once the tail is complete
+  std::optional<exact::Cover> cover_;
+  std::optional<exact::Shading> shading_;
+  exact::LowBits low_bits_;
+  exact::PictureReader picture_;
+  exact::TailPieces normal_pieces_;
+  std::vector<std::byte> normal_bytes_;         // until the tail is complete
+  mutable std::vector<glm::vec3> own_normals_;  // of corners; if empty, the shading rule applies
+  Box box_;
+  std::size_t most_vectors_ = 0;
+  bool done_ = false;
+  Count count_;
+  mutable std::optional<ShadedVertices> shown_;
+};
+
+}  // namespace gs::qnv

@@ -1,0 +1,152 @@
+#pragma once
+
+#include "qnv/entropy/binary_coder.h"
+
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <type_traits>
+
+namespace gs::qnv::exact {
+
+// Integer arithmetic for tails. All decoding decisions use integers, so that every machine decodes the same. FORMAT.md,
+// "Exact tail".
+
+/// Adaptive probability of a yes, as two estimates that learn fast and slowly.
+struct TwoRates {
+  std::uint16_t fast = 32768, slow = 32768;  // of 65536
+  std::uint8_t seen = 0;                     // number of decisions, at most kMostSeen
+
+  static constexpr std::uint8_t kMostSeen = 254, kFastSeen = 30;
+  /// 65536 / (n + 3/2), rounded down.
+  static constexpr std::array<std::uint16_t, kMostSeen + 1> kRates = [] {
+    std::array<std::uint16_t, kMostSeen + 1> rates{};
+    for (std::size_t n = 0; n < rates.size(); ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
+    return rates;
+  }();
+  void learn(bool bit) {
+    const std::int64_t target = bit ? 65535 : 0;
+    fast = static_cast<std::uint16_t>(fast + ((target - fast) * kRates[std::min(seen, kFastSeen)] >> 16));
+    slow = static_cast<std::uint16_t>(slow + ((target - slow) * kRates[seen] >> 16));
+    seen = static_cast<std::uint8_t>(seen + (seen < kMostSeen ? 1 : 0));
+  }
+  [[nodiscard]] std::uint32_t sum() const { return std::uint32_t{fast} + slow; }
+};
+
+/// Models of the bit lengths of numbers.
+struct Lengths {
+  static constexpr std::size_t kMost = 23;
+  std::array<TwoRates, kMost> longer;
+};
+/// Models of the two bits after the leading one, by length.
+struct Digits {
+  std::array<std::array<TwoRates, 3>, Lengths::kMost + 1> of;
+};
+
+/// Decisions in both directions. With BinaryEncoder as `Coder`, the given values are written and returned; with
+/// BinaryDecoder, they are ignored.
+template <class Coder>
+class Decisions {
+ public:
+  static constexpr bool kWrites = std::is_same_v<Coder, displaced::BinaryEncoder>;
+
+  explicit Decisions(Coder& coder) : coder_(coder) {}
+
+  bool bit(TwoRates& model, bool value) {
+    const bool is = decide(model.sum() >> 1, value);
+    model.learn(is);
+    return is;
+  }
+  /// Codes a decision with two models of different contexts; the probability is their mean.
+  bool bit(TwoRates& one, TwoRates& other, bool value) {
+    const bool is = decide((one.sum() + other.sum()) >> 2, value);
+    one.learn(is);
+    other.learn(is);
+    return is;
+  }
+  std::uint32_t bits(std::uint32_t value, int count) {
+    if constexpr (kWrites) {
+      coder_.put_bits(value, count);
+      return value;
+    } else {
+      return coder_.get_bits(count);
+    }
+  }
+  /// Codes a signed integer with a magnitude below 2^Lengths::kMost.
+  int number(Lengths& one, Lengths& other, Digits& digits, int value) {
+    const auto size = static_cast<std::uint32_t>(std::abs(value));
+    const auto length = static_cast<std::size_t>(std::bit_width(size));
+    std::size_t l = 0;
+    while (l < Lengths::kMost && bit(one.longer[l], other.longer[l], l < length)) ++l;
+    if (l == 0) return 0;
+    const bool negative = bits(value < 0 ? 1 : 0, 1) != 0;
+    std::uint32_t read = 1;
+    int left = static_cast<int>(l) - 1;
+    std::size_t which = 0;
+    for (int k = 0; k < 2 && left > 0; ++k) {
+      --left;
+      const bool is = bit(digits.of[l][which], (size >> left & 1) != 0);
+      read = read << 1 | (is ? 1u : 0u);
+      which = is ? 2 : 1;
+    }
+    if (left > 0) read = read << left | bits(size & ((1u << left) - 1), left);
+    return negative ? -static_cast<int>(read) : static_cast<int>(read);
+  }
+  [[nodiscard]] bool good() const {
+    if constexpr (kWrites)
+      return true;
+    else
+      return !coder_.exhausted();
+  }
+
+ private:
+  bool decide(std::uint32_t probability, bool value) {
+    const std::uint32_t p = std::clamp<std::uint32_t>(probability, 64, 65536 - 64);
+    if constexpr (kWrites) {
+      coder_.put(p, value);
+      return value;
+    } else {
+      return coder_.get(p);
+    }
+  }
+  Coder& coder_;
+};
+
+/// Returns the magnitude class of x: x itself below 4, then four classes per octave: 4, 5, 6, 7, 8 (8, 9), 9 (10, 11),
+/// ...
+[[nodiscard]] constexpr std::uint32_t grade(std::uint64_t x) {
+  if (x < 4) return static_cast<std::uint32_t>(x);
+  const auto bits = static_cast<std::uint32_t>(std::bit_width(x));
+  return (bits - 2) * 4 + static_cast<std::uint32_t>(x >> (bits - 3) & 3);
+}
+
+/// Vector with room for products.
+using Long3 = std::array<std::int64_t, 3>;
+
+[[nodiscard]] constexpr std::int64_t dot(const glm::ivec3& a, const glm::ivec3& b) {
+  return std::int64_t{a.x} * b.x + std::int64_t{a.y} * b.y + std::int64_t{a.z} * b.z;
+}
+[[nodiscard]] constexpr std::int64_t dot(const Long3& a, const Long3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+[[nodiscard]] constexpr Long3 cross(const glm::ivec3& a, const glm::ivec3& b) {
+  return {std::int64_t{a.y} * b.z - std::int64_t{a.z} * b.y, std::int64_t{a.z} * b.x - std::int64_t{a.x} * b.z,
+          std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x};
+}
+/// Halves a vector, rounding down, until no component's magnitude exceeds 2^bits - 1.
+[[nodiscard]] constexpr Long3 reduced(const Long3& v, int bits) {
+  std::uint64_t most = 0;
+  for (const std::int64_t c : v) most = std::max(most, static_cast<std::uint64_t>(c < 0 ? -c : c));
+  const int shift = std::max(0, static_cast<int>(std::bit_width(most)) - bits);
+  return {v[0] >> shift, v[1] >> shift, v[2] >> shift};
+}
+[[nodiscard]] constexpr std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
+  return a / b - (a % b != 0 && (a < 0) != (b < 0) ? 1 : 0);
+}
+
+}  // namespace gs::qnv::exact

@@ -1,0 +1,141 @@
+#pragma once
+
+#include "qnv/codecs/octree/packed.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Received clusters of an octree, in any order; clusters wait for their parent. A Cluster has a header
+/// (ClusterHeader), `voxels` with a size, and level(). Not thread-safe; safe for untrusted bytes.
+template <class Cluster>
+class ClusterForest {
+ public:
+  struct Held {
+    Cluster cluster;
+    std::vector<bool> refined;  // by voxel: its children were received
+  };
+  /// Functions that depend on the payload.
+  struct Codec {
+    std::variant<ClusterHeader, PackedError> (*read_header)(std::span<const std::byte> payload);
+    /// Returns the number of vectors of voxels `first` to `first + count` - 1.
+    std::uint32_t (*vectors_of)(const Cluster& cluster, std::size_t first, std::size_t count);
+  };
+  struct Count {
+    std::size_t vectors = 0, refused = 0, taken = 0;
+    bool full = false;
+  };
+
+  explicit ClusterForest(const Codec& codec) : codec_(codec) {}
+
+  /// Adds a cluster. `decode(payload, parent)` returns the cluster or an error. At most `most_vectors` are shown at a
+  /// time.
+  template <class Decode>
+  void add(std::span<const std::byte> payload, std::size_t most_vectors, const Decode& decode) {
+    const auto read = codec_.read_header(payload);
+    const auto* header = std::get_if<ClusterHeader>(&read);
+    if (!header || clusters_.contains(header->id)) {
+      ++count_.refused;
+      return;
+    }
+    Held* parent = nullptr;
+    if (header->parent != kNoParent) {
+      const auto found = clusters_.find(header->parent);
+      if (found == clusters_.end()) return wait(*header, payload);
+      parent = &found->second;
+    }
+    auto decoded = decode(payload, parent ? &parent->cluster : nullptr);
+    auto* cluster = std::get_if<Cluster>(&decoded);
+    // A voxel is refined only once, and there is only one root.
+    bool again = !parent && rooted_;
+    for (std::size_t i = 0; cluster && parent && i < cluster->header.count; ++i)
+      again = again || parent->refined[cluster->header.first + i];
+    if (!cluster || again) {
+      ++count_.refused;
+      return;
+    }
+    // Keep refined voxels too, since other clusters may refine the rest of the same cluster.
+    const std::size_t voxels = cluster->voxels.size();
+    if (count_.vectors + codec_.vectors_of(*cluster, 0, voxels) > most_vectors ||
+        (voxels_ + voxels) / 2 > most_vectors) {
+      count_.full = true;
+      ++count_.refused;
+      return;
+    }
+    const std::uint32_t id = header->id;
+    take(std::move(*cluster), parent);
+    // Clusters that waited for this one.
+    std::vector<std::vector<std::byte>> ready;
+    const auto [first, last] = orphans_.equal_range(id);
+    for (auto i = first; i != last; ++i) {
+      waiting_bytes_ -= cost(i->second);
+      ready.push_back(std::move(i->second));
+    }
+    orphans_.erase(first, last);
+    for (const auto& early : ready) add(early, most_vectors, decode);
+  }
+
+  [[nodiscard]] const Count& count() const { return count_; }
+
+  /// Calls visit(cluster, first, count) for all runs of voxels without finer voxels.
+  template <class Visit>
+  void visit_shown(Visit&& visit) const {
+    for (const auto& [id, held] : clusters_) {
+      const std::size_t size = held.refined.size();
+      for (std::size_t i = 0; i < size;) {
+        std::size_t end = i;
+        while (end < size && held.refined[end] == held.refined[i]) ++end;
+        if (!held.refined[i]) visit(held.cluster, i, end - i);
+        i = end;
+      }
+    }
+  }
+
+ private:
+  // Limits the chunks that wait for a parent, which may never be received.
+  static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
+  /// Returns the approximate memory of a waiting chunk.
+  static std::size_t cost(std::span<const std::byte> payload) { return payload.size() + 128; }
+
+  void wait(const ClusterHeader& header, std::span<const std::byte> payload) {
+    if (waiting_bytes_ + cost(payload) > kMostWaitingBytes) {
+      ++count_.refused;
+      return;
+    }
+    waiting_bytes_ += cost(payload);
+    orphans_.emplace(header.parent, std::vector<std::byte>(payload.begin(), payload.end()));
+  }
+
+  void take(Cluster cluster, Held* parent) {
+    const ClusterHeader header = cluster.header;
+    if (parent) {
+      count_.vectors -= codec_.vectors_of(parent->cluster, header.first, header.count);
+      std::fill_n(parent->refined.begin() + header.first, header.count, true);
+    } else {
+      rooted_ = true;
+    }
+    const std::size_t voxels = cluster.voxels.size();
+    count_.vectors += codec_.vectors_of(cluster, 0, voxels);
+    voxels_ += voxels;
+    ++count_.taken;
+    Held& held = clusters_[header.id];
+    held.refined.resize(voxels);
+    held.cluster = std::move(cluster);
+  }
+
+  Codec codec_;
+  Count count_;
+  std::size_t voxels_ = 0, waiting_bytes_ = 0;  // voxels_: of all clusters, including refined voxels
+  bool rooted_ = false;                         // the cluster without a parent was received
+  std::map<std::uint32_t, Held> clusters_;
+  std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // by the missing parent
+};
+
+}  // namespace gs::qnv

@@ -1,0 +1,200 @@
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/shared/encode_options.h"
+
+#include "qnv/base/voxels.h"
+#include "qnv/codecs/lossless/encode/surface_tail.h"
+#include "qnv/codecs/octree/packed.h"
+#include "qnv/codecs/shared/stream_writer.h"
+#include "qnv/mesh/survey.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+constexpr std::size_t kFewestVectors = 200'000, kMostVectorsByDefault = 1'000'000;
+// Average number of voxels per face area that a plane intersects, over all directions.
+constexpr double kVoxelsPerArea = 1.5;
+// Lower estimate of the cost of a splat, so that --max-bytes is used fully.
+constexpr double kLeastBitsPerVector = 3.5;
+
+// Part of the octree before the exact mesh: the mesh's bytes divided by this, and a minimum.
+constexpr std::size_t kBeforeMesh = 2, kLeastBeforeMesh = 4000;
+
+bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
+  return source([&](std::span<const Triangle> triangles) {
+    out.add(triangles);
+    return !(progress && progress->cancelled.load());
+  });
+}
+
+int level_for(double vectors, const SurfaceSurvey& s, const Cube& cube) {
+  const double faces = s.area / (static_cast<double>(cube.edge) * cube.edge);
+  int level = 1;
+  while (level < kDeepestLevel && kVoxelsPerArea * faces * std::pow(4.0, level) < vectors) ++level;
+  return level;
+}
+
+// Converts voxels to vectors at the mean position of the surface inside. A voxel cut only at a corner has a small area.
+// The area of every block of four voxels along an edge is shared evenly. Area is conserved, and splats of equal size
+// leave no gaps.
+Cloud cloud_of(std::span<const Voxel> voxels, const Cube& cube, int level, const SurfaceSurvey& s) {
+  Cloud cloud;
+  const float edge = cube.edge / static_cast<float>(1 << level);
+  std::size_t block = 0, block_end = 0;
+  float share = 0;
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const Voxel& voxel = voxels[i];
+    if (i == block_end) {
+      double area = 0;
+      for (block = i; block_end < voxels.size() && voxels[block_end].key >> 6 == voxel.key >> 6; ++block_end)
+        area += voxels[block_end].moments.area;
+      share = static_cast<float>(area / static_cast<double>(block_end - block));
+    }
+    const SurfaceMoments& m = voxel.moments;
+    const float length = std::sqrt(glm::dot(m.normal, m.normal));
+    if (!(m.area > 0) || !(length > 0)) continue;
+    const glm::vec3 inside = m.position / m.area + 0.5f + voxel_cell(voxel.key);
+    cloud.positions.push_back(cube.lower + inside * edge);
+    cloud.normals.push_back(m.normal / length);
+    cloud.weights.push_back(share * edge * edge);
+    if (!s.colored) continue;
+    const glm::vec3 c = m.color / m.area + 0.5f;
+    cloud.colors.push_back({static_cast<std::uint8_t>(std::clamp(c.x, 0.0f, 255.0f)),
+                            static_cast<std::uint8_t>(std::clamp(c.y, 0.0f, 255.0f)),
+                            static_cast<std::uint8_t>(std::clamp(c.z, 0.0f, 255.0f))});
+  }
+  cloud.color = s.mean_color();
+  return cloud;
+}
+
+std::vector<OutgoingChunk> packed_chunks(std::vector<Voxel> voxels, int level, StreamHeader& header,
+                                         const EncodeOptions& options, Progress* progress) {
+  PackedOptions packed;
+  packed.vectors = options.vectors;
+  packed.colored = header.colored;
+  packed.threads = options.threads;
+  packed.compact = options.compact;
+  if (options.max_bytes != 0) packed.max_bytes = payload_budget(header, options.max_bytes);
+  std::vector<OutgoingChunk> chunks;
+  for (EncodedCluster& cluster : encode_packed(std::move(voxels), level, header.cube, packed, progress)) {
+    OutgoingChunk chunk;
+    chunk.replaced = cluster.divided;
+    chunk.type = ChunkType::packed;
+    chunk.entry.level = static_cast<std::uint8_t>(cluster.header.level + cluster.header.levels);
+    chunk.entry.parent = cluster.header.parent;
+    chunk.entry.vectors = cluster.voxels;
+    chunk.entry.box = cluster.box;
+    chunk.payload = std::move(cluster.payload);
+    chunks.push_back(std::move(chunk));
+  }
+  return chunks;
+}
+
+/// Appends the exact mesh after the octree if it is small enough, and shortens the octree. Returns false if the source
+/// could not be read.
+bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const EncodeOptions& options,
+                 StreamHeader& header, std::vector<OutgoingChunk>& chunks) {
+  const TexturedSurface* textured = options.textured;
+  const bool asked = options.exact_bits > 0;
+  if (!asked && (textured ? textured->triangles.size() : s.triangles) > kMostChosenTriangles) return true;
+  const displaced::Frame frame(s.box);
+  exact::ExactMesh mesh;
+  if (textured) {
+    mesh = exact_mesh_of(*textured, frame, std::max(options.exact_bits, 0));
+  } else {
+    // Touching parts of different colours keep sharp colour borders.
+    displaced::MeshBuilder builder(s.colored, true);
+    const bool read = source([&](std::span<const Triangle> triangles) {
+      builder.add(triangles);
+      return true;
+    });
+    if (!read) return false;
+    mesh = exact_mesh_of(builder, frame, s.colored, std::max(options.exact_bits, 0));
+  }
+  SurfaceTail tail = tail_of(mesh, asked ? fewest_tail_bits(mesh) : first_tail_bits(mesh));
+  if (textured) set_picture(tail, *textured);
+  tail.parity = !asked;
+  const std::size_t before = tail.bytes.size() + tail.picture_first,
+                    most = std::max(kLeastBeforeMesh, before / kBeforeMesh);
+  if (tail.bytes.empty() || tail.size() > exact::kMostTailBytes ||
+      (options.max_bytes != 0 && tail.size() + most > options.max_bytes))
+    return true;
+  std::size_t bytes = 0, kept = 0;
+  for (; kept < chunks.size() && (kept == 0 || bytes + chunks[kept].payload.size() <= most); ++kept)
+    bytes += chunks[kept].payload.size();
+  chunks.resize(kept);
+  header.meshed = true;
+  append_tail(tail, s.box, chunks);
+  return true;
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
+                                                        Progress* progress) {
+  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
+  if (progress) progress->stage = "reading";
+  SurfaceSurvey s;
+  if (!survey(source, s, progress)) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
+  std::size_t vectors = options.vectors;
+  if (vectors == 0)
+    vectors = options.max_bytes != 0
+                  ? static_cast<std::size_t>(static_cast<double>(options.max_bytes) * 8 / kLeastBitsPerVector)
+                  : std::clamp(s.triangles * 2, kFewestVectors, kMostVectorsByDefault);
+  StreamHeader header;
+  header.payload = options.payload;
+  header.colored = s.colored;
+  header.color = s.mean_color();
+  header.cube = Cube::around(s.box);
+  header.description.two_sided = options.two_sided && !s.closed();
+  header.description.origin = options.origin;
+  header.description.box = s.box;
+  header.description.total = s.area;
+  header.description.metadata = options.metadata;
+  // Without a requested number, choose a slightly coarser level and take it whole.
+  const bool asked = options.vectors != 0 || options.max_bytes != 0;
+  const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);
+  if (progress) {
+    progress->stage = "cutting";
+    progress->done = 0;
+    progress->total = s.triangles;
+  }
+  SurfaceVoxelizer voxelizer(header.cube, level, options.threads);
+  const bool read = source([&](std::span<const Triangle> triangles) {
+    voxelizer.add(triangles);
+    if (progress) progress->done += triangles.size();
+    return !cancelled();
+  });
+  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
+  std::vector<Voxel> voxels = voxelizer.finish();
+  if (progress) {
+    progress->stage = "encoding";
+    progress->done = progress->total = 0;
+  }
+  if (options.payload == Payload::records) {
+    Cloud cloud = cloud_of(voxels, header.cube, level, s);
+    cloud.description = header.description;
+    EncodeOptions rest = options;
+    rest.vectors = vectors;
+    return encode_cloud(cloud, rest, progress);
+  }
+  std::vector<OutgoingChunk> chunks = packed_chunks(std::move(voxels), level, header, options, progress);
+  if (cancelled()) return EncodeError{"cancelled"};
+  if (chunks.empty()) return EncodeError{"no surface to encode; expected triangles with an area"};
+  if (options.exact_bits != 0 && !append_mesh(source, s, options, header, chunks))
+    return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
+  EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
+  if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
+    return EncodeError{"the coarsest picture has " + std::to_string(stream.bytes.size()) + " bytes; expected at most " +
+                       std::to_string(options.max_bytes)};
+  return stream;
+}
+
+}  // namespace gs::qnv

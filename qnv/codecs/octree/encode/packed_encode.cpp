@@ -1,0 +1,263 @@
+#include "qnv/codecs/octree/encode/cluster_order.h"
+#include "qnv/codecs/octree/encode/packed_quantize.h"
+#include "qnv/codecs/octree/packed_layout.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+// Target size of the first cluster; with the stream's header, it fills the first kilobyte.
+constexpr std::size_t kBaseBytes = 870;
+// Maximum number of voxels of the first cluster, which every view must draw, however distant the object.
+constexpr std::size_t kMostBaseVoxels = 600;
+// Coarser steps (as log2) of the first cluster, used if they allow one more level. Twice as many voxels along an edge
+// improve the first picture more; the next level corrects the rest.
+struct BaseSteps {
+  int normal, offset;
+};
+constexpr std::array<BaseSteps, 4> kBaseSteps{{{0, 0}, {1, 0}, {1, 1}, {2, 1}}};
+// Minimum area of a voxel, relative to a face; drops voxels that the surface barely touches.
+constexpr float kLeastArea = 0.03f;
+// First levels with smaller steps, which pay there: voxels are small relative to pixels, and residuals are small.
+constexpr int kFineOffsetLevel = 6, kFineNormalLevel = 8;
+constexpr int kMostNormalShift = 10, kMostOffsetShift = 6;
+
+void leave_out_touched(std::vector<Voxel>& finest) {
+  double all = 0, kept = 0;
+  for (const Voxel& voxel : finest) {
+    all += voxel.moments.area;
+    if (voxel.moments.area >= kLeastArea) kept += voxel.moments.area;
+  }
+  // Keep tiny voxels when they hold over 5 % of the area (wires, dust).
+  const float least = kept > 0.95 * all ? kLeastArea : std::numeric_limits<float>::min();
+  std::erase_if(finest, [least](const Voxel& voxel) { return !(voxel.moments.area >= least); });
+}
+
+/// Exact voxels of every level, and the index of each voxel's first child in the next level.
+struct Pyramid {
+  std::vector<std::vector<Voxel>> levels;
+  std::vector<std::vector<std::uint32_t>> first_child;
+
+  [[nodiscard]] std::span<const Voxel> below(int level, std::uint32_t voxel) const {
+    const auto at = static_cast<std::size_t>(level);
+    const std::uint32_t first = first_child[at][voxel];
+    return std::span(levels[at + 1]).subspan(first, first_child[at][voxel + 1] - first);
+  }
+};
+
+Pyramid make_pyramid(std::vector<Voxel> finest, int level) {
+  Pyramid pyramid;
+  pyramid.levels.resize(static_cast<std::size_t>(level) + 1);
+  pyramid.levels.back() = std::move(finest);
+  for (std::size_t i = pyramid.levels.size() - 1; i > 0; --i) pyramid.levels[i - 1] = coarsen(pyramid.levels[i]);
+  for (std::size_t i = 0; i + 1 < pyramid.levels.size(); ++i) {
+    auto& first = pyramid.first_child.emplace_back();
+    first.reserve(pyramid.levels[i].size() + 1);
+    std::uint32_t next = 0;
+    for (const Voxel& voxel : pyramid.levels[i]) {
+      first.push_back(next);
+      while (next < pyramid.levels[i + 1].size() && pyramid.levels[i + 1][next].key >> 3 == voxel.key) ++next;
+    }
+    first.push_back(next);
+  }
+  return pyramid;
+}
+
+struct Node {
+  EncodedCluster encoded;
+  PackedVoxels voxels;               // as decoded
+  std::vector<std::uint32_t> truth;  // indices of the same voxels in their level of the pyramid
+  int level = 0;                     // of the voxels
+  double gain = 0;
+  std::vector<std::unique_ptr<Node>> children;
+};
+
+// Choices of neighbour prediction: both on smooth surfaces, only normals on coarse levels, neither on leaves and dust.
+struct Prediction {
+  bool normals, offsets;
+};
+constexpr std::array<Prediction, 3> kPredictions{{{true, true}, {true, false}, {false, false}}};
+
+class PackedEncoder {
+ public:
+  PackedEncoder(Pyramid pyramid, const Cube& cube, const PackedOptions& options)
+      : pyramid_(std::move(pyramid)), cube_(cube), options_(options) {}
+
+  [[nodiscard]] int deepest() const { return static_cast<int>(pyramid_.levels.size()) - 1; }
+
+  // Returns the first cluster, with as many levels as fit.
+  [[nodiscard]] std::unique_ptr<Node> base() const {
+    std::unique_ptr<Node> best;
+    for (const BaseSteps& steps : kBaseSteps) {
+      std::unique_ptr<Node> cheapest;
+      for (const Prediction& prediction : kPredictions) {
+        std::unique_ptr<Node> node = base(base_parameters(steps, prediction));
+        const auto better = [](const EncodedCluster& a, const EncodedCluster& b) {
+          return a.header.levels != b.header.levels ? a.header.levels > b.header.levels
+                                                    : a.payload.size() < b.payload.size();
+        };
+        if (!cheapest || better(node->encoded, cheapest->encoded)) cheapest = std::move(node);
+      }
+      // Coarser steps do not pay in a stream of a few hundred bytes, which lacks later levels.
+      const bool coarser = steps.normal + steps.offset > 0;
+      if (coarser && options_.max_bytes != 0 && options_.max_bytes < 2 * kBaseBytes) break;
+      if (!best || cheapest->level > best->level) best = std::move(cheapest);
+    }
+    return best;
+  }
+
+  // Divides all voxels of a node once, into clusters that fit.
+  void divide(Node& node) const {
+    LevelSymbols all;
+    ClusterParameters chosen;
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (const Prediction& prediction : kPredictions) {
+      const ClusterParameters p = parameters(node.level, prediction);
+      LevelSymbols symbols = quantize(node.voxels, node.truth, node.level, p);
+      const std::uint64_t cost = plane_cost({&symbols, 1});
+      if (cost >= least) continue;
+      least = cost;
+      all = std::move(symbols);
+      chosen = p;
+    }
+    divide_in_runs(node, all.parents.size(),
+                   [&](std::size_t first, std::size_t count) { return divide_run(node, all, chosen, first, count); });
+    node.voxels = {};
+    node.truth = {};
+  }
+
+ private:
+  [[nodiscard]] ClusterParameters base_parameters(const BaseSteps& steps, const Prediction& prediction) const {
+    ClusterParameters p = parameters(0, prediction);
+    p.normal_shift = static_cast<std::uint8_t>(std::min(kMostNormalShift, p.normal_shift + steps.normal));
+    p.offset_shift = static_cast<std::uint8_t>(std::min(kMostOffsetShift, p.offset_shift + steps.offset));
+    return p;
+  }
+
+  [[nodiscard]] std::unique_ptr<Node> base(const ClusterParameters& p) const {
+    const std::size_t most = options_.max_bytes != 0 ? std::min(kBaseBytes, options_.max_bytes) : kBaseBytes;
+    std::vector<LevelSymbols> symbols;
+    std::unique_ptr<Node> best;
+    PackedVoxels from = root_voxel(options_.colored);
+    std::vector<std::uint32_t> truth{0};
+    for (int level = 0; level < deepest(); ++level) {
+      symbols.push_back(quantize(from, truth, level, p));
+      truth = truth_below(symbols.back(), truth, level);
+      from = symbols.back().voxels;
+      ClusterHeader header;
+      header.levels = static_cast<std::uint8_t>(level + 1);
+      auto node = finish(symbols, header, p, truth);
+      if (best && (node->encoded.payload.size() > most || node->voxels.size() > kMostBaseVoxels)) break;
+      best = std::move(node);
+    }
+    best->encoded.divided = 0;
+    return best;
+  }
+
+  [[nodiscard]] bool fine(int level, int from) const { return !options_.compact && level + 1 >= from; }
+
+  // Returns the parameters for dividing `level`.
+  [[nodiscard]] ClusterParameters parameters(int level, const Prediction& prediction) const {
+    ClusterParameters p;
+    p.normals_around = prediction.normals;
+    p.offsets_around = prediction.offsets;
+    p.normal_shift =
+        static_cast<std::uint8_t>(std::max(1, options_.normal_shift - (fine(level, kFineNormalLevel) ? 1 : 0)));
+    p.offset_shift =
+        static_cast<std::uint8_t>(std::max(0, options_.offset_shift - (fine(level, kFineOffsetLevel) ? 1 : 0)));
+    p.color_shift = static_cast<std::uint8_t>(options_.color_shift);
+    p.colored = options_.colored;
+    return p;
+  }
+
+  [[nodiscard]] LevelSymbols quantize(const PackedVoxels& from, std::span<const std::uint32_t> truth, int level,
+                                      const ClusterParameters& p) const {
+    std::vector<std::span<const Voxel>> below;
+    below.reserve(truth.size());
+    for (const std::uint32_t voxel : truth) below.push_back(pyramid_.below(level, voxel));
+    return quantize_level(from, below, 1.0 / static_cast<double>(std::uint64_t{2} << level), p);
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> truth_below(const LevelSymbols& symbols,
+                                                       std::span<const std::uint32_t> truth, int level) const {
+    std::vector<std::uint32_t> out;
+    out.reserve(symbols.children.size());
+    for (const LevelSymbols::Parent& parent : symbols.parents) {
+      const auto& first = pyramid_.first_child[static_cast<std::size_t>(level)];
+      for (std::uint32_t i = first[truth[parent.index]]; i < first[truth[parent.index] + 1]; ++i) out.push_back(i);
+    }
+    return out;
+  }
+
+  // Returns one cluster that divides a run of a node's voxels.
+  [[nodiscard]] std::unique_ptr<Node> divide_run(const Node& node, const LevelSymbols& all, const ClusterParameters& p,
+                                                 std::size_t first, std::size_t count) const {
+    const std::vector<LevelSymbols> symbols{chosen_symbols(all, first, count)};
+    ClusterHeader header;
+    header.first = static_cast<std::uint16_t>(first);
+    header.count = static_cast<std::uint16_t>(count);
+    header.level = static_cast<std::uint8_t>(node.level);
+    return finish(symbols, header, p, truth_below(symbols.front(), node.truth, node.level));
+  }
+
+  [[nodiscard]] std::unique_ptr<Node> finish(std::span<const LevelSymbols> symbols, const ClusterHeader& header,
+                                             ClusterParameters p, std::vector<std::uint32_t> truth) const {
+    auto node = std::make_unique<Node>();
+    choose_models(symbols, p);
+    RansEncoder rans;
+    for (const LevelSymbols& level : symbols) {
+      put_level(level, p, rans);
+      for (const LevelSymbols::Parent& parent : level.parents) node->gain += parent.gain;
+    }
+    node->truth = std::move(truth);
+    node->level = header.level + header.levels;
+    node->voxels = symbols.back().voxels;
+    EncodedCluster& out = node->encoded;
+    out.header = header;
+    write_cluster_header(header, p, out.payload);
+    const std::vector<std::byte> bits = rans.finish();
+    out.payload.insert(out.payload.end(), bits.begin(), bits.end());
+    out.voxels = static_cast<std::uint32_t>(node->voxels.size());
+    out.divided = static_cast<std::uint32_t>(symbols.front().parents.size());
+    out.level_edge = cube_.edge / static_cast<float>(std::uint64_t{1} << node->level);
+    for (std::size_t i = 0; i < node->voxels.size(); ++i) {
+      const glm::vec3 cell(node->voxels.x[i], node->voxels.y[i], node->voxels.z[i]);
+      out.box.add(cube_.lower + cell * out.level_edge);
+      out.box.add(cube_.lower + (cell + 1.0f) * out.level_edge);
+    }
+    return node;
+  }
+
+  Pyramid pyramid_;
+  Cube cube_;
+  PackedOptions options_;
+};
+
+}  // namespace
+
+std::vector<EncodedCluster> encode_packed(std::vector<Voxel> finest, int level, const Cube& cube,
+                                          const PackedOptions& options, Progress* progress) {
+  leave_out_touched(finest);
+  if (finest.empty() || level < 1) return {};
+  const PackedEncoder encoder(make_pyramid(std::move(finest), level), cube, options);
+  std::unique_ptr<Node> base = encoder.base();
+  std::vector<Node*> generation{base.get()};
+  while (!generation.empty() && generation.front()->level < encoder.deepest()) {
+    if (!parallel_for(
+            generation.size(), [&](std::size_t i) { encoder.divide(*generation[i]); }, options.threads, progress))
+      return {};
+    std::vector<Node*> next;
+    for (Node* node : generation)
+      for (const auto& child : node->children) next.push_back(child.get());
+    generation = std::move(next);
+  }
+  return in_order(std::move(base), options.vectors, options.max_bytes);
+}
+
+}  // namespace gs::qnv

@@ -1,0 +1,354 @@
+#include "qnv/codecs/octree/lod/lod_cache.h"
+
+#include "qnv/base/parallel.h"
+#include "qnv/codecs/octree/packed_layout.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <variant>
+
+namespace gs::qnv {
+namespace {
+
+// Minimum number of clusters to start threads for.
+constexpr std::size_t kFewestForThreads = 4;
+// Maximum splats of a shared point set; larger sets deserve their own buffer and draw call.
+constexpr std::size_t kMostShared = std::size_t{1} << 16;
+
+std::size_t bytes_of(const PackedVoxels& voxels) {
+  constexpr std::size_t kAVoxel = 3 * sizeof(std::uint16_t) + 2 * sizeof(std::int16_t) + 2, kColor = 6, kArrays = 512;
+  return voxels.size() * (kAVoxel + (voxels.luma.empty() ? 0 : kColor)) + kArrays;
+}
+
+std::size_t bytes_of(const Cloud& cloud) {
+  return cloud.positions.capacity() * sizeof(glm::vec3) + cloud.normals.capacity() * sizeof(glm::vec3) +
+         cloud.weights.capacity() * sizeof(float) + cloud.cells.capacity() * sizeof(Cell) +
+         cloud.colors.capacity() * sizeof(Rgb8) + sizeof(Cloud);
+}
+
+NormalCone cone_of(const PackedVoxels& voxels) {
+  std::vector<glm::vec3> normals(voxels.size());
+  glm::vec3 sum(0);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if ((voxels.state[i] & kDouble) != 0) return {};
+    const auto m = octahedral_normal(voxels.u[i], voxels.v[i]);
+    normals[i] =
+        glm::normalize(glm::vec3(static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])));
+    sum += normals[i];
+  }
+  NormalCone cone;
+  const float length = std::sqrt(glm::dot(sum, sum));
+  if (!(length > 0.1f * static_cast<float>(normals.size()))) return cone;
+  cone.axis = sum / length;
+  cone.cosine = 1;
+  for (const glm::vec3& normal : normals) cone.cosine = std::min(cone.cosine, glm::dot(cone.axis, normal));
+  return cone;
+}
+
+// Reports whether a claimed box contains the cells, with one edge of tolerance for splats that extend beyond their
+// voxel.
+bool holds(const Box& claimed, const Box& cells, float edge, const Box& stream) {
+  for (int i = 0; i < 3; ++i) {
+    // The directory cannot describe positions outside the stream's box.
+    const float low = std::max(cells.lower[i], stream.lower[i]), high = std::min(cells.upper[i], stream.upper[i]);
+    if (low < claimed.lower[i] - edge || high > claimed.upper[i] + edge) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+// Clusters that will share a point set.
+struct LodCache::Family {
+  std::span<const std::uint32_t> nodes;
+  std::size_t discs = 0;
+};
+
+LodCache::Entry& LodCache::made_entry(std::uint32_t node) {
+  if (entries_.size() < tree_.size()) entries_.resize(tree_.size());
+  if (!entries_[node]) entries_[node] = std::make_unique<Entry>();
+  return *entries_[node];
+}
+
+DecodedCluster LodCache::decode_one(const ChunkSource& source, std::uint32_t index, const Cluster* parent) const {
+  const LodNode& node = tree_[index];
+  DecodedCluster out;
+  std::vector<std::byte> buffer;
+  const auto chunk = read_chunk(source, node.offset, node.bytes, buffer);
+  if (const auto* problem = std::get_if<std::string>(&chunk)) {
+    out.problem = *problem;
+    return out;
+  }
+  const SoundChunk& sound = std::get<SoundChunk>(chunk);
+  if (sound.type != ChunkType::packed) {
+    out.problem = "a chunk is not a cluster, but one is expected";
+    return out;
+  }
+  const auto header = read_cluster_header(sound.payload);
+  if (const auto* error = std::get_if<PackedError>(&header)) {
+    out.problem = error->message;
+    return out;
+  }
+  out.problem = tree_.misfit(index, std::get<ClusterHeader>(header));
+  if (!out.problem.empty()) return out;
+  auto decoded = decode_cluster(sound.payload, parent);
+  if (const auto* error = std::get_if<PackedError>(&decoded)) {
+    out.problem = error->message;
+    return out;
+  }
+  auto cluster = std::make_unique<Cluster>(std::move(std::get<Cluster>(decoded)));
+  const PackedVoxels& voxels = cluster->voxels;
+  if (node.claimed && voxels.size() != node.voxels) {
+    out.problem = "a cluster of " + std::to_string(voxels.size()) + " vectors; the directory gives " +
+                  std::to_string(node.voxels);
+    return out;
+  }
+  const float edge = header_.cube.edge / static_cast<float>(1 << cluster->level());
+  if (node.boxed &&
+      !holds(node.box, box_of_run(voxels, cluster->level(), 0, voxels.size()), edge, header_.description.box)) {
+    out.problem = "a cluster exceeds its box in the directory";
+    return out;
+  }
+  out.discs = discs_of(voxels, 0, voxels.size());
+  if (parent) out.replaced = discs_of(parent->voxels, cluster->header.first, cluster->header.count);
+  if (!node.known && !header_.description.two_sided) out.cone = cone_of(voxels);
+  out.cluster = std::move(cluster);
+  return out;
+}
+
+Box LodCache::box_of_run(const PackedVoxels& voxels, int level, std::size_t first, std::size_t count) const {
+  glm::vec3 low(65536.0f), high(0);
+  for (std::size_t i = first; i < first + count; ++i) {
+    const glm::vec3 cell(voxels.x[i], voxels.y[i], voxels.z[i]);
+    low = {std::min(low.x, cell.x), std::min(low.y, cell.y), std::min(low.z, cell.z)};
+    high = {std::max(high.x, cell.x), std::max(high.y, cell.y), std::max(high.z, cell.z)};
+  }
+  const float edge = header_.cube.edge / static_cast<float>(1 << level);
+  Box box;
+  box.lower = header_.cube.lower + low * edge;
+  box.upper = header_.cube.lower + (high + 1.0f) * edge;
+  return box;
+}
+
+// Adds a decoded cluster to the tree. Returns the problem, or an empty string.
+std::string LodCache::take(std::uint32_t index, DecodedCluster decoded, std::uint64_t now) {
+  if (!decoded.cluster) return std::move(decoded.problem);
+  LodNode& node = tree_[index];
+  const ClusterHeader header = decoded.cluster->header;
+  const PackedVoxels& voxels = decoded.cluster->voxels;
+  if (!node.known) {
+    if (node.parent != kNoNode) {
+      std::vector<bool>& divided = entries_[node.parent]->divided;
+      divided.resize(entries_[node.parent]->voxels->voxels.size());
+      for (std::size_t i = header.first; i < std::size_t{header.first} + header.count; ++i)
+        if (divided[i]) return "a cluster divides voxels of another cluster";
+      std::fill_n(divided.begin() + header.first, header.count, true);
+    }
+    node.known = true;
+    node.first = header.first;
+    node.count = header.count;
+    node.voxels = static_cast<std::uint32_t>(voxels.size());
+    node.discs = decoded.discs;
+    node.replaced = decoded.replaced;
+    node.cone = decoded.cone;
+    if (!node.boxed) node.box = box_of_run(voxels, node.level, 0, voxels.size());
+    node.boxed = true;
+  } else if (voxels.size() != node.voxels || header.first != node.first || header.count != node.count) {
+    return "a cluster differs from its earlier version";
+  }
+  Entry& entry = made_entry(index);
+  entry.voxels = std::move(decoded.cluster);
+  entry.used = now;
+  entry.divided.clear();
+  bytes_ += bytes_of(entry.voxels->voxels);
+  for (std::uint32_t child = node.first_child; child != kNoNode; child = tree_[child].next_sibling) {
+    const LodNode& c = tree_[child];
+    if (c.known) {
+      entry.divided.resize(entry.voxels->voxels.size());
+      std::fill_n(entry.divided.begin() + c.first, c.count, true);
+    }
+    find_box(child);
+  }
+  return {};
+}
+
+void LodCache::find_box(std::uint32_t index) {
+  LodNode& node = tree_[index];
+  if (node.boxed || node.parent == kNoNode || node.count == 0) return;
+  const LodNode& parent = tree_[node.parent];
+  if (!parent.known) return;
+  const Entry* of = entry(node.parent);
+  if (of && of->voxels && std::size_t{node.first} + node.count <= of->voxels->voxels.size()) {
+    node.box = box_of_run(of->voxels->voxels, parent.level, node.first, node.count);
+    node.boxed = true;
+  } else if (node.box.empty()) {
+    node.box = parent.box;
+  }
+}
+
+void LodCache::decode(const ChunkSource& source, std::vector<std::uint32_t> nodes, std::uint64_t now,
+                      Problems& problems) {
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return tree_[a].level < tree_[b].level; });
+  std::vector<DecodedCluster> decoded;
+  const auto parent_of = [&](std::uint32_t node) -> const Cluster* {
+    return tree_[node].parent == kNoNode ? nullptr : entries_[tree_[node].parent]->voxels.get();
+  };
+  for (std::size_t first = 0, last = 0; first < nodes.size(); first = last) {
+    while (last < nodes.size() && tree_[nodes[last]].level == tree_[nodes[first]].level) ++last;
+    // Skip clusters that lost their parent meanwhile.
+    std::vector<std::uint32_t> wave;
+    for (std::size_t i = first; i < last; ++i)
+      if (tree_[nodes[i]].parent == kNoNode || has_voxels(tree_[nodes[i]].parent)) wave.push_back(nodes[i]);
+    decoded.clear();
+    decoded.resize(wave.size());
+    (void)parallel_for(
+        wave.size(), [&](std::size_t i) { decoded[i] = decode_one(source, wave[i], parent_of(wave[i])); },
+        wave.size() < kFewestForThreads ? 1 : 0);
+    for (std::size_t i = 0; i < wave.size(); ++i) {
+      std::string problem = take(wave[i], std::move(decoded[i]), now);
+      if (problem.empty()) continue;
+      tree_[wave[i]].broken = true;
+      problems.push_back({tree_[wave[i]].offset, std::move(problem)});
+    }
+  }
+}
+
+std::unique_ptr<LodCache::Group> LodCache::make_group(const Family& family) const {
+  auto group = std::make_unique<Group>();
+  auto cloud = std::make_shared<Cloud>();
+  cloud->description.kind = header_.description.kind;
+  cloud->description.two_sided = header_.description.two_sided;
+  cloud->color = header_.color;
+  cloud->positions.reserve(family.discs);
+  cloud->normals.reserve(family.discs);
+  cloud->weights.reserve(family.discs);
+  cloud->cells.reserve(family.discs);
+  for (const std::uint32_t node : family.nodes) {
+    Entry& entry = *entries_[node];
+    const PackedVoxels& voxels = entry.voxels->voxels;
+    if (!voxels.luma.empty()) cloud->colors.reserve(family.discs);
+    entry.first_disc = cloud->size();
+    entry.disc_of.clear();
+    if (tree_[node].discs != voxels.size()) {
+      std::uint32_t next = 0;
+      for (std::size_t i = 0; i < voxels.size(); ++i) {
+        entry.disc_of.push_back(next);
+        next += discs_of(voxels, i, 1);
+      }
+      entry.disc_of.push_back(next);
+    }
+    append_discs(*entry.voxels, 0, voxels.size(), header_.cube, *cloud);
+    group->members.push_back(node);
+  }
+  group->bytes = bytes_of(*cloud);
+  group->cloud = std::move(cloud);
+  return group;
+}
+
+void LodCache::make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now) {
+  const auto place = [&](std::uint32_t i) { return std::tuple(tree_[i].parent, tree_[i].level, tree_[i].first, i); };
+  std::sort(nodes.begin(), nodes.end(), [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+  std::vector<Family> families;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const LodNode& node = tree_[nodes[i]];
+    const bool with_last = i > 0 && tree_[nodes[i - 1]].parent == node.parent &&
+                           tree_[nodes[i - 1]].level == node.level && families.back().discs + node.discs <= kMostShared;
+    if (!with_last) families.push_back({std::span(nodes).subspan(i, 0), 0});
+    Family& family = families.back();
+    family.nodes = {family.nodes.data(), family.nodes.size() + 1};
+    family.discs += node.discs;
+  }
+  std::vector<std::unique_ptr<Group>> made(families.size());
+  (void)parallel_for(
+      families.size(), [&](std::size_t i) { made[i] = make_group(families[i]); },
+      families.size() < kFewestForThreads ? 1 : 0);
+  for (std::unique_ptr<Group>& group : made) {
+    group->order = groups_made_++;
+    group->used = now;
+    bytes_ += group->bytes;
+    disc_count_ += group->cloud->size();
+    for (const std::uint32_t node : group->members) {
+      entries_[node]->discs = group.get();
+      if (tree_[node].first_child == kNoNode && !keep_voxels_) forget_voxels(node);
+    }
+    groups_.push_back(std::move(group));
+  }
+}
+
+LodCache::Discs LodCache::discs(std::uint32_t node, std::size_t first_voxel, std::size_t last_voxel) const {
+  const Entry& e = *entries_[node];
+  const auto disc = [&](std::size_t voxel) { return e.first_disc + (e.disc_of.empty() ? voxel : e.disc_of[voxel]); };
+  return {e.discs->order, e.discs->cloud, disc(first_voxel), disc(last_voxel)};
+}
+
+void LodCache::use_voxels(std::uint32_t node, std::uint64_t now) {
+  if (has_voxels(node)) entries_[node]->used = now;
+}
+
+void LodCache::use_discs(std::uint32_t node, std::uint64_t now) {
+  if (has_discs(node)) entries_[node]->discs->used = now;
+}
+
+void LodCache::pin_discs(std::uint32_t node, std::uint64_t now) {
+  if (has_discs(node)) entries_[node]->discs->pinned = now;
+}
+
+void LodCache::pin(std::uint32_t node, std::uint64_t now) {
+  if (has_discs(node) && entries_[node]->discs->pinned == now) return;
+  if (has_voxels(node))
+    entries_[node]->pinned = now;
+  else
+    pin_discs(node, now);
+}
+
+void LodCache::forget_voxels(std::uint32_t node) {
+  Entry& entry = *entries_[node];
+  bytes_ -= bytes_of(entry.voxels->voxels);
+  entry.voxels.reset();
+  entry.divided = {};
+  if (!entry.discs) entries_[node].reset();
+}
+
+void LodCache::forget_group(std::size_t index) {
+  const std::unique_ptr<Group> group = std::move(groups_[index]);
+  bytes_ -= group->bytes;
+  disc_count_ -= group->cloud->size();
+  for (const std::uint32_t node : group->members) {
+    // A member may have newer splats in another group.
+    if (!entries_[node] || entries_[node]->discs != group.get()) continue;
+    entries_[node]->discs = nullptr;
+    entries_[node]->disc_of = {};
+    if (!entries_[node]->voxels) entries_[node].reset();
+  }
+}
+
+void LodCache::shrink(std::uint64_t now) {
+  if (bytes_ <= most_bytes_) return;
+  struct Old {
+    std::uint64_t used;
+    bool is_group;
+    std::size_t index;
+  };
+  std::vector<Old> old;
+  for (std::size_t i = 0; i < groups_.size(); ++i)
+    if (groups_[i]->pinned != now) old.push_back({groups_[i]->used, true, i});
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    if (entries_[i] && entries_[i]->voxels && entries_[i]->pinned != now) old.push_back({entries_[i]->used, false, i});
+  std::sort(old.begin(), old.end(), [](const Old& a, const Old& b) { return a.used < b.used; });
+  // Free more than necessary, to avoid shrinking on every cut.
+  const std::size_t enough = most_bytes_ - most_bytes_ / 8;
+  for (const Old& item : old) {
+    if (bytes_ <= enough) break;
+    if (item.is_group)
+      forget_group(item.index);
+    else
+      forget_voxels(static_cast<std::uint32_t>(item.index));
+  }
+  std::erase_if(groups_, [](const std::unique_ptr<Group>& group) { return !group; });
+}
+
+}  // namespace gs::qnv

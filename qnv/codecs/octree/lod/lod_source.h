@@ -1,0 +1,73 @@
+#pragma once
+
+#include "qnv/container/container.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Random access to the bytes of a stream, in memory or in a file.
+class ChunkSource {
+ public:
+  ChunkSource() = default;
+  ChunkSource(const ChunkSource&) = delete;
+  ChunkSource& operator=(const ChunkSource&) = delete;
+  virtual ~ChunkSource() = default;
+
+  /// Returns the length of the stream.
+  [[nodiscard]] virtual std::uint64_t size() const = 0;
+  /// Copies bytes from `offset` on. Returns the number of bytes read, which is less than the size of `to` at the end of
+  /// the stream or on failure. Safe from several threads at once.
+  [[nodiscard]] virtual std::size_t read(std::uint64_t offset, std::span<std::byte> to) const = 0;
+};
+
+/// Returns a source for a stream that is completely in memory.
+[[nodiscard]] std::shared_ptr<const ChunkSource> memory_source(std::vector<std::byte> bytes);
+
+/// Received chunks of a stream, in any order. Add from one thread, and not while others read.
+class ArrivedChunks : public ChunkSource {
+ public:
+  /// `most_bytes` limits the total size.
+  explicit ArrivedChunks(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+  void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
+  /// Adds a whole chunk at `offset`. Returns false if the limit would be exceeded.
+  bool add(std::uint64_t offset, std::vector<std::byte> chunk);
+  [[nodiscard]] bool has(std::uint64_t offset) const { return chunks_.contains(offset); }
+
+  [[nodiscard]] std::uint64_t size() const override { return ~std::uint64_t{0}; }
+  /// Reads one chunk. `offset` must be its start; never reads past its end.
+  [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override;
+
+ private:
+  std::unordered_map<std::uint64_t, std::vector<std::byte>> chunks_;
+  std::size_t most_bytes_, bytes_ = 0;
+};
+
+/// Complete chunk with a valid checksum.
+struct SoundChunk {
+  ChunkType type = ChunkType::packed;
+  std::span<const std::byte> payload;  // points into the bytes that were parsed
+};
+
+/// Parses bytes that should be exactly one chunk. Returns a problem otherwise. Safe for untrusted bytes.
+[[nodiscard]] std::variant<SoundChunk, std::string> sound_chunk(std::span<const std::byte> bytes);
+/// Reads the chunk of `bytes` bytes at `offset` into `buffer`.
+[[nodiscard]] std::variant<SoundChunk, std::string> read_chunk(const ChunkSource& source, std::uint64_t offset,
+                                                               std::size_t bytes, std::vector<std::byte>& buffer);
+
+/// Reads the header of a stream; sets its length.
+[[nodiscard]] std::variant<StreamHeader, StreamProblem> read_stream_header(const ChunkSource& source,
+                                                                           std::size_t& header_bytes);
+/// Returns all directory entries; empty if the directory is incomplete.
+[[nodiscard]] std::vector<DirectoryEntry> read_directory(const ChunkSource& source, const StreamHeader& header);
+/// Returns all directory entries from the concatenated directory chunks.
+[[nodiscard]] std::vector<DirectoryEntry> directory_of(std::span<const std::byte> chunks, const StreamHeader& header);
+
+}  // namespace gs::qnv

@@ -1,0 +1,120 @@
+#include "qnv/codecs/payloads.h"
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/records/encode/encode_cloud.h"
+
+#include "qnv/codecs/records/record.h"
+#include "qnv/codecs/records/records_payload.h"
+
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+using Encoded = std::variant<EncodedStream, EncodeError>;
+
+const TriangleSource* triangles_of(const EncodeSource& source) {
+  const auto* triangles = std::get_if<std::reference_wrapper<const TriangleSource>>(&source);
+  return triangles ? &triangles->get() : nullptr;
+}
+
+Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
+    return encode_points(*cloud, options, progress);
+  const TriangleSource* triangles = triangles_of(source);
+  if (!triangles) return EncodeError{"a packed stream needs a surface; expected triangles or vectors"};
+  options.payload = Payload::packed;
+  return encode_surface(*triangles, options, progress);
+}
+
+Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  options.payload = Payload::records;
+  if (const TriangleSource* triangles = triangles_of(source)) return encode_surface(*triangles, options, progress);
+  if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
+    return encode_cloud(*cloud, options, progress);
+  if (const auto* volume = std::get_if<VolumeVectors>(&source)) return encode_cloud(volume->cloud, options, progress);
+  return EncodeError{"a records stream needs a surface or vectors; outline groups are not supported"};
+}
+
+Encoded encode_groups(const EncodeSource& source, EncodeOptions, Progress* progress) {
+  const auto* polygons = std::get_if<OutlineSource>(&source);
+  if (!polygons) return EncodeError{"an outlines stream needs outline groups"};
+  return encode_outlines(polygons->groups, polygons->appearances, polygons->options, progress);
+}
+
+Encoded encode_base_and_displacements(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  const TriangleSource* triangles = triangles_of(source);
+  if (!triangles) return EncodeError{"a displaced stream needs a surface; expected triangles"};
+  return encode_displaced(*triangles, options, progress);
+}
+
+Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  const auto* volume = std::get_if<VolumeVectors>(&source);
+  if (!volume) return EncodeError{"a voxels stream needs a volume; expected its vectors and its layout"};
+  options.payload = Payload::voxels;
+  return encode_voxels(*volume, options, progress);
+}
+
+/// Lists chunk types, repeating the last one to fill the array.
+constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
+  ChunkTypes all{};
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = told.begin()[std::min(i, told.size() - 1)];
+  return all;
+}
+constexpr ChunkTypes only(ChunkType type) { return types({type}); }
+
+constexpr std::array<PayloadRow, 5> kRows = {{
+    {Payload::records, "records", PayloadReader::vectors, only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes,
+     1200 / kRecordBytes, encode_records},
+    {Payload::packed, "packed", PayloadReader::levels,
+     types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
+            ChunkType::picture, ChunkType::normals}),
+     0, 0, 0, encode_packed},
+    {Payload::outlines, "outlines", PayloadReader::polygons, types({ChunkType::outlines, ChunkType::inner}), 0, 0, 0,
+     encode_groups},
+    {Payload::displaced, "displaced", PayloadReader::vectors,
+     types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::splits,
+            ChunkType::low_bits, ChunkType::cover, ChunkType::picture, ChunkType::normals}),
+     0, 0, 0, encode_base_and_displacements},
+    {Payload::voxels, "voxels", PayloadReader::vectors, only(ChunkType::voxels), 0, 0, 0, encode_volume_vectors},
+}};
+
+// The table is ordered by payload number. Numbers may have gaps.
+static_assert([] {
+  for (std::size_t i = 1; i < kRows.size(); ++i)
+    if (!(kRows[i - 1].payload < kRows[i].payload)) return false;
+  return true;
+}());
+
+const PayloadRow* row_with(std::uint8_t number) {
+  for (const PayloadRow& row : kRows)
+    if (static_cast<std::uint8_t>(row.payload) == number) return &row;
+  return nullptr;
+}
+
+}  // namespace
+
+std::span<const PayloadRow> payload_rows() { return kRows; }
+
+const PayloadRow& row_of(Payload payload) { return *row_with(static_cast<std::uint8_t>(payload)); }
+
+const PayloadRow* payload_of(std::span<const std::byte> bytes) {
+  const std::optional<std::uint8_t> number = payload_number(bytes);
+  return number ? row_with(*number) : nullptr;
+}
+
+bool carries(const PayloadRow& row, ChunkType type) { return std::ranges::find(row.chunks, type) != row.chunks.end(); }
+
+std::optional<ChunkParts> cut_chunk(const PayloadRow& row, std::span<const std::byte> chunk) {
+  const std::optional<ChunkHead> head = chunk_head(chunk);
+  if (!head || head->bytes != chunk.size() || !carries(row, head->type)) return {};
+  if (row.record_bytes == 0) return ChunkParts{{}, chunk};
+  const std::size_t front = kChunkHeaderBytes + row.head_bytes;
+  if (chunk.size() <= front || (chunk.size() - front) % row.record_bytes != 0) return {};
+  return ChunkParts{chunk.first(front), chunk.subspan(front)};
+}
+
+}  // namespace gs::qnv

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "qnv/codecs/lossless/exact_mesh.h"
+#include "qnv/codecs/progressive/split_growth.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::progressive {
+
+/// Encoded progressive mesh: starts coarse and becomes exact vertex by vertex. The front is in the stream's header; the
+/// segments are chunk payloads.
+struct ProgressiveBytes {
+  std::vector<std::byte> front;
+  std::vector<std::vector<std::byte>> segments;
+  std::size_t vertices = 0;  // final number
+};
+
+/// Encodes a mesh, as returned by exact::quantized() and without colours. The front has at most `most_front` bytes;
+/// returns nullopt if that is impossible.
+[[nodiscard]] std::optional<ProgressiveBytes> encode_progressive(const exact::ExactMesh& mesh, std::size_t most_front);
+
+/// Reports whether a header section is a front of a mesh with more than `most_vertices` vertices.
+[[nodiscard]] bool promises_more(std::span<const std::byte> section, std::size_t most_vertices);
+
+/// Received progressive mesh. Segments wait for earlier ones. Not thread-safe; safe for untrusted bytes: memory is
+/// proportional to them.
+class ProgressiveMesh {
+ public:
+  /// Starts from a front. Returns false if the bytes are not a front or promise more than `most_vertices`.
+  bool begin(std::span<const std::byte> front, std::size_t most_vertices);
+  [[nodiscard]] bool begun() const { return growth_.has_value(); }
+  /// Adds the payload of a chunk. Returns false if it is invalid.
+  bool add(std::span<const std::byte> payload);
+  /// Reports whether the mesh is complete and exact.
+  [[nodiscard]] bool whole() const;
+  [[nodiscard]] int bits() const { return bits_; }
+  /// Returns the number of segments decoded.
+  [[nodiscard]] std::size_t segments() const { return next_; }
+  [[nodiscard]] std::size_t vertices() const { return growth_ ? growth_->size() : 0; }
+  /// Returns the mesh decoded so far, on the finest lattice.
+  [[nodiscard]] exact::ExactMesh mesh() const;
+
+ private:
+  bool read(std::span<const std::byte> payload);
+
+  std::optional<SplitGrowth> growth_;
+  int bits_ = 0;
+  exact::Shading shading_;
+  std::uint32_t vertices_ = 0, triangles_ = 0;
+  std::size_t next_ = 0, waiting_bytes_ = 0;
+  bool broken_ = false;                                    // an invalid segment makes all later ones unreadable
+  std::map<std::size_t, std::vector<std::byte>> waiting_;  // by number
+};
+
+}  // namespace gs::qnv::progressive

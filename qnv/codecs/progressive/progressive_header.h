@@ -1,0 +1,27 @@
+#pragma once
+
+#include "qnv/codecs/lossless/shading.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::progressive {
+
+// Byte layout of fronts and segments: FORMAT.md, "Splits".
+inline constexpr std::uint8_t kFrontMark = 255;  // stands at the position of a stage's depth
+inline constexpr std::size_t kFrontBytes = 13;   // before the first mesh
+inline constexpr std::size_t kSegmentHeaderBytes = 6;
+/// Maximum number of visits per byte of a segment.
+inline constexpr std::size_t kMostVisitsAByte = 64;
+
+struct FrontHeader {
+  int bits = 12;
+  bool middles = false;  // as in SplitGrowth
+  exact::Shading shading;
+  std::uint32_t vertices = 0, triangles = 0;  // final numbers
+};
+
+}  // namespace gs::qnv::progressive

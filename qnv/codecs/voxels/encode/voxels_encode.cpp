@@ -1,0 +1,272 @@
+#include "qnv/base/morton.h"
+#include "qnv/codecs/octree/encode/cluster_order.h"
+#include "qnv/codecs/voxels/encode/visibility.h"
+#include "qnv/codecs/voxels/encode/voxels_quantize.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+// Maximum size of the first cluster; with the stream's header, it fits the first kilobyte.
+constexpr std::size_t kFirstClusterBytes = 640;
+constexpr std::uint8_t kTrust = 3;
+// Number of finest levels with unweighted means.
+constexpr std::size_t kPlainLevels = 2;
+
+/// Exact voxels of every level, and the index of each voxel's first child in the next level.
+struct VolumePyramid {
+  std::vector<std::vector<TrueVoxel>> levels;
+  std::vector<std::vector<std::uint32_t>> first_child;
+
+  [[nodiscard]] std::span<const TrueVoxel> below(int level, std::uint32_t voxel) const {
+    const auto at = static_cast<std::size_t>(level);
+    const std::uint32_t first = first_child[at][voxel];
+    return std::span(levels[at + 1]).subspan(first, first_child[at][voxel + 1] - first);
+  }
+};
+
+// Returns the weight of a voxel in a mean. In fine levels it is the number of vectors. In coarser levels, where inside
+// and outside merge, only the visible fraction counts.
+float share_of(const TrueVoxel& voxel, bool plain) { return plain ? voxel.vectors : voxel.vectors * voxel.seen; }
+
+// Returns the mean gradient. Opposite directions count as equal: the mean lies along the axis that most gradients
+// nearly follow.
+glm::vec3 mean_gradient(std::span<const TrueVoxel> voxels, bool plain) {
+  glm::vec3 axis(0);
+  for (const TrueVoxel& voxel : voxels) {
+    const glm::vec3 part = voxel.gradient * share_of(voxel, plain);
+    axis += glm::dot(axis, part) < 0 ? -part : part;
+  }
+  glm::vec3 straight(0), turned(0);
+  float shares = 0;
+  for (const TrueVoxel& voxel : voxels) {
+    const glm::vec3 part = voxel.gradient * share_of(voxel, plain);
+    straight += part;
+    turned += glm::dot(axis, part) < 0 ? -part : part;
+    shares += share_of(voxel, plain);
+  }
+  return (glm::dot(turned, straight) < 0 ? -turned : turned) / shares;
+}
+
+std::vector<TrueVoxel> coarser_voxels(std::span<const TrueVoxel> fine, bool plain) {
+  std::vector<TrueVoxel> out;
+  for (std::size_t i = 0, end = 0; i < fine.size(); i = end) {
+    while (end < fine.size() && fine[end].key >> 3 == fine[i].key >> 3) ++end;
+    TrueVoxel voxel;
+    voxel.key = fine[i].key >> 3;
+    float vectors = 0, shares = 0, value = 0, magnitude = 0, seen = 0;
+    for (const TrueVoxel& child : fine.subspan(i, end - i)) {
+      const float share = share_of(child, plain);
+      vectors += child.vectors;
+      seen += child.vectors * child.seen;
+      shares += share;
+      value += child.value * share;
+      magnitude += child.magnitude * share;
+    }
+    voxel.vectors = vectors;
+    voxel.value = value / shares;
+    voxel.magnitude = magnitude / shares;
+    voxel.seen = seen / vectors;
+    voxel.gradient = mean_gradient(fine.subspan(i, end - i), plain);
+    out.push_back(voxel);
+  }
+  return out;
+}
+
+VolumePyramid make_volume_pyramid(std::vector<TrueVoxel> finest, int depth) {
+  VolumePyramid pyramid;
+  pyramid.levels.resize(static_cast<std::size_t>(depth) + 1);
+  pyramid.levels.back() = std::move(finest);
+  for (std::size_t i = pyramid.levels.size() - 1; i > 0; --i)
+    pyramid.levels[i - 1] = coarser_voxels(pyramid.levels[i], i + kPlainLevels >= pyramid.levels.size());
+  for (std::size_t i = 0; i + 1 < pyramid.levels.size(); ++i) {
+    auto& first = pyramid.first_child.emplace_back();
+    first.reserve(pyramid.levels[i].size() + 1);
+    std::uint32_t next = 0;
+    for (const TrueVoxel& voxel : pyramid.levels[i]) {
+      first.push_back(next);
+      while (next < pyramid.levels[i + 1].size() && pyramid.levels[i + 1][next].key >> 3 == voxel.key) ++next;
+    }
+    first.push_back(next);
+  }
+  return pyramid;
+}
+
+struct VolumeNode {
+  EncodedCluster encoded;
+  VolumeVoxels voxels;               // as decoded
+  std::vector<std::uint32_t> truth;  // indices of the same voxels in their level of the pyramid
+  int level = 0;                     // of the voxels
+  double gain = 0;
+  std::vector<std::unique_ptr<VolumeNode>> children;
+};
+
+class VoxelsEncoder {
+ public:
+  VoxelsEncoder(VolumePyramid pyramid, const VoxelLattice& lattice, const VoxelsOptions& options)
+      : pyramid_(std::move(pyramid)), lattice_(lattice), options_(options) {}
+
+  [[nodiscard]] int deepest() const { return lattice_.depth; }
+
+  // Returns the first cluster, with as many levels as fit.
+  [[nodiscard]] std::unique_ptr<VolumeNode> base() const {
+    const std::size_t most =
+        options_.max_bytes != 0 ? std::min(kFirstClusterBytes, options_.max_bytes) : kFirstClusterBytes;
+    std::vector<VolumeSymbols> symbols;
+    std::unique_ptr<VolumeNode> best;
+    VolumeVoxels from = root_volume_voxel();
+    std::vector<std::uint32_t> truth{0};
+    VolumeParameters p = parameters();
+    for (int level = 0; level < deepest(); ++level) {
+      symbols.push_back(quantize_volume(from, below(truth, level), edge_below(level), lattice_, p));
+      VolumeVoxels next = symbols.back().voxels;
+      link_neighbours(from, 0, symbols.back(), next);
+      truth = truth_below(symbols.back(), truth, level);
+      ClusterHeader header;
+      header.levels = static_cast<std::uint8_t>(level + 1);
+      auto node = finish(symbols, header, p, truth);
+      node->voxels.neighbours = next.neighbours;
+      if (best && node->encoded.payload.size() > most) break;
+      best = std::move(node);
+      from = std::move(next);
+    }
+    best->encoded.divided = 0;
+    return best;
+  }
+
+  // Divides all voxels of a node once, into clusters that fit.
+  void divide(VolumeNode& node) const {
+    const auto children = below(node.truth, node.level);
+    VolumeParameters p = parameters();
+    const auto left = static_cast<std::size_t>(deepest() - 1 - node.level);
+    if (left < options_.steps.last_directions.size())
+      p.direction_step = static_cast<std::uint8_t>(options_.steps.last_directions[left]);
+    p.trust = kTrust;
+    fit_slopes(node.voxels, children, lattice_, p);
+    const VolumeSymbols all = quantize_volume(node.voxels, children, edge_below(node.level), lattice_, p);
+    divide_in_runs(node, all.parents.size(),
+                   [&](std::size_t first, std::size_t count) { return divide_run(node, all, p, first, count); });
+    node.voxels = {};
+    node.truth = {};
+  }
+
+ private:
+  [[nodiscard]] VolumeParameters parameters() const {
+    VolumeParameters p;
+    p.value_step = static_cast<std::uint8_t>(options_.steps.value);
+    p.direction_step = static_cast<std::uint8_t>(options_.steps.direction);
+    p.magnitude_step = static_cast<std::uint8_t>(options_.steps.magnitude);
+    return p;
+  }
+
+  static double edge_below(int level) { return 1.0 / static_cast<double>(std::uint64_t{2} << level); }
+
+  [[nodiscard]] std::vector<std::span<const TrueVoxel>> below(std::span<const std::uint32_t> truth, int level) const {
+    std::vector<std::span<const TrueVoxel>> out;
+    out.reserve(truth.size());
+    for (const std::uint32_t voxel : truth) out.push_back(pyramid_.below(level, voxel));
+    return out;
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> truth_below(const VolumeSymbols& symbols,
+                                                       std::span<const std::uint32_t> truth, int level) const {
+    std::vector<std::uint32_t> out;
+    out.reserve(symbols.children.size());
+    const auto& first = pyramid_.first_child[static_cast<std::size_t>(level)];
+    for (const VolumeSymbols::Parent& parent : symbols.parents)
+      for (std::uint32_t i = first[truth[parent.index]]; i < first[truth[parent.index] + 1]; ++i) out.push_back(i);
+    return out;
+  }
+
+  // Returns one cluster that divides a run of a node's voxels.
+  [[nodiscard]] std::unique_ptr<VolumeNode> divide_run(const VolumeNode& node, const VolumeSymbols& all,
+                                                       const VolumeParameters& p, std::size_t first,
+                                                       std::size_t count) const {
+    const std::vector<VolumeSymbols> symbols{chosen_symbols(all, first, count)};
+    ClusterHeader header;
+    header.first = static_cast<std::uint16_t>(first);
+    header.count = static_cast<std::uint16_t>(count);
+    header.level = static_cast<std::uint8_t>(node.level);
+    auto child = finish(symbols, header, p, truth_below(symbols.front(), node.truth, node.level));
+    if (child->level < deepest()) link_neighbours(node.voxels, first, symbols.front(), child->voxels);
+    return child;
+  }
+
+  [[nodiscard]] std::unique_ptr<VolumeNode> finish(std::span<const VolumeSymbols> symbols, const ClusterHeader& header,
+                                                   VolumeParameters p, std::vector<std::uint32_t> truth) const {
+    auto node = std::make_unique<VolumeNode>();
+    choose_models(symbols, p);
+    RansEncoder rans;
+    for (const VolumeSymbols& level : symbols) {
+      put_level(level, p, rans);
+      for (const VolumeSymbols::Parent& parent : level.parents) node->gain += parent.gain;
+    }
+    node->truth = std::move(truth);
+    node->level = header.level + header.levels;
+    node->voxels = symbols.back().voxels;
+    EncodedCluster& out = node->encoded;
+    out.header = header;
+    write_volume_cluster_header(header, p, out.payload);
+    const std::vector<std::byte> bits = rans.finish();
+    out.payload.insert(out.payload.end(), bits.begin(), bits.end());
+    out.voxels = static_cast<std::uint32_t>(node->voxels.size());
+    out.divided = static_cast<std::uint32_t>(symbols.front().parents.size());
+    const auto edge = static_cast<float>(std::uint32_t{1} << (lattice_.depth - node->level));
+    out.level_edge = edge;
+    for (std::size_t i = 0; i < node->voxels.size(); ++i)
+      out.box.add(lattice_.position(node->level, node->voxels.x[i], node->voxels.y[i], node->voxels.z[i]));
+    return node;
+  }
+
+  VolumePyramid pyramid_;
+  VoxelLattice lattice_;
+  VoxelsOptions options_;
+};
+
+std::vector<TrueVoxel> true_voxels(std::span<const LatticeVector> vectors, const VoxelLattice& lattice) {
+  std::vector<TrueVoxel> out;
+  out.reserve(vectors.size());
+  for (const LatticeVector& vector : vectors) {
+    TrueVoxel voxel;
+    voxel.key = vector.key;
+    voxel.gradient = vector.gradient;
+    voxel.value = std::clamp(vector.value, 0.0f, 255.0f);
+    const float octaves =
+        vector.magnitude > 0 ? std::log2(vector.magnitude / lattice.unit) : -static_cast<float>(kMagnitudeOne);
+    voxel.magnitude =
+        std::clamp(octaves * kMagnitudesAnOctave + kMagnitudeOne, 0.0f, static_cast<float>(kMostMagnitude));
+    out.push_back(voxel);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<EncodedCluster> encode_voxels(std::vector<LatticeVector> finest, const VoxelLattice& lattice,
+                                          const VoxelsOptions& options, Progress* progress) {
+  if (finest.empty()) return {};
+  std::vector<TrueVoxel> voxels = true_voxels(finest, lattice);
+  std::vector<LatticeVector>().swap(finest);
+  if (!options.depth_of_class.empty()) find_seen(voxels, lattice, options.depth_of_class, options.threads);
+  const VoxelsEncoder encoder(make_volume_pyramid(std::move(voxels), lattice.depth), lattice, options);
+  std::unique_ptr<VolumeNode> base = encoder.base();
+  std::vector<VolumeNode*> generation{base.get()};
+  while (!generation.empty() && generation.front()->level < encoder.deepest()) {
+    if (!parallel_for(
+            generation.size(), [&](std::size_t i) { encoder.divide(*generation[i]); }, options.threads, progress))
+      return {};
+    std::vector<VolumeNode*> next;
+    for (VolumeNode* node : generation)
+      for (const auto& child : node->children) next.push_back(child.get());
+    generation = std::move(next);
+  }
+  return in_order(std::move(base), 0, options.max_bytes);
+}
+
+}  // namespace gs::qnv

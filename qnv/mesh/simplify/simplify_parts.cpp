@@ -1,0 +1,137 @@
+#include "qnv/base/parallel.h"
+#include "qnv/mesh/centre.h"
+#include "qnv/mesh/simplify/simplifier.h"
+#include "qnv/mesh/simplify/simplify.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+// Large meshes are first simplified in parts, in parallel. The partition depends only on the mesh, so the result does
+// not depend on the number of cores.
+namespace gs::qnv::displaced {
+namespace {
+
+constexpr std::size_t kPartTriangles = 100'000, kMostParts = 64;
+// Factor on the requested number, left to the whole mesh, since the parts' borders are not simplified.
+constexpr std::size_t kKept = 4;
+
+struct Part {
+  std::vector<std::uint32_t> vertices;  // original vertex numbers
+  SurfaceMesh mesh;                     // then its simplified version
+  std::vector<bool> kept;               // vertices shared with other parts
+  std::vector<std::uint32_t> places;    // new number of each vertex, or kNone
+};
+
+/// Sorts triangles into `parts` (a power of two) spatially compact runs.
+std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, unsigned threads) {
+  std::vector<Centre> centres;
+  centres.reserve(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Corners& c = mesh.triangles[t];
+    centres.push_back({mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]], t});
+  }
+  for (std::size_t runs = 1; runs < parts; runs *= 2) {
+    const auto halve = [&](std::size_t i) {
+      const auto begin = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() * i / runs);
+      const auto middle = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() * (2 * i + 1) / (2 * runs));
+      const auto end = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() * (i + 1) / runs);
+      Box box;
+      for (auto at = begin; at != end; ++at) box.add(at->place);
+      const glm::vec3 size = box.size();
+      const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+      put_middle(begin, middle, end, axis);
+    };
+    parallel_for(runs, halve, threads);
+  }
+  std::vector<std::uint32_t> runs;
+  runs.reserve(centres.size());
+  for (const Centre& centre : centres) runs.push_back(centre.triangle);
+  return runs;
+}
+
+}  // namespace
+
+SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t count, unsigned threads) {
+  const std::vector<std::uint32_t> runs = in_runs(mesh, count, threads);
+  const auto first_of = [&](std::size_t part) { return runs.size() * part / count; };
+  // Part of each vertex, or `count` if several parts share it.
+  std::vector<std::uint8_t> owner(mesh.positions.size(), 0xff);
+  for (std::size_t p = 0; p < count; ++p)
+    for (std::size_t i = first_of(p); i < first_of(p + 1); ++i)
+      for (const std::uint32_t v : mesh.triangles[runs[i]])
+        owner[v] = static_cast<std::uint8_t>(owner[v] == 0xff || owner[v] == p ? p : count);
+  std::vector<Part> parts(count);
+  parallel_for(
+      count,
+      [&](std::size_t p) {
+        Part& part = parts[p];
+        std::vector<std::uint32_t> sorted(runs.begin() + static_cast<std::ptrdiff_t>(first_of(p)),
+                                          runs.begin() + static_cast<std::ptrdiff_t>(first_of(p + 1)));
+        std::sort(sorted.begin(), sorted.end());
+        std::vector<std::uint32_t> here(mesh.positions.size(), kNone);
+        for (const std::uint32_t t : sorted) {
+          Corners corners;
+          for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t v = mesh.triangles[t][k];
+            if (here[v] == kNone) {
+              here[v] = static_cast<std::uint32_t>(part.vertices.size());
+              part.vertices.push_back(v);
+              part.mesh.positions.push_back(mesh.positions[v]);
+              part.kept.push_back(owner[v] == count);
+            }
+            corners[k] = here[v];
+          }
+          part.mesh.triangles.push_back(corners);
+        }
+        const std::size_t share = wanted * part.mesh.triangles.size() / mesh.triangles.size();
+        Simplifier simplifier(part.mesh, part.kept);
+        simplifier.thin(std::max<std::size_t>(share, 1), kKept * share);
+        part.mesh = simplifier.result(part.mesh, part.places);
+      },
+      threads);
+  SurfaceMesh out;
+  std::vector<std::uint32_t> joined(mesh.positions.size(), kNone);  // new numbers of shared vertices
+  for (const Part& part : parts) {
+    std::vector<std::uint32_t> places(part.mesh.positions.size(), kNone);
+    for (std::size_t v = 0; v < part.vertices.size(); ++v) {
+      const std::uint32_t at = part.places[v], whole = part.vertices[v];
+      if (!part.kept[v] || at == kNone) continue;
+      if (joined[whole] == kNone) {
+        joined[whole] = static_cast<std::uint32_t>(out.positions.size());
+        out.positions.push_back(mesh.positions[whole]);
+      }
+      places[at] = joined[whole];
+    }
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      if (places[v] != kNone) continue;
+      places[v] = static_cast<std::uint32_t>(out.positions.size());
+      out.positions.push_back(part.mesh.positions[v]);
+    }
+    for (const Corners& t : part.mesh.triangles) out.triangles.push_back({places[t[0]], places[t[1]], places[t[2]]});
+  }
+  return out;
+}
+
+SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles, unsigned threads,
+                     const std::function<void()>& beside) {
+  const bool large = mesh.triangles.size() >= 2 * kPartTriangles && mesh.triangles.size() / (2 * kKept) >= triangles;
+  const std::size_t parts = std::min(kMostParts, std::bit_floor(mesh.triangles.size() / kPartTriangles));
+  const SurfaceMesh thin = large ? thinned(mesh, triangles, parts, threads) : SurfaceMesh();
+  const SurfaceMesh& from = large ? thin : mesh;
+  SurfaceMesh out;
+  const auto work = [&](std::size_t i) {
+    if (i == 1) return beside();
+    Simplifier simplifier(from);
+    simplifier.run(triangles, large ? kKept : kFromTheStart);
+    std::vector<std::uint32_t> places;
+    out = simplifier.result(from, places);
+  };
+  parallel_for(beside ? 2 : 1, work, threads);
+  return out;
+}
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,175 @@
+#include "qnv/mesh/simplify/simplifier.h"
+
+#include <algorithm>
+
+// Holes and tunnels of scanned noise, which collapses cannot close, and which would use up all triangles.
+namespace gs::qnv::displaced {
+namespace {
+
+// Maximum perimeter of invisible holes and tunnels, in edges of the requested mesh.
+constexpr double kHoleEdges = 1.5, kTunnelEdges = 0.75;
+constexpr std::size_t kMostSearched = 3000;  // maximum number of triangles between both sides of a tunnel
+
+}  // namespace
+
+void Simplifier::repair(double edge) {
+  close_rims(kHoleEdges * edge);
+  cut_tunnels(kTunnelEdges * edge);
+  push_all();
+}
+
+std::uint32_t Simplifier::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const auto t = static_cast<std::uint32_t>(triangles_.size());
+  triangles_.push_back({a, b, c});
+  next_.resize(next_.size() + 3, kNone);
+  for (std::uint32_t k = 0; k < 3; ++k) append_corner(triangles_[t][k], 3 * t + k);
+  ++count_;
+  return t;
+}
+
+void Simplifier::append_corner(std::uint32_t v, std::uint32_t corner) {
+  (head_[v] == kNone ? head_[v] : next_[tail_[v]]) = corner;
+  tail_[v] = corner;
+  next_[corner] = kNone;
+}
+
+double Simplifier::round(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+  return glm::length(positions_[a] - positions_[b]) + glm::length(positions_[b] - positions_[c]) +
+         glm::length(positions_[c] - positions_[a]);
+}
+
+std::uint32_t Simplifier::triangle_left_of(std::uint32_t a, std::uint32_t b) {
+  for (std::uint32_t corner = head_[a]; corner != kNone; corner = next_[corner])
+    if (alive(corner / 3) && triangles_[corner / 3][(corner % 3 + 1) % 3] == b) return corner / 3;
+  return kNone;
+}
+
+// Fills holes of three edges with a triangle; skips the perimeter of a single triangle.
+void Simplifier::close_rims(double most) {
+  for (std::uint32_t u = 0; u < head_.size(); ++u) {
+    if (!rim_[u] || head_[u] == kNone) continue;
+    // Walk the rim opposite to its triangles: from u along the side without a triangle on its left.
+    gather(u, at_u_);
+    for (const std::uint32_t corner : std::vector<std::uint32_t>(at_u_)) {
+      const std::uint32_t v = triangles_[corner / 3][(corner % 3 + 2) % 3];  // side from v to u
+      if (triangle_left_of(u, v) != kNone) continue;
+      for (std::uint32_t c = head_[v]; c != kNone; c = next_[c]) {
+        if (!alive(c / 3)) continue;
+        const std::uint32_t w = triangles_[c / 3][(c % 3 + 2) % 3];  // side from w to v
+        if (w == u || triangle_left_of(v, w) != kNone || triangle_left_of(u, w) == kNone ||
+            triangle_left_of(w, u) != kNone || round(u, v, w) > most || third(corner / 3, u, v) == w)
+          continue;
+        add_triangle(u, v, w);
+        break;
+      }
+    }
+  }
+  for (std::uint32_t v = 0; v < head_.size(); ++v) {
+    if (!rim_[v] || head_[v] == kNone) continue;
+    gather(v, at_v_);
+    rim_[v] = std::any_of(at_v_.begin(), at_v_.end(), [&](std::uint32_t corner) {
+      return triangle_left_of(v, triangles_[corner / 3][(corner % 3 + 2) % 3]) == kNone ||
+             triangle_left_of(triangles_[corner / 3][(corner % 3 + 1) % 3], v) == kNone;
+    });
+  }
+}
+
+// Cuts the surface along cycles of three edges that bound no triangle, and closes both sides.
+void Simplifier::cut_tunnels(double most) {
+  const auto vertices = static_cast<std::uint32_t>(head_.size());
+  for (std::uint32_t u = 0; u < vertices; ++u) {
+    if (rim_[u] || head_[u] == kNone) continue;
+    gather(u, at_u_);
+    std::vector<std::uint32_t> beside;
+    for (const std::uint32_t corner : at_u_) beside.push_back(triangles_[corner / 3][(corner % 3 + 1) % 3]);
+    bool cut = false;
+    for (std::size_t i = 0; i < beside.size() && !cut; ++i) {
+      const std::uint32_t v = beside[i];
+      if (u > v || rim_[v]) continue;
+      // Mark the ends of sides that leave v. Few lead to another neighbour of u, except along u's own triangles.
+      ++marks_;
+      for (std::uint32_t c = head_[v]; c != kNone; c = next_[c])
+        if (const Corners& t = triangles_[c / 3]; alive(c / 3) && t[(c % 3 + 2) % 3] != u)
+          mark_[t[(c % 3 + 1) % 3]] = marks_;
+      const std::uint32_t marked = marks_;
+      for (std::size_t j = 0; j < beside.size() && !cut; ++j) {
+        const std::uint32_t w = beside[j];
+        if (mark_[w] != marked || i == j || u > w || rim_[w] || round(u, v, w) > most) continue;
+        const std::uint32_t left = triangle_left_of(v, w), right = triangle_left_of(w, v);
+        if (left == kNone || right == kNone || third(left, v, w) == u || third(right, v, w) == u) continue;
+        cut = joined_elsewhere({u, v, w}) && cut_along({u, v, w});
+      }
+    }
+  }
+}
+
+std::uint32_t Simplifier::third(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const {
+  for (const std::uint32_t v : triangles_[triangle])
+    if (v != a && v != b) return v;
+  return kNone;
+}
+
+bool Simplifier::joined_elsewhere(const Corners& cycle) {
+  // Search from the cycle's left to its right across other edges; if there is no path, cutting would separate a part.
+  const std::uint32_t from = triangle_left_of(cycle[0], cycle[1]), to = triangle_left_of(cycle[1], cycle[0]);
+  if (from == kNone || to == kNone) return false;
+  const auto on_cycle = [&](std::uint32_t v) { return v == cycle[0] || v == cycle[1] || v == cycle[2]; };
+  seen_triangles_.resize(triangles_.size(), 0);
+  ++searches_;
+  std::vector<std::uint32_t> open{from};
+  seen_triangles_[from] = searches_;
+  for (std::size_t i = 0; i < std::min(open.size(), kMostSearched); ++i) {
+    if (open[i] == to) return true;
+    const Corners& t = triangles_[open[i]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (on_cycle(a) && on_cycle(b)) continue;
+      const std::uint32_t beside = triangle_left_of(b, a);
+      if (beside == kNone || seen_triangles_[beside] == searches_) continue;
+      seen_triangles_[beside] = searches_;
+      open.push_back(beside);
+    }
+  }
+  return false;
+}
+
+bool Simplifier::cut_along(const Corners& cycle) {
+  // Triangles of each vertex on the left of the cycle.
+  std::array<std::vector<std::uint32_t>, 3> left;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t v = cycle[k], before = cycle[(k + 2) % 3];
+    for (std::uint32_t to = cycle[(k + 1) % 3]; to != before;) {
+      const std::uint32_t t = triangle_left_of(v, to);
+      if (t == kNone || left[k].size() > 1000) return false;
+      for (std::uint32_t c = 0; c < 3; ++c)
+        if (triangles_[t][c] == v) left[k].push_back(3 * t + c);
+      to = third(t, v, to);
+    }
+  }
+  Corners copies{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t v = cycle[k], copy = copies[k] = static_cast<std::uint32_t>(head_.size());
+    positions_.push_back(glm::dvec3(positions_[v]));
+    quadrics_.push_back(Quadric(quadrics_[v]));
+    areas_.push_back(double{areas_[v]});
+    head_.push_back(kNone);
+    tail_.push_back(kNone);
+    stamp_.push_back(0);
+    mark_.push_back(0);
+    rim_.push_back(false);
+    ++stamp_[v];
+    std::vector<std::uint32_t> all;
+    gather(v, all);
+    head_[v] = tail_[v] = kNone;
+    for (const std::uint32_t corner : all) {
+      const bool moves = std::find(left[k].begin(), left[k].end(), corner) != left[k].end();
+      if (moves) vertex_at(corner) = copy;
+      append_corner(moves ? copy : v, corner);
+    }
+  }
+  add_triangle(copies[0], copies[2], copies[1]);
+  add_triangle(cycle[0], cycle[1], cycle[2]);
+  return true;
+}
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,59 @@
+#include "qnv/mesh/survey.h"
+
+#include "qnv/base/finite.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::qnv {
+
+void SurfaceSurvey::add(std::span<const Triangle> more) {
+  for (const Triangle& t : more) {
+    if (!finite(t.positions[0]) || !finite(t.positions[1]) || !finite(t.positions[2])) continue;
+    for (const glm::vec3& p : t.positions) box.add(p);
+    const glm::dvec3 a(t.positions[0]), b(t.positions[1]), c(t.positions[2]);
+    const glm::dvec3 faced = 0.5 * glm::cross(b - a, c - a);
+    const double size = glm::length(faced);
+    area += size;
+    facing += faced;
+    volume += glm::dot(a, faced) / 3;
+    if (triangles++ == 0) color = t.colors[0];
+    for (const Rgb8& corner : t.colors) {
+      colored = colored || corner != color;
+      colors += glm::dvec3(corner.r, corner.g, corner.b) * (size / 3);
+    }
+  }
+}
+
+Rgb8 SurfaceSurvey::mean_color() const {
+  if (!colored || !(area > 0) || !std::isfinite(area)) return color;
+  const auto part = [&](double sum) { return static_cast<std::uint8_t>(std::clamp(sum / area + 0.5, 0.0, 255.0)); };
+  return {part(colors.x), part(colors.y), part(colors.z)};
+}
+
+bool SurfaceSurvey::closed() const { return glm::length(facing) < 1e-4 * area && volume > 0; }
+
+bool SurfaceSurvey::sound() const { return area > 0 && std::isfinite(area) && finite(box.size()); }
+
+Description describe_vectors(const Cloud& cloud, const std::vector<std::pair<std::string, std::string>>& metadata) {
+  Description d = cloud.description;
+  d.total = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const float weight = cloud.weights[i];
+    if (!finite(cloud.positions[i]) || !(weight > 0) || !std::isfinite(weight)) continue;
+    d.total += weight;
+    d.box.add(cloud.positions[i]);
+  }
+  if (!std::isfinite(d.spacing)) d.spacing = 0;
+  if (!std::isfinite(d.value_range.first) || !std::isfinite(d.value_range.second)) d.value_range = {0, 1};
+  d.metadata = metadata;
+  for (const auto& pair : cloud.description.metadata) {
+    const auto same = [&](const auto& other) { return other.first == pair.first; };
+    if (std::none_of(d.metadata.begin(), d.metadata.end(), same)) d.metadata.push_back(pair);
+  }
+  return d;
+}
+
+}  // namespace gs::qnv

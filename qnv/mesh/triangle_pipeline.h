@@ -1,0 +1,47 @@
+#pragma once
+
+#include "qnv/base/triangles.h"
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Pipeline that passes batches of triangles, in order, to work on a second thread while the caller reads the next
+/// ones. With one thread, or if the system has no other, it does the work immediately.
+class TrianglePipeline {
+ public:
+  using Work = std::function<void(std::span<const Triangle>)>;
+  /// `threads` is as in parallel_for().
+  TrianglePipeline(Work work, unsigned threads);
+  TrianglePipeline(const TrianglePipeline&) = delete;
+  TrianglePipeline& operator=(const TrianglePipeline&) = delete;
+  ~TrianglePipeline() { stop(); }
+
+  /// Adds triangles; blocks while many are waiting. Returns false if the work has thrown, so that more triangles are
+  /// useless.
+  bool put(std::span<const Triangle> triangles);
+  /// Waits until all work is done. Rethrows an exception of the work.
+  void finish();
+
+ private:
+  void run();
+  void stop();
+
+  Work work_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::vector<Triangle>> waiting_, used_;  // `used_`: batches with memory to reuse
+  bool ended_ = false, failed_ = false;
+  std::exception_ptr failure_;
+  std::thread thread_;
+};
+
+}  // namespace gs::qnv

@@ -1,0 +1,155 @@
+#include "qnv/sampling/volume/volume_slices.h"
+
+#include "qnv/base/finite.h"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+namespace gs::qnv {
+namespace {
+
+constexpr std::uint64_t kMostVolumeVoxels = std::uint64_t{1} << 48;
+constexpr std::uint64_t kMostSliceVoxels = std::uint64_t{1} << 34;
+
+template <class T>
+T swapped(T value) {
+  if constexpr (sizeof(T) == 1) {
+    return value;
+  } else if constexpr (sizeof(T) == 2) {
+    return std::bit_cast<T>(__builtin_bswap16(std::bit_cast<std::uint16_t>(value)));
+  } else if constexpr (sizeof(T) == 4) {
+    return std::bit_cast<T>(__builtin_bswap32(std::bit_cast<std::uint32_t>(value)));
+  } else {
+    return std::bit_cast<T>(__builtin_bswap64(std::bit_cast<std::uint64_t>(value)));
+  }
+}
+
+// Loops that the compiler vectorises, one per combination; therefore no `if` on the layout inside.
+template <class T, bool swap, bool scaled, bool gaps>
+void convert(const std::byte* from, float* to, std::size_t count, const VolumeLayout& layout) {
+  constexpr double most = std::numeric_limits<float>::max();
+  const double slope = layout.slope, intercept = layout.intercept;
+  const double missing = layout.missing.value_or(std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < count; ++i) {
+    T stored;
+    std::memcpy(&stored, from + i * sizeof(T), sizeof(T));
+    if constexpr (swap) stored = swapped(stored);
+    if constexpr (!scaled && !gaps) {
+      to[i] = static_cast<float>(stored);
+    } else {
+      const auto exact = static_cast<double>(stored);
+      const double value = scaled ? exact * slope + intercept : exact;
+      const bool there = exact != missing && value >= -most && value <= most;
+      to[i] = there ? static_cast<float>(there ? value : 0.0) : kMissing;
+    }
+  }
+}
+
+template <class T>
+void convert(const std::byte* from, float* to, std::size_t count, const VolumeLayout& layout) {
+  const bool swap = layout.big_endian != (std::endian::native == std::endian::big);
+  const bool scaled = layout.slope != 1 || layout.intercept != 0;
+  const bool gaps = scaled || may_miss(layout);
+  if (swap) {
+    if (scaled) return convert<T, true, true, true>(from, to, count, layout);
+    return gaps ? convert<T, true, false, true>(from, to, count, layout)
+                : convert<T, true, false, false>(from, to, count, layout);
+  }
+  if (scaled) return convert<T, false, true, true>(from, to, count, layout);
+  return gaps ? convert<T, false, false, true>(from, to, count, layout)
+              : convert<T, false, false, false>(from, to, count, layout);
+}
+
+}  // namespace
+
+std::size_t size_of(VoxelType type) {
+  switch (type) {
+    case VoxelType::u8:
+    case VoxelType::i8:
+      return 1;
+    case VoxelType::u16:
+    case VoxelType::i16:
+      return 2;
+    case VoxelType::u32:
+    case VoxelType::i32:
+    case VoxelType::f32:
+      return 4;
+    case VoxelType::f64:
+      break;
+  }
+  return 8;
+}
+
+std::optional<VolumeError> check(const VolumeLayout& layout) {
+  const auto [x, y, z] = layout.dimensions;
+  const std::string size = std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z);
+  if (x == 0 || y == 0 || z == 0) return VolumeError{"the volume has " + size + " voxels; expected at least one"};
+  const std::uint64_t slice = std::uint64_t{x} * y;
+  if (slice > kMostSliceVoxels || slice > kMostVolumeVoxels / z)
+    return VolumeError{"the volume has " + size + " voxels; expected at most 2^34 a slice and 2^48 in all"};
+  if (layout.type > VoxelType::f64) return VolumeError{"the volume has an unknown type"};
+  if (!std::isfinite(layout.slope) || !std::isfinite(layout.intercept))
+    return VolumeError{"the slope or intercept of the volume's values is not finite"};
+  if (!finite(layout.origin) || !finite(layout.base)) return VolumeError{"the origin of the volume is not finite"};
+  constexpr double kLeastStep = 1e-15, kMostStep = 1e15, kFarthest = 1e18;  // beyond these, areas overflow float
+  if (glm::length(layout.origin + layout.base) > kFarthest)
+    return VolumeError{"the origin of the volume is more than 1e18 from the origin of the world"};
+  for (const glm::vec3& axis : layout.axes) {
+    if (!finite(axis)) return VolumeError{"an axis of the volume is not finite"};
+    const double step = glm::length(glm::dvec3(axis));
+    if (step < kLeastStep || step > kMostStep)
+      return VolumeError{"a voxel of the volume is not between 1e-15 and 1e15 long"};
+  }
+  const glm::dmat3 axes(layout.axes[0], layout.axes[1], layout.axes[2]);
+  const double lengths = glm::length(axes[0]) * glm::length(axes[1]) * glm::length(axes[2]);
+  constexpr double least = 1e-6;  // relative to a cuboid's volume; flatter voxels have no meaningful gradients
+  if (!(std::abs(glm::determinant(axes)) > least * lengths))
+    return VolumeError{"the axes of the volume do not span space; expected three independent directions"};
+  return std::nullopt;
+}
+
+bool may_miss(const VolumeLayout& layout) {
+  return layout.missing.has_value() || layout.type == VoxelType::f32 || layout.type == VoxelType::f64 ||
+         layout.slope != 1 || layout.intercept != 0;
+}
+
+void values_of(const VolumeLayout& layout, std::span<const std::byte> stored, std::span<float> values) {
+  const std::size_t count = std::min(values.size(), stored.size() / size_of(layout.type));
+  std::fill(values.begin() + static_cast<std::ptrdiff_t>(count), values.end(), kMissing);
+  const std::byte* from = stored.data();
+  float* to = values.data();
+  switch (layout.type) {
+    case VoxelType::u8:
+      return convert<std::uint8_t>(from, to, count, layout);
+    case VoxelType::i8:
+      return convert<std::int8_t>(from, to, count, layout);
+    case VoxelType::u16:
+      return convert<std::uint16_t>(from, to, count, layout);
+    case VoxelType::i16:
+      return convert<std::int16_t>(from, to, count, layout);
+    case VoxelType::u32:
+      return convert<std::uint32_t>(from, to, count, layout);
+    case VoxelType::i32:
+      return convert<std::int32_t>(from, to, count, layout);
+    case VoxelType::f32:
+      return convert<float>(from, to, count, layout);
+    case VoxelType::f64:
+      return convert<double>(from, to, count, layout);
+  }
+}
+
+bool read_slice(const VolumeSource& source, std::uint32_t z, std::vector<std::byte>& scratch, std::span<float> values) {
+  if (z >= source.layout.dimensions[2] || values.size() != slice_voxels(source.layout) || !source.read) return false;
+  scratch.resize(values.size() * size_of(source.layout.type));
+  if (!source.read(z, scratch)) return false;
+  values_of(source.layout, scratch, values);
+  return true;
+}
+
+}  // namespace gs::qnv

@@ -1,0 +1,125 @@
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/reader/stream_decoder.h"
+#include "tests/qnv/codecs/displaced/displaced_shapes.h"
+#include "tests/qnv/pinned_vectors.h"
+#include "tests/watched.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <random>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv::displaced::loss_test {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+/// Returns a wheel with 200 flat-shaded teeth: too many corners for a first stage.
+Triangles wheel() {
+  constexpr int kPlaces = 400;
+  Triangles out;
+  const auto at = [](int i, int h) {
+    const double a = 2 * std::numbers::pi * (i % kPlaces) / kPlaces, r = i % 2 ? 1.0 : 0.86;
+    return glm::vec3(r * std::cos(a), r * std::sin(a), 0.3 * h);
+  };
+  const auto flat = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    Triangle t = triangle_of(a, b, c);
+    t.normals.fill(glm::normalize(glm::cross(b - a, c - a)));
+    out.push_back(t);
+  };
+  for (int i = 0; i < kPlaces; ++i) {
+    flat(at(i, 0), at(i + 1, 0), at(i + 1, 1));
+    flat(at(i, 0), at(i + 1, 1), at(i, 1));
+    flat({0, 0, 0.3f}, at(i, 1), at(i + 1, 1));
+    flat(glm::vec3(0), at(i + 1, 0), at(i, 0));
+  }
+  return out;
+}
+
+struct Parts {
+  Bytes head;
+  std::vector<std::pair<ChunkType, Bytes>> chunks;
+};
+
+Parts parts_of(const Bytes& stream) {
+  Parts parts;
+  StreamReader reader;
+  (void)reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type != ChunkType::directory) parts.chunks.emplace_back(type, Bytes(payload.begin(), payload.end()));
+  });
+  std::size_t bytes = 0;
+  bool more = false;
+  (void)decode_header(stream, bytes, more);
+  parts.head.assign(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(bytes));
+  return parts;
+}
+
+StreamDecoder decoded(const Parts& parts, double lost, unsigned seed) {
+  StreamDecoder decoder;
+  (void)decoder.push(parts.head);
+  std::mt19937 random(seed);
+  for (const auto& [type, payload] : parts.chunks)
+    if (static_cast<double>(random()) / 4294967296.0 >= lost) decoder.add(type, payload);
+  CHECK(decoder.refused_chunks() == 0);
+  return decoder;
+}
+
+}  // namespace
+
+TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives losses") {
+  EncodeOptions options;
+  options.only_if_suited = true;
+  const Triangles source = wheel();
+  const auto made = encode_displaced(source_of(source), options);
+  REQUIRE(std::holds_alternative<EncodedStream>(made));
+  const Bytes& stream = std::get<EncodedStream>(made).bytes;
+  CHECK(stream.size() < 8 * source.size());
+  const Parts parts = parts_of(stream);
+  CHECK(parts.head.size() <= 1000);
+  for (const auto& [type, payload] : parts.chunks) CHECK(payload.size() <= 1300);
+  const StreamDecoder all = decoded(parts, 0, 1);
+  CHECK(all.is_mesh());
+  const Cloud cloud = all.cloud();
+  CHECK(cloud.triangles.size() == 3 * source.size());
+  CHECK(all.vectors() == cloud.size());
+  std::size_t whole = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) whole += decoded(parts, 0.3, seed).is_mesh() ? 1 : 0;
+  CHECK(whole >= 37);
+  // A prefix shows as much as is received, from the header on.
+  std::size_t before = 0;
+  for (std::size_t n = 1000; n <= stream.size(); n += watched_step(7) * 500) {
+    StreamDecoder decoder;
+    REQUIRE(decoder.push(std::span(stream).first(n)));
+    const std::size_t triangles = decoder.cloud().triangles.size();
+    REQUIRE_EACH(triangles >= std::max<std::size_t>(before, 300));
+    before = triangles;
+  }
+  // If only a part of the mesh fits, the stream ends with that part.
+  options.max_bytes = parts.head.size() + 700;
+  const auto smaller = encode_displaced(source_of(source), options);
+  REQUIRE(std::holds_alternative<EncodedStream>(smaller));
+  const Bytes& part = std::get<EncodedStream>(smaller).bytes;
+  CHECK(part.size() <= options.max_bytes);
+  CHECK(!decoded(parts_of(part), 0, 1).is_mesh());
+  CHECK(decoded(parts_of(part), 0, 1).cloud().triangles.size() >= 300);
+}
+
+TEST_CASE("shows the last stage after the loss of a third of its pieces") {
+  // tests/qnv/vectors/v1/displaced_pieces.qnv has two stages.
+  const Parts parts = parts_of(read_bytes("displaced_pieces.qnv"));
+  REQUIRE(std::ranges::count(parts.chunks, ChunkType::piece, &std::pair<ChunkType, Bytes>::first) > 5);
+  const auto shown = [&](double lost, unsigned seed) { return decoded(parts, lost, seed).cloud().triangles.size(); };
+  Parts first = parts;
+  std::erase_if(first.chunks, [](const auto& chunk) { return chunk.first == ChunkType::piece; });
+  const std::size_t of_all = shown(0, 1), of_first = decoded(first, 0, 1).cloud().triangles.size();
+  REQUIRE(of_first != of_all);
+  std::size_t last = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) last += shown(0.3, seed) != of_first ? 1 : 0;
+  CHECK(last >= 37);
+}
+
+}  // namespace gs::qnv::displaced::loss_test

@@ -1,0 +1,87 @@
+#include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/reader/stream_decoder.h"
+#include "tests/qnv/surface_shapes.h"
+#include "tests/watched.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+using namespace gs::qnv;
+
+namespace {
+
+/// Returns points of a ball with equal areas.
+Cloud ball_of_points(std::size_t count) {
+  Cloud cloud;
+  cloud.description.two_sided = true;
+  cloud.description.origin = {6e6, 0, 0};
+  cloud.description.metadata = {{"up", "z"}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
+    const double turn = 2.399963 * static_cast<double>(i), r = std::sqrt(1 - z * z);
+    const glm::vec3 n(r * std::cos(turn), r * std::sin(turn), z);
+    cloud.positions.push_back(3.0f * n);
+    cloud.normals.push_back(n);
+    cloud.weights.push_back(static_cast<float>(4 * std::numbers::pi * 9 / static_cast<double>(count)));
+    cloud.colors.push_back(n.z > 0 ? Rgb8{200, 0, 0} : Rgb8{0, 0, 200});
+  }
+  return cloud;
+}
+
+Cloud decoded_points(const EncodedStream& stream) {
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(stream.bytes));
+  decoder.finish();
+  REQUIRE(decoder.problems().empty());
+  return decoder.cloud();
+}
+
+}  // namespace
+
+TEST_CASE("packs points of a surface at their positions, with their normals and without gaps") {
+  Cloud points = ball_of_points(8000);
+  EncodeOptions options;
+  options.metadata = {{"title", "ball"}};
+  const auto result = encode_points(points, options);
+  REQUIRE(std::holds_alternative<EncodedStream>(result));
+  const auto& stream = std::get<EncodedStream>(result);
+  CHECK(stream.header.payload == Payload::packed);
+  CHECK(stream.header.description.origin == glm::dvec3(6e6, 0, 0));
+  CHECK(stream.header.description.metadata ==
+        std::vector<std::pair<std::string, std::string>>{{"title", "ball"}, {"up", "z"}});
+  CHECK(stream.header.description.total == Approx(4 * std::numbers::pi * 9).epsilon(0.001));
+  CHECK(stream.bytes.size() < 8000 * 3);  // records would need 8000 * 8
+  const Cloud cloud = decoded_points(stream);
+  CHECK(cloud.size() > 4000);
+  CHECK(cloud.size() < 20'000);
+  CHECK(total_weight(cloud) == Approx(4 * std::numbers::pi * 9).epsilon(0.05));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3& p = cloud.positions[i];
+    REQUIRE_EACH(std::abs(glm::length(p) - 3) < 0.06f);
+    REQUIRE_EACH(glm::dot(cloud.normals[i], glm::normalize(p)) > 0.97f);
+    REQUIRE_EACH(std::abs(p.z) < 0.3f || (cloud.colors[i].r > cloud.colors[i].b) == (p.z > 0));
+  }
+}
+
+TEST_CASE("skips invalid points, and refuses points that form no surface") {
+  Cloud points = ball_of_points(500);
+  points.positions[7].x = std::numeric_limits<float>::quiet_NaN();
+  points.normals[8] = glm::vec3(0);
+  points.weights[9] = -1;
+  CHECK(std::holds_alternative<EncodedStream>(encode_points(points, {})));
+  Cloud none = points;
+  none.weights.assign(none.size(), 0);
+  CHECK(std::holds_alternative<EncodeError>(encode_points(none, {})));
+  none.weights.pop_back();
+  CHECK(std::holds_alternative<EncodeError>(encode_points(none, {})));
+  points.description.kind = Kind::volume;
+  CHECK(std::holds_alternative<EncodeError>(encode_points(points, {})));
+}

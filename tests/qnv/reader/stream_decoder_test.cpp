@@ -1,0 +1,452 @@
+#include "qnv/reader/stream_decoder.h"
+#include "qnv/codecs/records/encode/encode_cloud.h"
+
+#include "qnv/base/morton.h"
+#include "tests/qnv/pinned_vectors.h"
+#include "tests/qnv/surface_shapes.h"
+#include "tests/watched.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <numeric>
+#include <random>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+bool same(const Cloud& a, const Cloud& b) {
+  const auto cells = [](const Cell& x, const Cell& y) { return x.edge == y.edge && x.offset == y.offset; };
+  return a.description == b.description && a.positions == b.positions && a.normals == b.normals &&
+         a.weights == b.weights && a.colors == b.colors && a.color == b.color &&
+         std::equal(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(), cells);
+}
+
+// Stream split into header and chunks.
+struct PackedParts {
+  EncodedStream stream;
+  Bytes header;
+  std::vector<Bytes> payloads;
+
+  explicit PackedParts(EncodedStream encoded) : stream(std::move(encoded)) {
+    header = encode_header(stream.header);
+    StreamReader reader;
+    const auto keep = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+      if (type == ChunkType::packed) payloads.emplace_back(payload.begin(), payload.end());
+    };
+    REQUIRE(reader.push(stream.bytes, keep));
+    REQUIRE(payloads.size() == stream.header.chunks);
+  }
+  [[nodiscard]] StreamDecoder begun() const {
+    StreamDecoder decoder;
+    REQUIRE(decoder.push(header));
+    return decoder;
+  }
+  [[nodiscard]] Cloud whole() const {
+    StreamDecoder decoder;
+    REQUIRE(decoder.push(stream.bytes));
+    return decoder.cloud();
+  }
+};
+
+PackedParts sphere_parts(std::size_t vectors) {
+  EncodeOptions options;
+  options.vectors = vectors;
+  return PackedParts(encoded(sphere(60), options));
+}
+
+// Returns a coloured ball with a two-sided sheet inside.
+PackedParts small_parts() {
+  Triangles shape = sphere(24, 1, {}, true);
+  for (Triangle t : two_sided_sheet()) {
+    for (glm::vec3& p : t.positions) p *= 0.6f;
+    shape.push_back(t);
+  }
+  EncodeOptions options;
+  options.vectors = 1500;
+  return PackedParts(encoded(shape, options));
+}
+
+// Cube of the octree: its level and cell.
+struct Place {
+  int level;
+  std::array<std::uint32_t, 3> cell;
+};
+
+Place place_of(const Cloud& cloud, std::size_t i, const Cube& cube) {
+  const Cell& cell = cloud.cells[i];
+  const glm::vec3 at = (cloud.positions[i] - cell.offset * cloud.normals[i] - cube.lower) / cell.edge - 0.5f;
+  Place place{static_cast<int>(std::lround(std::log2(cube.edge / cell.edge))), {}};
+  for (int axis = 0; axis < 3; ++axis)
+    place.cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(std::lround(at[axis]));
+  return place;
+}
+
+// Checks that each part of the sphere is covered once: its points are in cubes with a splat (within one finest voxel,
+// where the surface only touches a cube), and no cube is inside another.
+void check_cover(const Cloud& cloud, const Cube& cube, int finest) {
+  std::set<std::pair<int, std::uint64_t>> cubes;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Place p = place_of(cloud, i, cube);
+    REQUIRE(cubes.emplace(p.level, morton_encode(p.cell[0], p.cell[1], p.cell[2])).second);
+  }
+  for (auto [level, key] : cubes)
+    while (level-- > 0) REQUIRE_FALSE(cubes.contains({level, key >>= 3}));
+  const int n = 1 << finest;
+  for (int i = 0; i < 500; ++i) {
+    const double z = 1 - 2 * (i + 0.5) / 500, r = std::sqrt(1 - z * z), a = i * 2.399963;
+    const glm::vec3 p =
+        (glm::vec3(r * std::cos(a), r * std::sin(a), z) * 0.9995f - cube.lower) * (static_cast<float>(n) / cube.edge);
+    bool covered = false;
+    for (int d = 0; d < 27 && !covered; ++d) {
+      std::array<std::uint32_t, 3> cell{};
+      for (int axis = 0, rest = d; axis < 3; ++axis, rest /= 3)
+        cell[static_cast<std::size_t>(axis)] =
+            static_cast<std::uint32_t>(std::clamp(static_cast<int>(p[axis]) + rest % 3 - 1, 0, n - 1));
+      std::uint64_t key = morton_encode(cell[0], cell[1], cell[2]);
+      for (int level = finest; level > 0 && !covered; --level, key >>= 3) covered = cubes.contains({level, key});
+    }
+    REQUIRE(covered);
+  }
+}
+
+int finest_level(const PackedParts& parts) {
+  int finest = 0;
+  for (const Bytes& payload : parts.payloads) {
+    const auto header = std::get<ClusterHeader>(read_cluster_header(payload));
+    finest = std::max(finest, header.level + header.levels);
+  }
+  return finest;
+}
+
+TEST_CASE("decodes every prefix of a stream to a complete picture") {
+  const PackedParts parts = sphere_parts(8000);
+  const std::size_t first = parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size();
+  std::size_t last = 0;
+  StreamDecoder decoder;
+  const int finest = finest_level(parts);
+  for (std::size_t at = 0; at < parts.stream.bytes.size(); ++at) {
+    const std::uint64_t before = decoder.revision();
+    REQUIRE(decoder.push(std::span(parts.stream.bytes).subspan(at, 1)));
+    if (at + 1 < first) REQUIRE(decoder.vectors() == 0);
+    if (decoder.revision() == before) continue;
+    const Cloud cloud = decoder.cloud();
+    REQUIRE(at + 1 >= first);
+    REQUIRE(cloud.size() == decoder.vectors());
+    REQUIRE(cloud.size() >= last);
+    REQUIRE(total_weight(cloud) == Approx(4 * std::numbers::pi).epsilon(0.1));
+    check_cover(cloud, parts.stream.header.cube, finest);
+    last = cloud.size();
+  }
+  CHECK(last == parts.stream.header.vectors);
+}
+
+TEST_CASE("decodes a stream to the same picture wherever it is cut in two") {
+  const PackedParts parts = small_parts();
+  const Cloud expected = parts.whole();
+  CHECK(expected.size() > 1500);
+  for (std::size_t at = 0; at <= parts.stream.bytes.size(); at += watched_step(5)) {
+    StreamDecoder decoder;
+    REQUIRE(decoder.push(std::span(parts.stream.bytes).first(at)));
+    REQUIRE(decoder.push(std::span(parts.stream.bytes).subspan(at)));
+    decoder.finish();
+    REQUIRE(decoder.problems().empty());
+    REQUIRE(same(decoder.cloud(), expected));
+  }
+}
+
+TEST_CASE("leaves no hole and no overlap with chunks in any order and with any losses") {
+  const PackedParts parts = sphere_parts(8000);
+  const Cloud expected = parts.whole();
+  const int finest = finest_level(parts);
+  std::mt19937 random(5);
+  std::vector<std::size_t> order(parts.payloads.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (int round = 0; round < 40; ++round) {
+    std::shuffle(order.begin(), order.end(), random);
+    const unsigned lost = round < 5 ? 0 : static_cast<unsigned>(round * 2);  // per cent
+    StreamDecoder decoder = parts.begun();
+    for (const std::size_t i : order)
+      if (i == 0 || random() % 100 >= lost) decoder.add(ChunkType::packed, parts.payloads[i]);
+    CHECK(decoder.refused_chunks() == 0);
+    const Cloud cloud = decoder.cloud();
+    REQUIRE(cloud.size() == decoder.vectors());
+    if (lost == 0) REQUIRE(same(cloud, expected));
+    check_cover(cloud, parts.stream.header.cube, finest);
+    CHECK(total_weight(cloud) == Approx(4 * std::numbers::pi).epsilon(0.1));
+    // The lost chunks are received at last.
+    for (const Bytes& payload : parts.payloads) decoder.add(ChunkType::packed, payload);
+    REQUIRE(same(decoder.cloud(), expected));
+  }
+}
+
+TEST_CASE("decodes a cluster with its ancestors alone") {
+  const PackedParts parts = sphere_parts(5000);
+  std::vector<std::uint32_t> parent;
+  for (const Bytes& payload : parts.payloads)
+    parent.push_back(std::get<ClusterHeader>(read_cluster_header(payload)).parent);
+  for (std::size_t i = 0; i < parts.payloads.size(); ++i) {
+    StreamDecoder decoder = parts.begun();
+    std::size_t needed = 0;
+    for (std::uint32_t id = static_cast<std::uint32_t>(i); id != kNoParent; id = parent[id], ++needed)
+      decoder.add(ChunkType::packed, parts.payloads[id]);
+    REQUIRE(decoder.refused_chunks() == 0);
+    REQUIRE(decoder.revision() == needed);
+  }
+}
+
+TEST_CASE("reports every flipped bit of a stream and shows no wrong data") {
+  const PackedParts parts = small_parts();
+  const Cloud expected = parts.whole();
+  Bytes bytes = parts.stream.bytes;
+  std::set<std::array<float, 3>> right;
+  // Splats of all levels, of which some show when a chunk is missing.
+  StreamDecoder growing = parts.begun();
+  for (const Bytes& payload : parts.payloads) {
+    growing.add(ChunkType::packed, payload);
+    for (const glm::vec3& p : growing.cloud().positions) right.insert({p.x, p.y, p.z});
+  }
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += watched_step(11)) {
+    bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
+    StreamDecoder decoder;
+    const bool good = decoder.push(bytes);
+    decoder.finish();
+    REQUIRE_FALSE(decoder.problems().empty());
+    if (bit / 8 < parts.header.size()) {
+      REQUIRE((!good || decoder.header() == nullptr));
+      REQUIRE(decoder.cloud().empty());
+    } else if (bit % 8 == 0) {
+      const Cloud cloud = decoder.cloud();
+      REQUIRE(cloud.empty() == (bit / 8 < parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size()));
+      for (const glm::vec3& p : cloud.positions) REQUIRE_EACH(right.contains({p.x, p.y, p.z}));
+    }
+    bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
+  }
+}
+
+TEST_CASE("survives every flipped bit in chunks without a checksum") {
+  const PackedParts parts = small_parts();
+  std::vector<Bytes> payloads = parts.payloads;
+  for (std::size_t which = 0; which < 3; ++which)
+    for (std::size_t bit = 0; bit < 8 * payloads[which].size(); bit += (bit < 8 * 22 ? 1 : 5) * watched_step(7)) {
+      payloads[which][bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
+      StreamDecoder decoder = parts.begun();
+      for (const Bytes& payload : payloads) decoder.add(ChunkType::packed, payload);
+      const Cloud cloud = decoder.cloud();
+      REQUIRE(cloud.size() == decoder.vectors());
+      for (std::size_t i = 0; i < cloud.size(); ++i)
+        REQUIRE_EACH((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
+      payloads[which][bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
+    }
+}
+
+Bytes with_ids(Bytes payload, std::uint32_t id, std::uint32_t parent) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    payload[i] = static_cast<std::byte>(id >> (8 * i) & 255);
+    payload[4 + i] = static_cast<std::byte>(parent >> (8 * i) & 255);
+  }
+  return payload;
+}
+
+TEST_CASE("rejects cycles, duplicate numbers and second roots") {
+  const PackedParts parts = small_parts();
+  const Cloud expected = parts.whole();
+  StreamDecoder decoder = parts.begun();
+  // A chunk that is its own parent, and two that are each other's: they wait for ever.
+  decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 900, 900));
+  decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 901, 902));
+  decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 902, 901));
+  CHECK(decoder.cloud().empty());
+  for (const Bytes& payload : parts.payloads) decoder.add(ChunkType::packed, payload);
+  CHECK(decoder.refused_chunks() == 0);
+  CHECK(same(decoder.cloud(), expected));
+  std::size_t refused = 0;
+  const auto refuses = [&](const Bytes& payload) {
+    decoder.add(ChunkType::packed, payload);
+    return decoder.refused_chunks() == ++refused && same(decoder.cloud(), expected);
+  };
+  CHECK(refuses(parts.payloads[0]));                            // repeated
+  CHECK(refuses(parts.payloads[1]));                            // another repeated one
+  CHECK(refuses(with_ids(parts.payloads[0], 700, kNoParent)));  // a second root
+  CHECK(refuses(with_ids(parts.payloads[1], 701, 0)));          // already divided
+  CHECK(refuses(with_ids(parts.payloads[0], 702, 0)));          // levels that do not fit
+  CHECK(refuses(with_ids(parts.payloads[1], kNoParent, 0)));    // no number
+  CHECK(refuses({}));
+  CHECK(refuses(Bytes(21)));
+  decoder.add(ChunkType::records, parts.payloads[0]);
+  CHECK(decoder.refused_chunks() == ++refused);
+}
+
+TEST_CASE("limits the memory for chunks without their parents") {
+  const PackedParts parts = small_parts();
+  StreamDecoder decoder = parts.begun();
+  Bytes tiny(parts.payloads[1].begin(), parts.payloads[1].begin() + 22);
+  for (std::uint32_t i = 0; i < 500'000; ++i) decoder.add(ChunkType::packed, with_ids(tiny, 10 + i, 5));
+  CHECK(decoder.refused_chunks() > 0);
+  CHECK(decoder.refused_chunks() < 200'000);
+  CHECK(decoder.cloud().empty());
+}
+
+TEST_CASE("decodes at most the maximum number of vectors") {
+  const PackedParts parts = small_parts();
+  for (const std::size_t most : {0u, 10u, 300u, 900u}) {
+    StreamDecoder decoder(most);
+    REQUIRE(decoder.push(parts.stream.bytes));
+    CHECK(decoder.vectors() <= most);
+    CHECK(decoder.cloud().size() <= most);
+    CHECK(decoder.refused_chunks() > 0);
+  }
+}
+
+TEST_CASE("accepts the records of a chunk in any pieces") {
+  Cloud cloud;
+  std::mt19937 random(5);
+  for (int i = 0; i < 3000; ++i) {
+    const auto part = [&] { return static_cast<float>(random() % 1000) / 1000; };
+    cloud.positions.emplace_back(part(), part(), part());
+    cloud.normals.emplace_back(0, 0, 1);
+    cloud.weights.push_back(0.5f + part());
+    cloud.description.box.add(cloud.positions.back());
+    cloud.description.total += cloud.weights.back();
+  }
+  EncodeOptions options;
+  options.payload = Payload::records;
+  const auto encoded = encode_cloud(cloud, options);
+  const auto& stream = std::get<EncodedStream>(encoded);
+  std::vector<Bytes> payloads;
+  StreamReader reader;
+  REQUIRE(reader.push(stream.bytes, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type == ChunkType::records) payloads.emplace_back(payload.begin(), payload.end());
+  }));
+  StreamDecoder whole, pieces;
+  REQUIRE(whole.push(stream.bytes));
+  REQUIRE(pieces.push(encode_header(stream.header)));
+  constexpr std::size_t kPiece = 47 * 8;
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // payload, first byte
+  for (std::size_t i = 0; i < payloads.size(); ++i)
+    for (std::size_t at = kRecordsHeaderBytes; at < payloads[i].size(); at += kPiece) order.emplace_back(i, at);
+  std::shuffle(order.begin(), order.end(), random);
+  REQUIRE(order.size() > 50);
+  std::size_t vectors = 0;
+  for (const auto& [i, at] : order) {
+    const std::size_t end = std::min(at + kPiece, payloads[i].size());
+    const Bytes part(payloads[i].begin(), payloads[i].begin() + static_cast<std::ptrdiff_t>(end));
+    const ByteRange missing{kRecordsHeaderBytes, at};
+    pieces.add(ChunkType::records, part, std::span(&missing, at > kRecordsHeaderBytes ? 1 : 0));
+    vectors += (end - at) / 8;
+    REQUIRE(pieces.vectors() == vectors);
+  }
+  CHECK(pieces.refused_chunks() == 0);
+  const auto sorted = [](const Cloud& c) {
+    std::multiset<std::array<float, 4>> all;
+    for (std::size_t i = 0; i < c.size(); ++i)
+      all.insert({c.positions[i].x, c.positions[i].y, c.positions[i].z, c.weights[i]});
+    return all;
+  };
+  CHECK(sorted(pieces.cloud()) == sorted(whole.cloud()));
+  // Only records can be received so.
+  const ByteRange missing{0, 8};
+  pieces.add(ChunkType::packed, payloads[0], std::span(&missing, 1));
+  CHECK(pieces.refused_chunks() == 1);
+}
+
+TEST_CASE("is empty before the header, and reads directories in pieces") {
+  const PackedParts parts = small_parts();
+  StreamDecoder decoder;
+  decoder.add(ChunkType::packed, parts.payloads[0]);
+  CHECK(decoder.cloud().empty());
+  CHECK(decoder.header() == nullptr);
+  REQUIRE(decoder.push(parts.stream.bytes));
+  CHECK(decoder.directory().size() == parts.stream.header.chunks);
+  decoder.add(ChunkType::directory, Bytes(7));
+  CHECK(decoder.directory().size() == parts.stream.header.chunks);
+}
+
+// encode_surface once wrote tests/qnv/vectors/v1/packed_sphere.qnv. A program written from FORMAT.md alone made
+// packed_sphere.txt. Never regenerate either: streams of version 1 stay readable.
+TEST_CASE("decodes a stream of version 1 to its pinned numbers") {
+  const std::string folder = GHOSTSPACE_TESTS "/qnv/vectors/v1/";
+  std::ifstream in(folder + "packed_sphere.qnv", std::ios::binary);
+  const std::vector<char> chars{std::istreambuf_iterator<char>(in), {}};
+  REQUIRE(chars.size() > 1000);
+  Bytes bytes(chars.size());
+  std::transform(chars.begin(), chars.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(bytes));
+  decoder.finish();
+  REQUIRE(decoder.problems().empty());
+  REQUIRE(decoder.refused_chunks() == 0);
+  const Cloud cloud = decoder.cloud();
+  std::ifstream text(folder + "packed_sphere.txt");
+  std::string line;
+  std::size_t i = 0;
+  while (std::getline(text, line)) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream numbers(line);
+    std::array<double, 9> d{};
+    std::array<int, 3> color{};
+    for (std::size_t k = 0; k < 7; ++k) numbers >> d[k];
+    for (int& c : color) numbers >> c;
+    numbers >> d[7] >> d[8];
+    REQUIRE(numbers);
+    REQUIRE(i < cloud.size());
+    for (int axis = 0; axis < 3; ++axis) {
+      REQUIRE(cloud.positions[i][axis] == Approx(d[static_cast<std::size_t>(axis)]).margin(1e-6));
+      REQUIRE(cloud.normals[i][axis] == Approx(d[static_cast<std::size_t>(axis) + 3]).margin(1e-6));
+    }
+    REQUIRE(cloud.weights[i] == Approx(d[6]).epsilon(1e-5));
+    REQUIRE(cloud.colors[i] == Rgb8{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
+                                    static_cast<std::uint8_t>(color[2])});
+    REQUIRE(cloud.cells[i].edge == Approx(d[7]).epsilon(1e-6));
+    REQUIRE(cloud.cells[i].offset == Approx(d[8]).margin(1e-6));
+    ++i;
+  }
+  CHECK(i == cloud.size());
+  CHECK(cloud.description.metadata.at(0).first == "title");
+}
+
+// Streams in tests/qnv/vectors/v2 have an origin. records_decode.py made records_far.txt.
+TEST_CASE("decodes a stream of version 2 to its pinned positions") {
+  const Bytes bytes = read_bytes("records_far.qnv", "v2");
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(bytes));
+  decoder.finish();
+  REQUIRE(decoder.problems().empty());
+  const Cloud cloud = decoder.cloud();
+  CHECK(cloud.description.origin == glm::dvec3(4'500'000.5, -4'500'000.5, 3'200'000));
+  std::ifstream text(GHOSTSPACE_TESTS "/qnv/vectors/v2/records_far.txt");
+  std::size_t i = 0;
+  for (std::string line; std::getline(text, line); ++i) {
+    std::istringstream numbers(line);
+    glm::dvec3 place, normal;
+    std::array<int, 3> color{};
+    numbers >> place.x >> place.y >> place.z >> normal.x >> normal.y >> normal.z;
+    for (int& c : color) numbers >> c;
+    REQUIRE(numbers);
+    REQUIRE(i < cloud.size());
+    // A tenth of a micrometre at four thousand kilometres.
+    CHECK(glm::length(cloud.description.origin + glm::dvec3(cloud.positions[i]) - place) < 1e-7);
+    CHECK(glm::length(glm::dvec3(cloud.normals[i]) - normal) < 1e-5);
+    CHECK(cloud.colors[i] == Rgb8{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
+                                  static_cast<std::uint8_t>(color[2])});
+  }
+  CHECK(i == cloud.size());
+}
+
+}  // namespace
+}  // namespace gs::qnv
