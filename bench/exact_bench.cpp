@@ -101,12 +101,12 @@ bool measure(Studio& studio, const std::string& file, int bits) {
   const std::size_t triangles = cloud.triangles.size() / 3, whole = stream->bytes.size();
   std::printf("| %s | %zu | %zu | %zu | %zu | %zu | %zu | %.3f | %.1f / %.1f / %.1f / %.1f | %.2f | %.3f | %.1f |\n",
               std::filesystem::path(file).filename().string().c_str(), decoder.vectors(), triangles, places.tail,
-              decoder.exact().length(), whole, draco,
+              decoder.mesh().bytes, whole, draco,
               draco > 0 ? static_cast<double>(whole) / static_cast<double>(draco) : 0, header_psnr, refined_psnr,
               whole_psnr, draco_psnr, encoded - start, decoded - before,
               static_cast<double>(triangles) / 1e6 / (decoded - before));
   std::fflush(stdout);
-  return decoder.exact().whole();
+  return decoder.mesh().whole;
 }
 
 }  // namespace

@@ -186,24 +186,25 @@ bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::s
   facts.put("palette", header->palette.size());
   facts.put("directory_entries", decoder.directory().size());
   facts.put("damaged_chunks", decoder.refused_chunks() + decoder.problems().size());
-  if (const qnv::ExactSurface& exact = decoder.exact(); exact.length() > 0) {
-    Fact tail = Fact::named({{"bytes", exact.length()}, {"come", exact.come()}});
-    if (exact.whole()) {
-      tail.put("bits", exact.bits());
+  const qnv::MeshProgress mesh = decoder.mesh();
+  if (mesh.bytes > 0) {
+    Fact tail = Fact::named({{"bytes", mesh.bytes}, {"come", mesh.received}});
+    if (mesh.whole) {
+      tail.put("bits", mesh.bits);
       tail.put("triangles", cloud.triangles.size() / 3);
-    } else if (exact.cover()) {
-      tail.put("triangles", exact.cover()->triangles);
-      tail.put("triangles_come", exact.triangles());
+    } else if (mesh.partly) {
+      tail.put("triangles", mesh.all_triangles);
+      tail.put("triangles_come", mesh.triangles);
     }
-    if (exact.picture_length() > 0)
-      tail.put("picture", Fact::named({{"bytes", exact.picture_length()}, {"come", exact.picture_come()}}));
+    if (mesh.texture_bytes > 0)
+      tail.put("picture", Fact::named({{"bytes", mesh.texture_bytes}, {"come", mesh.texture_received}}));
     facts.put("exact", std::move(tail));
   }
-  if (const qnv::ProgressiveSurface& progressive = decoder.progressive(); progressive.begun())
-    facts.put("progressive", Fact::named({{"bits", progressive.mesh().bits()},
-                                          {"vertices", progressive.mesh().vertices()},
+  if (mesh.growing)
+    facts.put("progressive", Fact::named({{"bits", mesh.bits},
+                                          {"vertices", mesh.vertices},
                                           {"triangles", cloud.triangles.size() / 3},
-                                          {"whole", progressive.mesh().whole()}}));
+                                          {"whole", mesh.final}}));
   if (header->payload == qnv::Payload::voxels) {
     const auto& [x, y, z] = header->lattice.dimensions;
     facts.put("dimensions", Fact::list({x, y, z}));

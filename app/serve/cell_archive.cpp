@@ -115,7 +115,7 @@ std::optional<std::string> QnvSource::read() {
   if (const auto* problem = std::get_if<qnv::StreamProblem>(&decoded)) return problem->message;
   if (need_more || header_bytes == 0) return "the file ends within its header";
   const auto& header = std::get<qnv::StreamHeader>(decoded);
-  payload_ = &qnv::row_of(header.payload);
+  payload_ = &qnv::row_of(header);
   std::vector<Place> all = from_directory(header);
   if (all.empty()) all = from_chunks(header_bytes);
   // The protected base is the start of the file: the header and the following chunks that fit.

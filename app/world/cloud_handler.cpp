@@ -118,7 +118,7 @@ void CloudHandler::choose_way() {
     return;
   }
   const auto& known = std::get<qnv::StreamHeader>(header);
-  const qnv::PayloadReader reader = qnv::row_of(known.payload).reader;
+  const qnv::PayloadReader reader = qnv::row_of(known).reader;
   if (reader == qnv::PayloadReader::polygons) {
     way_ = Way::whole;  // the reader of whole files reports that these are polygons
     return;
@@ -153,13 +153,13 @@ void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
 // Vectors of a surface move as their number grows.
 void CloudHandler::show_records(bool last) {
   // Meshes are counted when they are made.
-  const bool mesh = decoder_->exact().whole() || decoder_->progressive().begun() || decoder_->exact().cover();
+  const bool mesh = decoder_->mesh().shown();
   const std::size_t vectors = mesh ? shown_ + 1 : decoder_->vectors();
   const std::uint64_t revision = decoder_->revision();
   const bool more = vectors >= shown_ + shown_ / 4 + 1000, finer = revision > shown_revision_ + shown_revision_ / 4;
-  const bool exact = decoder_->is_mesh() && !shown_exact_;
+  const bool exact = decoder_->mesh().final && !shown_exact_;
   if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer && !exact)) return;
-  shown_exact_ = decoder_->is_mesh();
+  shown_exact_ = decoder_->mesh().final;
   shown_ = vectors;
   shown_revision_ = revision;
   show_(std::make_shared<const qnv::Cloud>(world_.options.whole_surfaces ? decoder_->cloud()

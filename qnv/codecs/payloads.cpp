@@ -3,8 +3,14 @@
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/records/encode/encode_cloud.h"
 
+#include "qnv/codecs/displaced/decode/displaced_decoder.h"
+#include "qnv/codecs/octree/decode/octree_decoder.h"
+#include "qnv/codecs/progressive/decode/progressive_decoder.h"
+#include "qnv/codecs/progressive/encode/progressive_stream.h"
+#include "qnv/codecs/records/decode/records_decoder.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/records/records_payload.h"
+#include "qnv/codecs/voxels/decode/voxels_decoder.h"
 
 #include <algorithm>
 #include <array>
@@ -51,6 +57,12 @@ Encoded encode_base_and_displacements(const EncodeSource& source, EncodeOptions 
   return encode_displaced(*triangles, options, progress);
 }
 
+Encoded encode_growing(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  const TriangleSource* triangles = triangles_of(source);
+  if (!triangles) return EncodeError{"a progressive stream is made of a surface; expected triangles"};
+  return encode_progressive(*triangles, options, progress);
+}
+
 Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const auto* volume = std::get_if<VolumeVectors>(&source);
   if (!volume) return EncodeError{"a voxels stream needs a volume; expected its vectors and its layout"};
@@ -66,38 +78,56 @@ constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
 }
 constexpr ChunkTypes only(ChunkType type) { return types({type}); }
 
-constexpr std::array<PayloadRow, 5> kRows = {{
-    {Payload::records, "records", PayloadReader::vectors, only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes,
-     1200 / kRecordBytes, encode_records},
-    {Payload::packed, "packed", PayloadReader::levels,
+template <class Made>
+std::unique_ptr<Decoder> make(const StreamHeader& header, std::size_t most_vectors) {
+  return std::make_unique<Made>(header, most_vectors);
+}
+
+bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
+
+constexpr std::array<PayloadRow, 6> kRows = {{
+    {Payload::records, "records", PayloadReader::vectors, nullptr, only(ChunkType::records), kRecordsHeaderBytes,
+     kRecordBytes, 1200 / kRecordBytes, encode_records, make<RecordsDecoder>},
+    {Payload::packed, "packed", PayloadReader::levels, nullptr,
      types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::picture, ChunkType::normals}),
-     0, 0, 0, encode_packed},
-    {Payload::outlines, "outlines", PayloadReader::polygons, types({ChunkType::outlines, ChunkType::inner}), 0, 0, 0,
-     encode_groups},
-    {Payload::displaced, "displaced", PayloadReader::vectors,
-     types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::splits,
-            ChunkType::low_bits, ChunkType::cover, ChunkType::picture, ChunkType::normals}),
-     0, 0, 0, encode_base_and_displacements},
-    {Payload::voxels, "voxels", PayloadReader::vectors, only(ChunkType::voxels), 0, 0, 0, encode_volume_vectors},
+     0, 0, 0, encode_packed, make<OctreeDecoder>},
+    {Payload::outlines, "outlines", PayloadReader::polygons, nullptr, types({ChunkType::outlines, ChunkType::inner}), 0,
+     0, 0, encode_groups, nullptr},
+    {Payload::displaced, "progressive", PayloadReader::vectors, is_progressive,
+     types({ChunkType::piece, ChunkType::splits}), 0, 0, 0, encode_growing, make<ProgressiveDecoder>},
+    {Payload::displaced, "displaced", PayloadReader::vectors, nullptr,
+     types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
+            ChunkType::cover, ChunkType::picture, ChunkType::normals}),
+     0, 0, 0, encode_base_and_displacements, make<DisplacedDecoder>},
+    {Payload::voxels, "voxels", PayloadReader::vectors, nullptr, only(ChunkType::voxels), 0, 0, 0,
+     encode_volume_vectors, make<VoxelsDecoder>},
 }};
 
-// The table is ordered by payload number. Numbers may have gaps.
+// The table is ordered by payload number. Numbers may have gaps. Of rows with the same number, only the last one has no
+// `sniff`.
 static_assert([] {
   for (std::size_t i = 1; i < kRows.size(); ++i)
-    if (!(kRows[i - 1].payload < kRows[i].payload)) return false;
+    if (!(kRows[i - 1].payload < kRows[i].payload) && !(kRows[i - 1].payload == kRows[i].payload && kRows[i - 1].sniff))
+      return false;
   return true;
 }());
 
 const PayloadRow* row_with(std::uint8_t number) {
   for (const PayloadRow& row : kRows)
-    if (static_cast<std::uint8_t>(row.payload) == number) return &row;
+    if (static_cast<std::uint8_t>(row.payload) == number && !row.sniff) return &row;
   return nullptr;
 }
 
 }  // namespace
 
 std::span<const PayloadRow> payload_rows() { return kRows; }
+
+const PayloadRow& row_of(const StreamHeader& header) {
+  for (const PayloadRow& row : kRows)
+    if (row.payload == header.payload && row.sniff && row.sniff(header)) return row;
+  return row_of(header.payload);
+}
 
 const PayloadRow& row_of(Payload payload) { return *row_with(static_cast<std::uint8_t>(payload)); }
 

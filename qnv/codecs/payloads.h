@@ -3,6 +3,7 @@
 #include "qnv/base/cloud.h"
 #include "qnv/codecs/outlines/grouping/outline_groups.h"
 #include "qnv/codecs/outlines/outline_stream.h"
+#include "qnv/codecs/shared/decoder.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/codecs/voxels/encode/encode_voxels.h"
 #include "qnv/container/container.h"
@@ -11,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -44,6 +46,8 @@ struct PayloadRow {
   Payload payload;
   std::string_view name;
   PayloadReader reader;
+  /// Reports whether a stream is of this row and not of another one with the same number; nullptr: no such row follows.
+  bool (*sniff)(const StreamHeader& header);
   ChunkTypes chunks;           // padded with repetitions
   std::size_t head_bytes;      // header of a chunk's payload; must be received completely
   std::size_t record_bytes;    // size of the records after the header, each usable alone; 0 if only whole chunks are
@@ -53,10 +57,14 @@ struct PayloadRow {
   /// outlines use the options in their source instead. Blocks; safe from any thread.
   std::variant<EncodedStream, EncodeError> (*encode)(const EncodeSource& source, EncodeOptions options,
                                                      Progress* progress);
+  /// Makes a decoder for up to `most_vectors` vectors; nullptr for polygons.
+  std::unique_ptr<Decoder> (*decoder)(const StreamHeader& header, std::size_t most_vectors);
 };
 
 /// Returns all payloads, ordered by number.
 [[nodiscard]] std::span<const PayloadRow> payload_rows();
+[[nodiscard]] const PayloadRow& row_of(const StreamHeader& header);
+/// Returns the row of a payload; of the rows that share its number, the one without `sniff`.
 [[nodiscard]] const PayloadRow& row_of(Payload payload);
 /// Returns the payload of a stream from its first bytes, or nullptr for other data or too few bytes. Safe for untrusted
 /// bytes.

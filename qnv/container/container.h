@@ -98,6 +98,11 @@ struct StreamProblem {
 /// Returns the entries of one directory chunk's payload. Safe for untrusted bytes.
 [[nodiscard]] std::vector<DirectoryEntry> decode_directory(std::span<const std::byte> payload, const Box& box);
 
+/// Bytes first to last - 1.
+struct ByteRange {
+  std::size_t first, last;
+};
+
 /// Type and length of a chunk.
 struct ChunkHead {
   ChunkType type = ChunkType::records;

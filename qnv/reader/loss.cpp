@@ -33,7 +33,7 @@ std::vector<std::byte> drop_packets(std::span<const std::byte> stream, double sh
     const std::vector<std::byte> chunk = encode_chunk(type, payload);
     out.insert(out.end(), chunk.begin(), chunk.end());
   };
-  const PayloadRow& row = row_of(std::get<StreamHeader>(header).payload);
+  const PayloadRow& row = row_of(std::get<StreamHeader>(header));
   std::uint64_t packet = 0;
   StreamReader reader;
   const auto take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {

@@ -1,27 +1,25 @@
 #pragma once
 
-#include "qnv/codecs/displaced/decode/surface_stages.h"
-#include "qnv/codecs/lossless/decode/exact_surface.h"
-#include "qnv/codecs/octree/decode/cluster_forest.h"
-#include "qnv/codecs/octree/packed.h"
-#include "qnv/codecs/progressive/decode/progressive_surface.h"
-#include "qnv/codecs/records/decode/records_assembly.h"
-#include "qnv/codecs/voxels/voxels.h"
+#include "qnv/base/cloud.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/codecs/shared/decoder.h"
 #include "qnv/container/container.h"
 #include "qnv/container/piece_group.h"
 
+#include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace gs::qnv {
 
-/// Decodes a stream, received in pieces or with losses, into vectors or a surface. At any time, the received part is a
-/// complete picture. Not thread-safe; safe for untrusted bytes; memory is bounded by `most_vectors`.
+/// Decodes a stream, received in pieces or with losses, into vectors or a surface, with the decoder of its payload. At
+/// any time, the received part is a complete picture. Not thread-safe; safe for untrusted bytes; memory is bounded by
+/// `most_vectors`.
 class StreamDecoder {
  public:
-  explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26);
+  explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26) : most_vectors_(most_vectors) {}
 
   /// Decodes the next bytes of the stream. Returns false once the stream is rejected.
   bool push(std::span<const std::byte> bytes);
@@ -34,66 +32,37 @@ class StreamDecoder {
 
   [[nodiscard]] const StreamHeader* header() const { return reader_.header(); }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return reader_.problems(); }
-  [[nodiscard]] std::size_t refused_chunks() const {
-    return refused_chunks_ + packed_.count().refused + voxels_.count().refused + surface_.count().refused +
-           exact_.count().refused + progressive_.count().refused;
-  }
+  [[nodiscard]] std::size_t refused_chunks() const { return refused_chunks_ + count().refused; }
   /// Reports whether chunks were dropped because of `most_vectors`.
-  [[nodiscard]] bool full() const {
-    return records_full_ || packed_.count().full || voxels_.count().full || surface_.count().full ||
-           exact_.count().full || progressive_.count().full;
-  }
+  [[nodiscard]] bool full() const { return count().full; }
   /// Returns the number of vectors of cloud().
-  [[nodiscard]] std::size_t vectors() const {
-    if (exact_.whole()) return exact_.vectors();
-    return records_vectors_ + packed_.count().vectors + voxels_.count().vectors +
-           (progressive_.begun() ? progressive_.shown().positions.size() : surface_vectors());
-  }
+  [[nodiscard]] std::size_t vectors() const { return decoder_ ? decoder_->vectors() : 0; }
   /// Returns a number that changes whenever cloud() would.
-  [[nodiscard]] std::uint64_t revision() const {
-    return records_revision_ + packed_.count().taken + voxels_.count().taken + surface_.count().taken +
-           exact_.count().taken + progressive_.count().taken;
-  }
-  /// Returns the exact mesh at the end of a displaced surface or an octree, as far as received.
-  [[nodiscard]] const ExactSurface& exact() const { return exact_; }
-  /// Returns the mesh of a stream with splits, as far as received.
-  [[nodiscard]] const ProgressiveSurface& progressive() const { return progressive_; }
-  /// Reports whether the complete exact mesh is shown.
-  [[nodiscard]] bool is_mesh() const { return exact_.finest() || progressive_.mesh().whole(); }
-  /// Returns the stages of a displaced surface.
-  [[nodiscard]] const SurfaceStages& stages() const { return surface_; }
+  [[nodiscard]] std::uint64_t revision() const { return count().taken; }
+  /// Returns the received part of the stream's mesh, if it has one.
+  [[nodiscard]] MeshProgress mesh() const { return decoder_ ? decoder_->mesh() : MeshProgress{}; }
   /// Reports whether cloud_to_draw() returns arrays instead of patches.
-  [[nodiscard]] bool has_arrays() const;
+  [[nodiscard]] bool has_arrays() const { return !decoder_ || decoder_->has_arrays(); }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
-  /// Returns everything received, at its finest detail; refined vectors are left out. The first voxels of a volume
-  /// cover it evenly.
+  /// Returns everything received, at its finest detail; refined vectors are left out.
   [[nodiscard]] Cloud cloud() const;
   /// Like cloud(), for renderers: a displaced surface has patches instead of arrays, and only those changed since the
   /// last call are re-evaluated. Meshes have arrays.
   [[nodiscard]] Cloud cloud_to_draw();
 
  private:
-  /// Starts a displaced surface from its first stage, which is in the header.
-  void begin_surface();
-  void add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing);
-  void append_records(Cloud& cloud) const;
-  void append_surface(Cloud& cloud) const;
-  /// Returns the patches that received triangles cover, if a part of the mesh is shown; else an empty list.
-  [[nodiscard]] std::vector<bool> covered() const;
-  [[nodiscard]] std::size_t surface_vectors() const;
+  /// Makes the payload's decoder once the header is known.
+  void begin();
+  [[nodiscard]] DecodeCount count() const { return decoder_ ? decoder_->count() : DecodeCount{}; }
+  /// Returns a point set without vectors.
+  [[nodiscard]] Cloud described() const;
 
   StreamReader reader_;
-  std::size_t most_vectors_, records_vectors_ = 0, refused_chunks_ = 0;
-  std::uint64_t records_revision_ = 0;
-  bool records_full_ = false, surface_begun_ = false;
-  ClusterForest<Cluster> packed_;
-  ClusterForest<VolumeCluster> voxels_;
-  SurfaceStages surface_;
-  ProgressiveSurface progressive_;  // replaces the stages, from the header on
-  ExactSurface exact_;              // replaces either of them once received
+  std::size_t most_vectors_, refused_chunks_ = 0;
+  const PayloadRow* row_ = nullptr;
+  std::unique_ptr<Decoder> decoder_;  // null before the header, and for polygons
   PieceGroups groups_;
-  mutable std::optional<RecordsAssembly> records_;  // inserts received chunks only on request
   std::vector<DirectoryEntry> directory_;
 };
 

@@ -3,6 +3,7 @@
 #include "qnv/base/cloud.h"
 #include "qnv/base/parallel.h"
 #include "qnv/codecs/records/record.h"
+#include "qnv/container/container.h"
 
 #include <array>
 #include <cstddef>
@@ -88,11 +89,6 @@ struct RecordsPatch {
 
 struct RecordsError {
   std::string message;
-};
-
-/// Bytes first to last - 1.
-struct ByteRange {
-  std::size_t first, last;
 };
 
 /// Decodes the records that were received completely. The bytes in `missing` (in any order) and those past the end of

@@ -10,6 +10,7 @@
 #include <functional>
 #include <iterator>
 #include <set>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -30,8 +31,9 @@ std::vector<std::byte> begin_of_stream(Payload payload) {
 TEST_CASE("detects the payload of a stream from its first twelve bytes") {
   std::set<std::string_view> names;
   for (const PayloadRow& row : payload_rows()) {
-    CHECK(&row_of(row.payload) == &row);
     CHECK(names.insert(row.name).second);
+    if (row.sniff) continue;  // shares its number with a later row
+    CHECK(&row_of(row.payload) == &row);
     const std::vector<std::byte> header = begin_of_stream(row.payload);
     for (std::size_t bytes = 0; bytes < 12; ++bytes) CHECK(!payload_of(std::span(header).first(bytes)));
     CHECK(payload_of(std::span(header).first(12)) == &row);
@@ -42,6 +44,20 @@ TEST_CASE("detects the payload of a stream from its first twelve bytes") {
     other[11] = std::byte{99};
     CHECK(!payload_of(other));
   }
+}
+
+TEST_CASE("tells progressive streams from displaced ones by the first byte of their section") {
+  StreamHeader header;
+  header.payload = Payload::displaced;
+  header.base = {std::byte{255}, std::byte{12}};
+  CHECK(row_of(header).name == "progressive");
+  header.base[0] = std::byte{6};
+  CHECK(row_of(header).name == "displaced");
+  header.base.clear();
+  CHECK(row_of(header).name == "displaced");
+  header.payload = Payload::records;
+  header.base = {std::byte{255}};
+  CHECK(row_of(header).name == "records");
 }
 
 TEST_CASE("encodes and decodes each payload by its row of the table") {
@@ -76,17 +92,17 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
   EncodeOptions few;
   few.vectors = 5000;
   // Sources of each payload.
-  const std::set<std::pair<Payload, std::size_t>> made = {
-      {Payload::records, 0}, {Payload::records, 1}, {Payload::packed, 0},    {Payload::outlines, 2},
-      {Payload::records, 3}, {Payload::voxels, 3},  {Payload::displaced, 0}, {Payload::packed, 1}};
+  const std::set<std::pair<std::string_view, std::size_t>> made = {
+      {"records", 0}, {"records", 1}, {"packed", 0},    {"outlines", 2},   {"records", 3},
+      {"voxels", 3},  {"packed", 1},  {"displaced", 0}, {"progressive", 0}};
   for (const PayloadRow& row : payload_rows())
     for (std::size_t i = 0; i < std::size(sources); ++i) {
       INFO(row.name << " of source " << i);
       const auto encoded = row.encode(sources[i], few, nullptr);
       const auto* stream = std::get_if<EncodedStream>(&encoded);
-      REQUIRE((stream != nullptr) == made.contains({row.payload, i}));
+      REQUIRE((stream != nullptr) == made.contains({row.name, i}));
       if (!stream) continue;
-      CHECK(payload_of(stream->bytes) == &row);
+      CHECK(&row_of(stream->header) == &row);
       const DecodedStream decoded = decode_stream(stream->bytes, 1 << 20);
       REQUIRE(decoded.header);
       CHECK(decoded.problems.empty());

@@ -163,8 +163,8 @@ std::vector<std::pair<int, const displaced::Surface*>> SurfaceStages::all_shown(
 }
 
 void SurfaceStages::recount() {
-  count_.vectors = 0;
-  for (const auto& [number, surface] : all_shown()) count_.vectors += slots_shown(*surface);
+  vectors_ = 0;
+  for (const auto& [number, surface] : all_shown()) vectors_ += slots_shown(*surface);
 }
 
 void SurfaceStages::append(Cloud& cloud, bool colored, const std::vector<bool>& without) const {
@@ -177,9 +177,9 @@ void SurfaceStages::append(Cloud& cloud, bool colored, const std::vector<bool>& 
 
 std::size_t SurfaceStages::vectors(const std::vector<bool>& without) const {
   const Shown stage = main();
-  if (!stage.surface || without.empty()) return count_.vectors;
+  if (!stage.surface || without.empty()) return vectors_;
   const std::vector<bool> used = used_slots(*stage.surface, stage.level, without);
-  return count_.vectors - static_cast<std::size_t>(std::ranges::count(used, false));
+  return vectors_ - static_cast<std::size_t>(std::ranges::count(used, false));
 }
 
 SurfaceStages::Shown SurfaceStages::main() const {

@@ -3,6 +3,7 @@
 #include "qnv/base/cloud.h"
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/displaced/tessellation/patch_evaluator.h"
+#include "qnv/codecs/shared/decoder.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -18,11 +19,6 @@ namespace gs::qnv {
 /// untrusted bytes.
 class SurfaceStages {
  public:
-  struct Count {
-    std::size_t vectors = 0, refused = 0, taken = 0;
-    bool full = false;  // something was dropped because of `most_vectors`
-  };
-
   /// Starts with the first stage, from the stream's header. `box` is the stream's.
   void begin(std::span<const std::byte> base, const Box& box, std::size_t most_vectors);
   /// Adds the payload of a chunk.
@@ -31,7 +27,7 @@ class SurfaceStages {
   /// the point set's colour. `without` marks patches of the main stage to leave out, by number; if empty, none are.
   void append(Cloud& cloud, bool colored, const std::vector<bool>& without = {}) const;
   /// Returns the number of these vertices.
-  [[nodiscard]] std::size_t vectors(const std::vector<bool>& without) const;
+  [[nodiscard]] std::size_t vectors(const std::vector<bool>& without = {}) const;
   /// Stage that replaces the earlier ones: its number, surface and level. `surface` is nullptr if there is none.
   struct Shown {
     int number = 0;
@@ -41,7 +37,7 @@ class SurfaceStages {
   [[nodiscard]] Shown main() const;
   /// Returns the visible stages for renderers. Shares unchanged parts with earlier results.
   [[nodiscard]] std::shared_ptr<const SurfacePatches> patches();
-  [[nodiscard]] const Count& count() const { return count_; }
+  [[nodiscard]] const DecodeCount& count() const { return count_; }
 
  private:
   void add_stage(int number, displaced::StageHeader stage);
@@ -56,9 +52,9 @@ class SurfaceStages {
   void append(const displaced::Surface& surface, Cloud& cloud, bool colored, const std::vector<bool>& without) const;
 
   Box box_;
-  std::size_t most_vectors_ = 0, waiting_bytes_ = 0;
+  std::size_t most_vectors_ = 0, vectors_ = 0, waiting_bytes_ = 0;
   std::uint32_t gone_ = 0;  // one bit per replaced stage
-  Count count_;
+  DecodeCount count_;
   std::map<int, displaced::Surface> stages_;
   std::map<int, PatchEvaluator> evaluators_;            // of stages requested as patches
   std::multimap<int, std::vector<std::byte>> waiting_;  // by stage

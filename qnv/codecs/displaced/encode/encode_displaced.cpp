@@ -5,9 +5,10 @@
 #include "qnv/codecs/displaced/encode/thin_surface.h"
 #include "qnv/codecs/lossless/encode/surface_tail.h"
 #include "qnv/codecs/lossless/encode/tail_cover.h"
-#include "qnv/codecs/progressive/progressive.h"
+#include "qnv/codecs/progressive/encode/progressive_stream.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/codecs/shared/stream_writer.h"
+#include "qnv/codecs/shared/surface_header.h"
 #include "qnv/container/piece_group.h"
 #include "qnv/mesh/simplify/simplify.h"
 #include "qnv/mesh/survey.h"
@@ -28,8 +29,6 @@ namespace {
 using displaced::EncodedStage;
 using displaced::StageCluster;
 
-// Target size of the header with its base: a whole object in the first kilobyte, unless metadata takes too much of it.
-constexpr std::size_t kFirstBytes = 990, kFewestBaseBytes = 500;
 constexpr std::size_t kFirstTriangles = 640;
 // Limits for a surface that suits a first stage: the base's bytes, and the error relative to the box. Other surfaces
 // are better encoded as an octree.
@@ -46,8 +45,6 @@ constexpr double kBeforeNext = 1.5;
 // loss, one stage in a hundred is lost.
 constexpr double kParity = 0.75, kParityBeside = 0.4;
 constexpr std::size_t kParityBesides = 3, kMostFrontBytes = 100'000;
-// Piece size of splits near the start of the stream, and the length of that start.
-constexpr std::size_t kSmallPieceBytes = 480, kSmallPiecesUntil = 3000;
 constexpr std::size_t kClustersAt = 3;  // offset of StageHeader::clusters in its bytes
 // Bases are simplified from a mesh of this size, which is close enough to finer ones.
 constexpr std::size_t kCoarseTriangles = 30'000;
@@ -66,10 +63,8 @@ constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
 constexpr double kBesidesFront = 0.5;
 // Maximum fraction of these bytes for later bases; a stage with little beyond its base does not pay.
 constexpr double kBasesBeforeTail = 0.5;
-// Limits for surfaces that do not suit a first stage and get an exact tail instead: triangles, tail bytes, lattice
-// bits.
+// Limits for surfaces that do not suit a first stage and get an exact tail instead: triangles and tail bytes.
 constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
-constexpr int kFewBits = 12;
 
 /// Sorts clusters for sending: largest gain per byte first, but after those that they refine.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
@@ -203,32 +198,6 @@ StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::siz
   return out;
 }
 
-/// Returns the segments of a progressive mesh, in pieces with parity, so that losses do not stop it.
-std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, const Box& box) {
-  // Small pieces near the start, where every byte counts: a truncated piece is useless.
-  std::size_t few = 0;
-  for (std::size_t bytes = 0; few < mesh.segments.size() && bytes < kSmallPiecesUntil; ++few)
-    bytes += mesh.segments[few].size();
-  const std::span<const std::vector<std::byte>> all(mesh.segments);
-  CutGroup front, rest;
-  if (few > 0) front = cut_group(kGroupsOfSplits, all.first(few), kParity, kParityBesides, kSmallPieceBytes);
-  if (few < all.size()) rest = cut_group(kGroupsOfSplits + 1, all.subspan(few), kParity, kParityBesides);
-  std::vector<OutgoingChunk> chunks;
-  const std::size_t data = front.data.size() + rest.data.size();
-  for (auto* pieces : {&front.data, &rest.data, &front.parity, &rest.parity})
-    for (std::vector<std::byte>& piece : *pieces) {
-      OutgoingChunk& chunk = chunks.emplace_back();
-      chunk.type = ChunkType::piece;
-      chunk.entry.parent = 0xffffffff;
-      chunk.entry.box = box;
-      const std::size_t n = chunks.size();  // about as many vertices in each
-      if (n <= data)
-        chunk.entry.vectors = static_cast<std::uint32_t>(mesh.vertices * n / data - mesh.vertices * (n - 1) / data);
-      chunk.payload = std::move(piece);
-    }
-  return chunks;
-}
-
 /// Truncates the stages to the chunks that fit into `bytes`, including container overhead, and that pay before a tail
 /// of `tail` bytes. Minimises the shown error, summed over all bytes until the tail is complete.
 void keep_before(StageChunks& stages, double bytes, double tail) {
@@ -319,7 +288,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   // For parts with sharp edges and few triangles, the exact mesh is smaller than any good approximation.
   std::optional<exact::ExactMesh> small;
   if (options.only_if_suited && options.exact_bits <= 0 && triangles <= kFewTriangles)
-    small = textured ? exact_mesh_of(*textured, frame, kFewBits) : exact_mesh_of(builder, frame, s.colored, kFewBits);
+    small = textured ? exact_mesh_of(*textured, frame, kProgressiveBits)
+                     : exact_mesh_of(builder, frame, s.colored, kProgressiveBits);
   displaced::Neighbours neighbours;
   displaced::SurfaceMesh mesh = builder.finish(&neighbours);
   if (mesh.triangles.empty()) return EncodeError{"no surface to encode; expected triangles with an area"};
@@ -334,23 +304,14 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                           [&] { made.emplace(mesh, std::exchange(neighbours, {}), options.threads); });
   const displaced::Target& target = *made;
   if (cancelled()) return EncodeError{"cancelled"};
-  StreamHeader header;
-  header.payload = Payload::displaced;
-  header.colored = s.colored;
-  header.color = s.mean_color();
-  header.cube = Cube::around(s.box);
-  header.description.two_sided = options.two_sided && !s.closed();
-  header.description.origin = options.origin;
-  header.description.box = s.box;
-  header.description.total = s.area;
-  header.description.metadata = options.metadata;
+  StreamHeader header = surface_header(Payload::displaced, s, options);
   displaced::BaseMeshPrefetcher prefetcher(coarse, options.threads);
   displaced::StageOptions stage_options;
   stage_options.bases = &prefetcher;
   stage_options.colored = s.colored;
   stage_options.threads = options.threads;
   stage_options.triangles = kFirstTriangles;
-  stage_options.most_bytes = kFirstBytes - std::min(encode_header(header).size(), kFirstBytes - kFewestBaseBytes);
+  stage_options.most_bytes = room_for_base(header);
   const float wanted = kFinestStep * target.edge();
   float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
@@ -384,13 +345,10 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
             return !cancelled();
           });
           if (!again) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
-          small = exact_mesh_of(parted, frame, true, kFewBits);
+          small = exact_mesh_of(parted, frame, true, kProgressiveBits);
         }
-        auto split = textured ? std::nullopt : progressive::encode_progressive(*small, stage_options.most_bytes);
-        if (split) {
-          header.base = std::move(split->front);
-          return write_stream(std::move(header), chunks_of(*split, s.box), options.max_bytes);
-        }
+        if (!textured)
+          if (auto splits = encode_splits(*small, header, options.max_bytes)) return std::move(*splits);
         const std::size_t bytes = rough_tail_size(*small, small->bits);
         fits = bytes <= kMostSmallTail && stage.bytes.size() <= kMostFirstBytes &&
                (options.max_bytes == 0 || bytes * 5 / 4 + kMostFirstBytes <= options.max_bytes);

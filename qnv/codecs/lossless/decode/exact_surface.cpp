@@ -3,19 +3,37 @@
 #include "qnv/codecs/lossless/exact_tail.h"
 #include "qnv/codecs/lossless/own_normals.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace gs::qnv {
 
-void ExactSurface::add(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors) {
+void ExactSurface::add(ChunkType type, std::span<const std::byte> payload) {
+  switch (type) {
+    case ChunkType::exact:
+      return add_tail(payload);
+    case ChunkType::shading:
+      return add_shading(payload);
+    case ChunkType::low_bits:
+      return add_low_bits(payload);
+    case ChunkType::cover:
+      return add_cover(payload);
+    case ChunkType::picture:
+      return add_picture(payload);
+    case ChunkType::normals:
+      return add_normals(payload);
+    default:
+      ++count_.refused;
+  }
+}
+
+void ExactSurface::add_tail(std::span<const std::byte> payload) {
   if (done_) return;
   if (!pieces_.add(payload)) {
     ++count_.refused;
     return;
   }
-  if (!reader_) reader_.emplace(pieces_.length(), most_vectors);
-  box_ = box;
-  most_vectors_ = most_vectors;
+  if (!reader_) reader_.emplace(pieces_.length(), most_vectors_);
   const std::size_t before = reader_->triangles();
   reader_->push(pieces_.next());
   using State = exact::TailReader::State;
@@ -104,6 +122,23 @@ void ExactSurface::read_normals() {
 }
 
 bool ExactSurface::finest() const { return mesh_ && low_bits_.complete(*mesh_) && (!textured() || picture_.whole()); }
+
+MeshProgress ExactSurface::progress() const {
+  MeshProgress progress;
+  progress.bytes = pieces_.length();
+  progress.received = pieces_.come();
+  progress.texture_bytes = picture_.length();
+  progress.texture_received = picture_.come();
+  progress.triangles = triangles();
+  if (const exact::Cover* part = cover()) {
+    progress.partly = true;
+    progress.all_triangles = part->triangles;
+  }
+  progress.bits = mesh_ ? std::max(mesh_->bits, mesh_->finest) : 0;
+  progress.whole = whole();
+  progress.final = finest();
+  return progress;
+}
 
 const ShadedVertices& ExactSurface::shown() const {
   if (shown_) return *shown_;

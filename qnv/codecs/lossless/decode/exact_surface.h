@@ -8,8 +8,8 @@
 #include "qnv/codecs/lossless/low_bits.h"
 #include "qnv/codecs/lossless/picture.h"
 #include "qnv/codecs/lossless/tail_pieces.h"
+#include "qnv/codecs/shared/decoder.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -23,23 +23,11 @@ namespace gs::qnv {
 /// bytes.
 class ExactSurface {
  public:
-  struct Count {
-    std::size_t refused = 0, taken = 0;
-    bool full = false;  // dropped because of `most_vectors`
-  };
+  /// `box` is the stream's.
+  ExactSurface(const Box& box, std::size_t most_vectors) : box_(box), most_vectors_(most_vectors) {}
 
-  /// Adds the payload of a tail chunk. `box` is the stream's.
-  void add(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors);
-  /// Adds the payload of a shading chunk, even after the tail.
-  void add_shading(std::span<const std::byte> payload);
-  /// Adds the low bits of positions, even before the tail.
-  void add_low_bits(std::span<const std::byte> payload);
-  /// Adds the table of covered patches, even after the tail.
-  void add_cover(std::span<const std::byte> payload);
-  /// Adds a part of the picture, even before the tail. A textured mesh is shown only with its picture.
-  void add_picture(std::span<const std::byte> payload);
-  /// Adds a part of the mesh's own normals, even before the tail. They are used once they and the tail are complete.
-  void add_normals(std::span<const std::byte> payload);
+  /// Adds the payload of a chunk of the tail, or of one that belongs to it, in any order.
+  void add(ChunkType type, std::span<const std::byte> payload);
   /// Reports whether the mesh can be shown; its positions and picture may still be refined.
   [[nodiscard]] bool whole() const { return mesh_ && dressed(); }
   /// Returns the table of covered patches if a part of the mesh can be shown, else nullptr.
@@ -48,24 +36,27 @@ class ExactSurface {
   [[nodiscard]] std::size_t triangles() const {
     return mesh_ ? mesh_->triangles.size() : reader_ ? reader_->triangles() : 0;
   }
-  /// Reports whether the mesh is final.
-  [[nodiscard]] bool finest() const;
-  /// Returns the bytes of the tail received; length() returns the total, or 0 if unknown.
-  [[nodiscard]] std::size_t come() const { return pieces_.come(); }
-  [[nodiscard]] std::size_t length() const { return pieces_.length(); }
-  /// Returns log2 of the lattice positions per axis, or 0 without a mesh.
-  [[nodiscard]] int bits() const { return mesh_ ? std::max(mesh_->bits, mesh_->finest) : 0; }
   /// Appends the received vertices, duplicated at creases, and their triangles. `colored` appends colours; a mesh
   /// without colours uses the point set's colour.
   void append(Cloud& cloud, bool colored) const;
-  /// Returns the bytes of the picture received; picture_length() returns the total, or 0 if unknown.
-  [[nodiscard]] std::size_t picture_come() const { return picture_.come(); }
-  [[nodiscard]] std::size_t picture_length() const { return picture_.length(); }
+  [[nodiscard]] MeshProgress progress() const;
   /// Returns the number of vertices shown.
   [[nodiscard]] std::size_t vectors() const { return triangles() > 0 ? shown().positions.size() : 0; }
-  [[nodiscard]] const Count& count() const { return count_; }
+  [[nodiscard]] const DecodeCount& count() const { return count_; }
 
  private:
+  void add_tail(std::span<const std::byte> payload);
+  void add_shading(std::span<const std::byte> payload);
+  /// Adds the low bits of positions.
+  void add_low_bits(std::span<const std::byte> payload);
+  /// Adds the table of covered patches.
+  void add_cover(std::span<const std::byte> payload);
+  /// Adds a part of the picture. A textured mesh is shown only with its picture.
+  void add_picture(std::span<const std::byte> payload);
+  /// Adds a part of the mesh's own normals. They are used once they and the tail are complete.
+  void add_normals(std::span<const std::byte> payload);
+  /// Reports whether the mesh is final.
+  [[nodiscard]] bool finest() const;
   /// Decodes the mesh's own normals once they and the tail are complete.
   void read_normals();
   /// Returns the shown vertices; recomputes them after changes.
@@ -85,9 +76,9 @@ class ExactSurface {
   std::vector<std::byte> normal_bytes_;         // until the tail is complete
   mutable std::vector<glm::vec3> own_normals_;  // of corners; if empty, the shading rule applies
   Box box_;
-  std::size_t most_vectors_ = 0;
+  std::size_t most_vectors_;
   bool done_ = false;
-  Count count_;
+  DecodeCount count_;
   mutable std::optional<ShadedVertices> shown_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/octree/packed.h"
+#include "qnv/codecs/shared/decoder.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -28,11 +29,6 @@ class ClusterForest {
     /// Returns the number of vectors of voxels `first` to `first + count` - 1.
     std::uint32_t (*vectors_of)(const Cluster& cluster, std::size_t first, std::size_t count);
   };
-  struct Count {
-    std::size_t vectors = 0, refused = 0, taken = 0;
-    bool full = false;
-  };
-
   explicit ClusterForest(const Codec& codec) : codec_(codec) {}
 
   /// Adds a cluster. `decode(payload, parent)` returns the cluster or an error. At most `most_vectors` are shown at a
@@ -63,8 +59,7 @@ class ClusterForest {
     }
     // Keep refined voxels too, since other clusters may refine the rest of the same cluster.
     const std::size_t voxels = cluster->voxels.size();
-    if (count_.vectors + codec_.vectors_of(*cluster, 0, voxels) > most_vectors ||
-        (voxels_ + voxels) / 2 > most_vectors) {
+    if (vectors_ + codec_.vectors_of(*cluster, 0, voxels) > most_vectors || (voxels_ + voxels) / 2 > most_vectors) {
       count_.full = true;
       ++count_.refused;
       return;
@@ -82,7 +77,9 @@ class ClusterForest {
     for (const auto& early : ready) add(early, most_vectors, decode);
   }
 
-  [[nodiscard]] const Count& count() const { return count_; }
+  [[nodiscard]] const DecodeCount& count() const { return count_; }
+  /// Returns the number of vectors shown.
+  [[nodiscard]] std::size_t vectors() const { return vectors_; }
 
   /// Calls visit(cluster, first, count) for all runs of voxels without finer voxels.
   template <class Visit>
@@ -116,13 +113,13 @@ class ClusterForest {
   void take(Cluster cluster, Held* parent) {
     const ClusterHeader header = cluster.header;
     if (parent) {
-      count_.vectors -= codec_.vectors_of(parent->cluster, header.first, header.count);
+      vectors_ -= codec_.vectors_of(parent->cluster, header.first, header.count);
       std::fill_n(parent->refined.begin() + header.first, header.count, true);
     } else {
       rooted_ = true;
     }
     const std::size_t voxels = cluster.voxels.size();
-    count_.vectors += codec_.vectors_of(cluster, 0, voxels);
+    vectors_ += codec_.vectors_of(cluster, 0, voxels);
     voxels_ += voxels;
     ++count_.taken;
     Held& held = clusters_[header.id];
@@ -131,9 +128,10 @@ class ClusterForest {
   }
 
   Codec codec_;
-  Count count_;
-  std::size_t voxels_ = 0, waiting_bytes_ = 0;  // voxels_: of all clusters, including refined voxels
-  bool rooted_ = false;                         // the cluster without a parent was received
+  DecodeCount count_;
+  std::size_t vectors_ = 0, waiting_bytes_ = 0;
+  std::size_t voxels_ = 0;  // of all clusters, including refined voxels
+  bool rooted_ = false;     // the cluster without a parent was received
   std::map<std::uint32_t, Held> clusters_;
   std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // by the missing parent
 };

@@ -6,6 +6,7 @@
 #include "qnv/codecs/lossless/encode/surface_tail.h"
 #include "qnv/codecs/octree/packed.h"
 #include "qnv/codecs/shared/stream_writer.h"
+#include "qnv/codecs/shared/surface_header.h"
 #include "qnv/mesh/survey.h"
 
 #include <glm/geometric.hpp>
@@ -148,16 +149,7 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
     vectors = options.max_bytes != 0
                   ? static_cast<std::size_t>(static_cast<double>(options.max_bytes) * 8 / kLeastBitsPerVector)
                   : std::clamp(s.triangles * 2, kFewestVectors, kMostVectorsByDefault);
-  StreamHeader header;
-  header.payload = options.payload;
-  header.colored = s.colored;
-  header.color = s.mean_color();
-  header.cube = Cube::around(s.box);
-  header.description.two_sided = options.two_sided && !s.closed();
-  header.description.origin = options.origin;
-  header.description.box = s.box;
-  header.description.total = s.area;
-  header.description.metadata = options.metadata;
+  StreamHeader header = surface_header(options.payload, s, options);
   // Without a requested number, choose a slightly coarser level and take it whole.
   const bool asked = options.vectors != 0 || options.max_bytes != 0;
   const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);

@@ -34,6 +34,10 @@ std::optional<FrontHeader> decode_front(std::span<const std::byte> section) {
 
 }  // namespace
 
+bool is_front(std::span<const std::byte> section) {
+  return !section.empty() && section.front() == std::byte{kFrontMark};
+}
+
 bool promises_more(std::span<const std::byte> section, std::size_t most_vertices) {
   const auto header = decode_front(section);
   // If each triangle is shaded separately, it has three vertices.

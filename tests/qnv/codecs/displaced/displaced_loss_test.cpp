@@ -82,12 +82,12 @@ TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives l
   CHECK(parts.head.size() <= 1000);
   for (const auto& [type, payload] : parts.chunks) CHECK(payload.size() <= 1300);
   const StreamDecoder all = decoded(parts, 0, 1);
-  CHECK(all.is_mesh());
+  CHECK(all.mesh().final);
   const Cloud cloud = all.cloud();
   CHECK(cloud.triangles.size() == 3 * source.size());
   CHECK(all.vectors() == cloud.size());
   std::size_t whole = 0;
-  for (unsigned seed = 1; seed <= 40; ++seed) whole += decoded(parts, 0.3, seed).is_mesh() ? 1 : 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) whole += decoded(parts, 0.3, seed).mesh().final ? 1 : 0;
   CHECK(whole >= 37);
   // A prefix shows as much as is received, from the header on.
   std::size_t before = 0;
@@ -104,7 +104,7 @@ TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives l
   REQUIRE(std::holds_alternative<EncodedStream>(smaller));
   const Bytes& part = std::get<EncodedStream>(smaller).bytes;
   CHECK(part.size() <= options.max_bytes);
-  CHECK(!decoded(parts_of(part), 0, 1).is_mesh());
+  CHECK(!decoded(parts_of(part), 0, 1).mesh().final);
   CHECK(decoded(parts_of(part), 0, 1).cloud().triangles.size() >= 300);
 }
 

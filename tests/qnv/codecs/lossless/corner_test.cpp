@@ -286,7 +286,7 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
       }
     }
     decoder.finish();
-    CHECK(decoder.is_mesh());
+    CHECK(decoder.mesh().final);
     CHECK(decoder.refused_chunks() == 0);
     const Cloud cloud = decoder.cloud();
     CHECK(cloud.first_textured() == 0);
@@ -332,11 +332,11 @@ TEST_CASE("hides a textured mesh until its texture is received") {
       decoder.add(type, payload);
   });
   REQUIRE(!pictures.empty());
-  CHECK(!decoder.is_mesh());
+  CHECK(!decoder.mesh().final);
   CHECK(decoder.cloud().texture_coordinates.empty());
   CHECK(!decoder.cloud().empty());
   for (const Bytes& payload : pictures) decoder.add(ChunkType::picture, payload);
-  CHECK(decoder.is_mesh());
+  CHECK(decoder.mesh().final);
   CHECK(decoder.cloud().first_textured() == 0);
 }
 

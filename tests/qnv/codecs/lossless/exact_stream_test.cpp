@@ -130,10 +130,10 @@ TEST_CASE("encodes a surface with vertex colours as base mesh and exact mesh by 
   REQUIRE(std::holds_alternative<EncodedStream>(made));
   const StreamDecoder decoder = decoded(std::get<EncodedStream>(made).bytes);
   CHECK(decoder.refused_chunks() == 0);
-  REQUIRE(decoder.exact().whole());
+  REQUIRE(decoder.mesh().whole);
   const Cloud cloud = decoder.cloud();
   check_sound(cloud);
-  CHECK(triangles_shown(cloud, decoder.exact().bits(), true) == triangles_in(ball, decoder.exact().bits(), true));
+  CHECK(triangles_shown(cloud, decoder.mesh().bits, true) == triangles_in(ball, decoder.mesh().bits, true));
 }
 
 TEST_CASE("ends an exact stream with the mesh itself") {
@@ -143,9 +143,9 @@ TEST_CASE("ends an exact stream with the mesh itself") {
     CHECK(decoder.problems().empty());
     CHECK(decoder.refused_chunks() == 0);
     CHECK(!decoder.full());
-    REQUIRE(decoder.exact().whole());
-    CHECK(decoder.exact().bits() == s.bits);
-    CHECK(decoder.exact().come() == decoder.exact().length());
+    REQUIRE(decoder.mesh().whole);
+    CHECK(decoder.mesh().bits == s.bits);
+    CHECK(decoder.mesh().received == decoder.mesh().bytes);
     const Cloud cloud = decoder.cloud();
     check_sound(cloud);
     CHECK(cloud.size() == decoder.vectors());
@@ -169,7 +169,7 @@ TEST_CASE("restores defective surfaces from exact streams, or reports the defect
     const auto made = encoded(s.triangles, 11);
     REQUIRE(std::holds_alternative<EncodedStream>(made));
     const StreamDecoder decoder = decoded(std::get<EncodedStream>(made).bytes);
-    REQUIRE(decoder.exact().whole());
+    REQUIRE(decoder.mesh().whole);
     const Cloud cloud = decoder.cloud();
     check_sound(cloud);
     CHECK(triangles_shown(cloud, 11, false) == triangles_in(s.triangles, 11, false));
@@ -216,8 +216,8 @@ TEST_CASE("refines positions bit by bit after the tail, with any losses and in a
     if (!first)
       for (const Chunk& chunk : some) decoder.add(chunk.type, chunk.payload);
     CHECK(decoder.refused_chunks() == 0);
-    CHECK(decoder.exact().whole());
-    CHECK(decoder.is_mesh() == (some.size() == low.size()));
+    CHECK(decoder.mesh().whole);
+    CHECK(decoder.mesh().final == (some.size() == low.size()));
     return decoder.cloud();
   };
   const auto off = [&](const Cloud& cloud) {
@@ -255,9 +255,9 @@ TEST_CASE("shows a surface for every prefix of an exact stream, and never a brok
     for (std::size_t at = 0; at < s.stream.size(); at += step) {
       REQUIRE(decoder.push(std::span(s.stream).subspan(at, std::min(step, s.stream.size() - at))));
       const std::size_t come = std::min(at + step, s.stream.size());
-      REQUIRE_EACH(decoder.exact().whole() == (come >= whole_at));
-      if (decoder.exact().whole() == was_whole && at % (7 * step) != 0) continue;
-      was_whole = decoder.exact().whole();
+      REQUIRE_EACH(decoder.mesh().whole == (come >= whole_at));
+      if (decoder.mesh().whole == was_whole && at % (7 * step) != 0) continue;
+      was_whole = decoder.mesh().whole;
       const Cloud cloud = decoder.cloud();
       check_sound(cloud);
       REQUIRE_EACH(cloud.size() == decoder.vectors());
@@ -306,7 +306,7 @@ TEST_CASE("keeps the earlier picture at a lost or damaged piece, and the refined
     Bytes damaged = s.stream;
     damaged[chunk.end - 1 - random() % chunk.payload.size()] ^= std::byte{16};
     const StreamDecoder decoder = decoded(damaged);
-    CHECK(!decoder.exact().whole());
+    CHECK(!decoder.mesh().whole);
     CHECK(decoder.problems().size() == 1);
     StreamDecoder before;
     REQUIRE(before.push(std::span(s.stream).first(chunk.end - chunk.payload.size() - kChunkHeaderBytes)));
@@ -315,8 +315,8 @@ TEST_CASE("keeps the earlier picture at a lost or damaged piece, and the refined
     CHECK(same(decoder.cloud(), before.cloud()));
   }
   const Bytes lossy = drop_packets(s.stream, 1, 2);
-  CHECK(!decoded(lossy).exact().whole());
-  CHECK(decoded(drop_packets(s.stream, 0, 2)).exact().whole());
+  CHECK(!decoded(lossy).mesh().whole);
+  CHECK(decoded(drop_packets(s.stream, 0, 2)).mesh().whole);
 }
 
 TEST_CASE("rejects pieces that do not belong together") {
@@ -374,7 +374,7 @@ TEST_CASE("shows the refined surface if the mesh exceeds the maximum number of v
   const Sample& s = samples()[2];
   const StreamDecoder decoder = decoded(s.stream, 9000);
   CHECK(decoder.full());
-  CHECK(!decoder.exact().whole());
+  CHECK(!decoder.mesh().whole);
   CHECK(decoder.vectors() > 300);
   CHECK(decoder.vectors() <= 9000);
 }

@@ -116,7 +116,7 @@ TEST_CASE("encodes the normals of a source only if no shading rule gives them") 
       StreamDecoder decoder;
       REQUIRE(decoder.push(bytes));
       CHECK(decoder.refused_chunks() == 0);
-      REQUIRE(decoder.is_mesh());
+      REQUIRE(decoder.mesh().final);
       const Cloud cloud = decoder.cloud();
       if (!bent_ones) continue;
       // The vertex nearest to the first corner of every eleventh triangle.

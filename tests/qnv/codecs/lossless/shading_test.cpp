@@ -103,7 +103,7 @@ Cloud shown(const ShadedStream& stream, bool with_shading) {
   for (const auto& [type, payload] : stream.chunks)
     if (with_shading || type != ChunkType::shading) decoder.add(type, payload);
   CHECK(decoder.refused_chunks() == 0);
-  CHECK(decoder.exact().whole());
+  CHECK(decoder.mesh().whole);
   Cloud cloud = decoder.cloud();
   CHECK(cloud.size() == decoder.vectors());
   return cloud;

@@ -208,7 +208,7 @@ TEST_CASE("replaces patches by the received part of the mesh without holes while
   const std::size_t step = bytes.size() / 90;
   for (std::size_t at = 0; at < bytes.size(); at += step) {
     REQUIRE(decoder.push(bytes.subspan(at, std::min(step, bytes.size() - at))));
-    if (!decoder.exact().cover()) continue;
+    if (!decoder.mesh().partly) continue;
     ++mixed;
     const Cloud cloud = decoder.cloud();
     CHECK(!decoder.cloud_to_draw().patches);
@@ -218,7 +218,7 @@ TEST_CASE("replaces patches by the received part of the mesh without holes while
     for (const float w : cloud.weights) REQUIRE_EACH(w > 0);
     for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
     // The number of patches falls.
-    const std::size_t patches = cloud.triangles.size() / 3 - decoder.exact().triangles();
+    const std::size_t patches = cloud.triangles.size() / 3 - decoder.mesh().triangles;
     CHECK((mixed == 1 || patches <= last));
     last = patches;
     for (std::size_t i = 0; i < 60; i += watched_step(20)) {
@@ -229,7 +229,7 @@ TEST_CASE("replaces patches by the received part of the mesh without holes while
   }
   CHECK(mixed > 5);
   CHECK(last < decoder.cloud().triangles.size() / 3);
-  CHECK(decoder.exact().whole());
+  CHECK(decoder.mesh().whole);
 }
 
 TEST_CASE("hides a partial tail without its table, or beside another stage than the table names") {
@@ -252,7 +252,7 @@ TEST_CASE("hides a partial tail without its table, or beside another stage than 
       decoder.add(type, changed);
     }
     REQUIRE(pieces > 5);
-    CHECK(decoder.exact().triangles() > 100);
+    CHECK(decoder.mesh().triangles > 100);
     CHECK(!decoder.has_arrays());
     const Cloud cloud = decoder.cloud();
     CHECK(cloud.size() == decoder.vectors());
@@ -265,14 +265,14 @@ TEST_CASE("ends a surface with the mesh if that pays and restores the mesh after
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream()));
   decoder.finish();
-  REQUIRE(decoder.is_mesh());
-  CHECK(decoder.exact().bits() >= 11);
-  CHECK(decoder.exact().bits() <= 14);
+  REQUIRE(decoder.mesh().final);
+  CHECK(decoder.mesh().bits >= 11);
+  CHECK(decoder.mesh().bits <= 14);
   for (const unsigned seed : {1u, 2u, 3u, 4u}) {
     StreamDecoder lossy;
     REQUIRE(lossy.push(drop_packets(stream(), 0.3, seed)));
     lossy.finish();
-    CHECK(lossy.exact().whole());
+    CHECK(lossy.mesh().whole);
   }
   // A stream of smaller limit has no table.
   EncodeOptions options;
@@ -282,7 +282,7 @@ TEST_CASE("ends a surface with the mesh if that pays and restores the mesh after
   REQUIRE(std::holds_alternative<EncodedStream>(small));
   StreamDecoder few;
   REQUIRE(few.push(std::get<EncodedStream>(small).bytes));
-  CHECK(few.exact().length() == 0);
+  CHECK(few.mesh().bytes == 0);
   CHECK(std::get<EncodedStream>(small).bytes.size() <= 1700);
 }
 

@@ -57,7 +57,7 @@ TEST_CASE("ends an octree with the mesh if its colours have borders") {
     for (std::size_t at = 0; at < stream.bytes.size(); at += 211) {
       (void)decoder.push(std::span(stream.bytes).subspan(at, std::min<std::size_t>(211, stream.bytes.size() - at)));
       if (!decoder.header()) continue;
-      const bool is_mesh = decoder.exact().whole();
+      const bool is_mesh = decoder.mesh().whole;
       REQUIRE_EACH((is_mesh || !mesh));
       const Cloud cloud = decoder.cloud();
       REQUIRE_EACH(cloud.triangles.empty() != is_mesh);
@@ -70,7 +70,7 @@ TEST_CASE("ends an octree with the mesh if its colours have borders") {
     }
     decoder.finish();
     CHECK(discs > 100);
-    CHECK(decoder.is_mesh());
+    CHECK(decoder.mesh().final);
     CHECK(decoder.refused_chunks() == 0);
     const Cloud cloud = decoder.cloud();
     CHECK(cloud.triangles.size() == 3 * triangles_with_area(all));
@@ -112,7 +112,7 @@ TEST_CASE("usually restores the mesh of an octree after the loss of a third of i
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     StreamDecoder decoder;
     REQUIRE(decoder.push(drop_packets(stream.bytes, 0.3, seed)));
-    whole += decoder.is_mesh() ? 1 : 0;
+    whole += decoder.mesh().final ? 1 : 0;
     CHECK(!decoder.cloud().empty());
   }
   CHECK(whole >= kSeeds / 2);

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "qnv/codecs/lossless/decode/exact_surface.h"
+#include "qnv/codecs/octree/decode/cluster_forest.h"
+#include "qnv/codecs/shared/decoder.h"
+
+#include <cstddef>
+#include <span>
+
+namespace gs::qnv {
+
+/// Decoder of the octree payload, which an exact mesh may follow.
+class OctreeDecoder final : public Decoder {
+ public:
+  OctreeDecoder(const StreamHeader& header, std::size_t most_vectors);
+
+  void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override;
+  [[nodiscard]] DecodeCount count() const override;
+  [[nodiscard]] std::size_t vectors() const override;
+  void append(Cloud& cloud) const override;
+  [[nodiscard]] MeshProgress mesh() const override { return exact_.progress(); }
+
+ private:
+  Cube cube_;
+  bool colored_;
+  std::size_t most_vectors_;
+  ClusterForest<Cluster> clusters_;
+  ExactSurface exact_;  // replaces the octree once received
+};
+
+}  // namespace gs::qnv

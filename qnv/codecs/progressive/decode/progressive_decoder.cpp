@@ -1,0 +1,44 @@
+#include "qnv/codecs/progressive/decode/progressive_decoder.h"
+
+#include "qnv/codecs/lossless/own_normals.h"
+
+namespace gs::qnv {
+
+ProgressiveDecoder::ProgressiveDecoder(const StreamHeader& header, std::size_t most_vectors)
+    : colored_(header.colored), box_(header.description.box) {
+  count_.full = progressive::promises_more(header.base, most_vectors);
+  const bool good = count_.full || mesh_.begin(header.base, most_vectors);
+  ++(good ? count_.taken : count_.refused);
+}
+
+void ProgressiveDecoder::add(ChunkType, std::span<const std::byte> payload, std::span<const ByteRange>) {
+  if (count_.full) return;
+  const std::size_t before = mesh_.segments();
+  if (!mesh_.add(payload)) ++count_.refused;
+  if (mesh_.segments() == before) return;
+  count_.taken += mesh_.segments() - before;
+  shown_.reset();
+}
+
+void ProgressiveDecoder::append(Cloud& cloud) const {
+  if (mesh_.begun()) shown().append(cloud, colored_);
+}
+
+MeshProgress ProgressiveDecoder::mesh() const {
+  MeshProgress progress;
+  progress.vertices = mesh_.vertices();
+  progress.bits = mesh_.bits();
+  progress.growing = mesh_.begun();
+  progress.final = mesh_.whole();
+  return progress;
+}
+
+const ShadedVertices& ProgressiveDecoder::shown() const {
+  if (!shown_) {
+    const exact::ExactMesh mesh = mesh_.mesh();
+    shown_ = shaded_vertices(mesh, exact::shaded_normals(mesh, mesh.shading), box_);
+  }
+  return *shown_;
+}
+
+}  // namespace gs::qnv

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "qnv/codecs/lossless/decode/shaded_mesh.h"
+#include "qnv/codecs/progressive/progressive.h"
+#include "qnv/codecs/shared/decoder.h"
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace gs::qnv {
+
+/// Decoder of the progressive payload.
+class ProgressiveDecoder final : public Decoder {
+ public:
+  ProgressiveDecoder(const StreamHeader& header, std::size_t most_vectors);
+
+  void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override;
+  [[nodiscard]] DecodeCount count() const override { return count_; }
+  [[nodiscard]] std::size_t vectors() const override { return mesh_.begun() ? shown().positions.size() : 0; }
+  void append(Cloud& cloud) const override;
+  [[nodiscard]] MeshProgress mesh() const override;
+
+ private:
+  /// Returns the mesh received so far; recomputes it after changes.
+  [[nodiscard]] const ShadedVertices& shown() const;
+
+  bool colored_;
+  Box box_;
+  progressive::ProgressiveMesh mesh_;
+  DecodeCount count_;
+  mutable std::optional<ShadedVertices> shown_;
+};
+
+}  // namespace gs::qnv

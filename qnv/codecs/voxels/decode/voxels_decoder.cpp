@@ -1,0 +1,63 @@
+#include "qnv/codecs/voxels/decode/voxels_decoder.h"
+
+#include <bit>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace gs::qnv {
+namespace {
+
+std::uint32_t vectors_of(const VolumeCluster&, std::size_t, std::size_t count) {
+  return static_cast<std::uint32_t>(count);
+}
+
+// Returns i with the order of its lowest `bits` bits reversed.
+std::uint64_t reversed(std::uint64_t i, int bits) {
+  std::uint64_t out = 0;
+  for (int bit = 0; bit < bits; ++bit) out |= (i >> bit & 1) << (bits - 1 - bit);
+  return out;
+}
+
+template <class T>
+void permute(std::span<const std::uint32_t> order, std::vector<T>& values) {
+  std::vector<T> moved(values.size());
+  for (std::size_t i = 0; i < order.size(); ++i) moved[i] = values[order[i]];
+  values = std::move(moved);
+}
+
+// Permutes vectors, which are stored in spatial order, by bit-reversed indices. Then every prefix covers all of them
+// evenly.
+void spread(Cloud& cloud) {
+  const std::size_t size = cloud.size();
+  const auto bits = static_cast<int>(std::bit_width(size));
+  std::vector<std::uint32_t> order;
+  order.reserve(size);
+  for (std::uint64_t i = 0; order.size() < size; ++i)
+    if (const std::uint64_t at = reversed(i, bits); at < size) order.push_back(static_cast<std::uint32_t>(at));
+  permute(order, cloud.positions);
+  permute(order, cloud.normals);
+  permute(order, cloud.weights);
+  permute(order, cloud.classes);
+  permute(order, cloud.cells);
+}
+
+}  // namespace
+
+VoxelsDecoder::VoxelsDecoder(const StreamHeader& header, std::size_t most_vectors)
+    : lattice_(header.lattice), most_vectors_(most_vectors), clusters_({read_volume_cluster_header, vectors_of}) {}
+
+void VoxelsDecoder::add(ChunkType, std::span<const std::byte> payload, std::span<const ByteRange>) {
+  clusters_.add(payload, most_vectors_, [this](std::span<const std::byte> bytes, const VolumeCluster* parent) {
+    return decode_volume_cluster(bytes, parent, lattice_);
+  });
+}
+
+void VoxelsDecoder::append(Cloud& cloud) const {
+  clusters_.visit_shown([&](const VolumeCluster& cluster, std::size_t first, std::size_t count) {
+    append_vectors(cluster, first, count, lattice_, cloud);
+  });
+  spread(cloud);
+}
+
+}  // namespace gs::qnv
