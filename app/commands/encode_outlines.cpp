@@ -11,8 +11,8 @@
 #include "app/formats/export/vrml_text.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
+#include "qnv/codecs/encode.h"
 #include "qnv/codecs/outlines/outline_stream.h"
-#include "qnv/codecs/payloads.h"
 #include "qnv/container/container.h"
 
 #include <chrono>
@@ -131,10 +131,9 @@ int encode_outlines(const EncodeCommand& options) {
     if (options.max_bytes_given) encode.max_bytes = options.max_bytes;
     encode.metadata = {{"title", input->title}};
     for (auto& pair : metadata_of(upright)) encode.metadata.push_back(std::move(pair));
-    auto encoded =
-        qnv::row_of(qnv::Payload::outlines).encode(qnv::OutlineSource{groups, model.appearances, encode}, {}, nullptr);
+    auto encoded = qnv::encode(qnv::OutlineSource{groups, model.appearances, encode}, {});
     if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
-    bytes = std::move(std::get<qnv::EncodedStream>(encoded).bytes);
+    bytes = std::move(std::get<qnv::Encoding>(encoded).stream.bytes);
   } else {
     // A model with the axes of VRML97 needs no Viewpoint.
     qnv::Box box;

@@ -12,8 +12,8 @@
 #include "app/world/world_loader.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
+#include "qnv/codecs/encode.h"
 #include "qnv/codecs/octree/lod/lod.h"
-#include "qnv/codecs/payloads.h"
 #include "qnv/reader/decode_stream.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/isosurface.h"
@@ -195,6 +195,20 @@ Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar
   return surface;
 }
 
+std::optional<qnv::Payload> requested_payload(const Options& options) {
+  if (options.records) return qnv::Payload::records;
+  if (options.packed) return qnv::Payload::packed;
+  if (options.displaced) return qnv::Payload::displaced;
+  return std::nullopt;
+}
+
+std::variant<qnv::EncodedStream, EncodeError> encode(const qnv::EncodeSource& source, qnv::EncodeRequest request,
+                                                     ProgressBar& progress) {
+  auto encoded = qnv::encode(source, std::move(request), &progress.whole());
+  if (auto* problem = std::get_if<EncodeError>(&encoded)) return std::move(*problem);
+  return std::move(std::get<qnv::Encoding>(encoded).stream);
+}
+
 std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, const ConversionOptions& options,
                                                      qnv::EncodeOptions encode_options, ProgressBar& progress) {
   encode_options.two_sided = surface.two_sided;
@@ -203,35 +217,18 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   encode_options.origin = surface.origin;
   if (options.fraction > 0 && surface.triangles > 0)
     encode_options.vectors = part_of(options.fraction, surface.triangles);
-  const auto encode_as = [&](qnv::Payload payload) {
-    return qnv::row_of(payload).encode(std::cref(surface.source), encode_options, &progress.whole());
-  };
-  // Only the octree payload can choose a number of vectors; a base mesh is as fine as its source.
-  const bool counted = encode_options.vectors > 0;
   encode_options.exact_bits = options.exact_bits;
   encode_options.most_triangles = most_encoded_triangles(options.limits);
-  encode_options.only_if_suited = !options.displaced && options.exact_bits <= 0;
-  // Only the exact mesh has textures; other payloads have their colours.
+  qnv::EncodeRequest request{requested_payload(options), std::move(encode_options)};
   std::optional<qnv::TexturedSurface> textured;
-  if (surface.textured && !options.records && !options.packed && !counted && options.exact_bits != 0 &&
-      (options.exact_bits > 0 || surface.triangles <= qnv::kMostChosenTriangles))
+  if (surface.textured && qnv::uses_texture(request, surface.triangles))
     textured = textured_surface(*surface.textured, surface.origin,
                                 options.exact_bits > 0 ? kExactTextureQuality : kTextureQuality);
-  if (textured) encode_options.textured = &*textured;
-  if (options.packed || options.records || (counted && !options.displaced)) encode_options.exact_bits = 0;
-  auto encoded = encode_as(options.records                                     ? qnv::Payload::records
-                           : options.packed || (counted && !options.displaced) ? qnv::Payload::packed
-                                                                               : qnv::Payload::displaced);
-  if (const auto* problem = std::get_if<EncodeError>(&encoded); problem && problem->unsuited)
-    encoded = encode_as(qnv::Payload::packed);
+  if (textured) request.options.textured = &*textured;
+  auto encoded = encode(std::cref(surface.source), std::move(request), progress);
   if (std::holds_alternative<EncodeError>(encoded) && !surface.problem->empty() && !progress.cancelled())
     return EncodeError{*surface.problem};
   return encoded;
-}
-
-std::variant<qnv::EncodedStream, EncodeError> encode_vectors(const qnv::Cloud& cloud, qnv::Payload payload,
-                                                             qnv::EncodeOptions options, ProgressBar& progress) {
-  return qnv::row_of(payload).encode(std::cref(cloud), std::move(options), &progress.whole());
 }
 
 std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume, const ConversionOptions& options,
@@ -346,8 +343,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
     encode_options.metadata = metadata_of(options, input, path, cloud->description.metadata);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, cloud->size());
-    return encode_vectors(*cloud, options.packed ? qnv::Payload::packed : qnv::Payload::records,
-                          std::move(encode_options), progress);
+    return encode(std::cref(*cloud), {requested_payload(options), std::move(encode_options)}, progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   auto found = gradients(volume, options, progress);
@@ -355,9 +351,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
   encode_options.vectors = 0;
   const auto& cloud = std::get<qnv::Cloud>(found);
-  if (options.records) return encode_vectors(cloud, qnv::Payload::records, std::move(encode_options), progress);
-  return qnv::row_of(qnv::Payload::voxels)
-      .encode(qnv::VolumeVectors{cloud, volume.layout}, std::move(encode_options), &progress.whole());
+  return encode(qnv::VolumeVectors{cloud, volume.layout}, {requested_payload(options), std::move(encode_options)},
+                progress);
 }
 
 std::variant<OutlineModel, std::string> isosurface_outlines(const ConversionOptions& options,

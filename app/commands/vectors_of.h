@@ -48,7 +48,7 @@ struct OpenedInput {
 /// Returns the up axis of the result: that of the options, else that of the file.
 [[nodiscard]] Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input);
 
-/// Encodes an input as the options say. Surfaces use the octree payload unless `records` is set.
+/// Encodes an input as the options say (qnv::encode).
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const ConversionOptions& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress);

@@ -27,6 +27,30 @@ const TriangleSource* triangles_of(const EncodeSource& source) {
   return triangles ? &triangles->get() : nullptr;
 }
 
+Suitability choose_records(const EncodeSource& source, const EncodeRequest&) {
+  const bool points = std::holds_alternative<std::reference_wrapper<const Cloud>>(source);
+  return points ? Suitability{1, "records keep the positions of vectors"} : Suitability{};
+}
+
+Suitability choose_packed(const EncodeSource& source, const EncodeRequest& request) {
+  if (!triangles_of(source)) return {};
+  if (request.options.vectors > 0) return {1, "only an octree can have a given number of vectors"};
+  return {1, "no base mesh follows the surface"};
+}
+
+Suitability choose_displaced(const EncodeSource& source, const EncodeRequest& request) {
+  if (!triangles_of(source) || request.options.vectors > 0) return {};
+  return {2, "a base mesh follows the surface"};
+}
+
+Suitability choose_outlines(const EncodeSource& source, const EncodeRequest&) {
+  return std::holds_alternative<OutlineSource>(source) ? Suitability{1, "the source is polygons"} : Suitability{};
+}
+
+Suitability choose_voxels(const EncodeSource& source, const EncodeRequest&) {
+  return std::holds_alternative<VolumeVectors>(source) ? Suitability{1, "the source is a volume"} : Suitability{};
+}
+
 Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
     return encode_points(*cloud, options, progress);
@@ -87,20 +111,20 @@ bool is_progressive(const StreamHeader& header) { return progressive::is_front(h
 
 constexpr std::array<PayloadRow, 6> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, nullptr, only(ChunkType::records), kRecordsHeaderBytes,
-     kRecordBytes, 1200 / kRecordBytes, encode_records, make<RecordsDecoder>},
+     kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make<RecordsDecoder>},
     {Payload::packed, "packed", PayloadReader::levels, nullptr,
      types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::picture, ChunkType::normals}),
-     0, 0, 0, encode_packed, make<OctreeDecoder>},
+     0, 0, 0, choose_packed, encode_packed, make<OctreeDecoder>},
     {Payload::outlines, "outlines", PayloadReader::polygons, nullptr, types({ChunkType::outlines, ChunkType::inner}), 0,
-     0, 0, encode_groups, nullptr},
+     0, 0, choose_outlines, encode_groups, nullptr},
     {Payload::displaced, "progressive", PayloadReader::vectors, is_progressive,
-     types({ChunkType::piece, ChunkType::splits}), 0, 0, 0, encode_growing, make<ProgressiveDecoder>},
+     types({ChunkType::piece, ChunkType::splits}), 0, 0, 0, nullptr, encode_growing, make<ProgressiveDecoder>},
     {Payload::displaced, "displaced", PayloadReader::vectors, nullptr,
      types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
-     0, 0, 0, encode_base_and_displacements, make<DisplacedDecoder>},
-    {Payload::voxels, "voxels", PayloadReader::vectors, nullptr, only(ChunkType::voxels), 0, 0, 0,
+     0, 0, 0, choose_displaced, encode_base_and_displacements, make<DisplacedDecoder>},
+    {Payload::voxels, "voxels", PayloadReader::vectors, nullptr, only(ChunkType::voxels), 0, 0, 0, choose_voxels,
      encode_volume_vectors, make<VoxelsDecoder>},
 }};
 

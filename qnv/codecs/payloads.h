@@ -38,6 +38,12 @@ struct OutlineSource {
 using EncodeSource = std::variant<std::reference_wrapper<const TriangleSource>, std::reference_wrapper<const Cloud>,
                                   OutlineSource, VolumeVectors>;
 
+/// Suitability of a payload for a request that leaves the choice to the codecs.
+struct Suitability {
+  int rank = 0;          // the highest is tried first; 0 means never
+  std::string_view why;  // completes "chosen because"
+};
+
 /// Chunk types of a payload; the size is the maximum over all payloads.
 using ChunkTypes = std::array<ChunkType, 9>;
 
@@ -46,13 +52,16 @@ struct PayloadRow {
   Payload payload;
   std::string_view name;
   PayloadReader reader;
-  /// Reports whether a stream is of this row and not of another one with the same number; nullptr: no such row follows.
+  /// Reports whether a stream belongs to this row. nullptr: this row gets all streams with its number that no other row
+  /// claims.
   bool (*sniff)(const StreamHeader& header);
   ChunkTypes chunks;           // padded with repetitions
   std::size_t head_bytes;      // header of a chunk's payload; must be received completely
   std::size_t record_bytes;    // size of the records after the header, each usable alone; 0 if only whole chunks are
                                // usable
   std::size_t packet_records;  // number of records per packet, lost together
+  /// Reports how well the payload suits a source; nullptr: only another payload's encoder chooses it.
+  Suitability (*choose)(const EncodeSource& source, const EncodeRequest& request);
   /// Encodes a stream. Returns an error if the payload does not support this kind of source. Ignores `options.payload`;
   /// outlines use the options in their source instead. Blocks; safe from any thread.
   std::variant<EncodedStream, EncodeError> (*encode)(const EncodeSource& source, EncodeOptions options,

@@ -1,5 +1,7 @@
 #include "qnv/reader/stream_decoder.h"
 
+#include "qnv/codecs/payloads.h"
+
 namespace gs::qnv {
 
 bool StreamDecoder::push(std::span<const std::byte> bytes) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
-#include "qnv/codecs/payloads.h"
 #include "qnv/codecs/shared/decoder.h"
 #include "qnv/container/container.h"
 #include "qnv/container/piece_group.h"
@@ -13,6 +12,8 @@
 #include <vector>
 
 namespace gs::qnv {
+
+struct PayloadRow;
 
 /// Decodes a stream, received in pieces or with losses, into vectors or a surface, with the decoder of its payload. At
 /// any time, the received part is a complete picture. Not thread-safe; safe for untrusted bytes; memory is bounded by

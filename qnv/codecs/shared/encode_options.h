@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -50,6 +51,12 @@ struct EncodeOptions {
   glm::dvec3 origin{0};                       // of triangles (Description::origin); point sets have their own
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
+};
+
+/// Request for a stream of a source.
+struct EncodeRequest {
+  std::optional<Payload> payload;  // nullopt: chosen for the source
+  EncodeOptions options;           // `payload` and `only_if_suited` are ignored
 };
 
 /// Memory per triangle while encoding a displaced surface.

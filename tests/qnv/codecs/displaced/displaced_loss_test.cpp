@@ -18,28 +18,6 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// Returns a wheel with 200 flat-shaded teeth: too many corners for a first stage.
-Triangles wheel() {
-  constexpr int kPlaces = 400;
-  Triangles out;
-  const auto at = [](int i, int h) {
-    const double a = 2 * std::numbers::pi * (i % kPlaces) / kPlaces, r = i % 2 ? 1.0 : 0.86;
-    return glm::vec3(r * std::cos(a), r * std::sin(a), 0.3 * h);
-  };
-  const auto flat = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-    Triangle t = triangle_of(a, b, c);
-    t.normals.fill(glm::normalize(glm::cross(b - a, c - a)));
-    out.push_back(t);
-  };
-  for (int i = 0; i < kPlaces; ++i) {
-    flat(at(i, 0), at(i + 1, 0), at(i + 1, 1));
-    flat(at(i, 0), at(i + 1, 1), at(i, 1));
-    flat({0, 0, 0.3f}, at(i, 1), at(i + 1, 1));
-    flat(glm::vec3(0), at(i + 1, 0), at(i, 0));
-  }
-  return out;
-}
-
 struct Parts {
   Bytes head;
   std::vector<std::pair<ChunkType, Bytes>> chunks;
