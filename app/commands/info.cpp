@@ -13,6 +13,7 @@
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/payloads.h"
+#include "qnv/codecs/voxels/voxels.h"
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/volume_slices.h"
 

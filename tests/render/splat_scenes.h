@@ -5,6 +5,7 @@
 #include "qnv/base/cloud.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/records/record.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/stream_decoder.h"
 #include "render/gl/gl.h"

@@ -1,7 +1,9 @@
 #include "qnv/reader/stream_decoder.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
 
 #include "qnv/base/morton.h"
+#include "qnv/codecs/octree/packed.h"
+#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/records_payload.h"
 #include "tests/qnv/pinned_vectors.h"
 #include "tests/qnv/surface_shapes.h"
 #include "tests/watched.h"

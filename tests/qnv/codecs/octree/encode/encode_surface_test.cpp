@@ -1,4 +1,5 @@
 #include "qnv/codecs/octree/encode/encode_surface.h"
+#include "qnv/codecs/octree/packed.h"
 #include "qnv/codecs/shared/encode_options.h"
 
 #include "qnv/reader/stream_decoder.h"
