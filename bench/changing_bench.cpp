@@ -2,7 +2,7 @@
 // and on a worker.
 //
 // changing_bench [TRIANGLES] [FRAMES]
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 #include "render/rays/item_bvh.h"
 #include "render/scene/late_meshes.h"
 #include "vrml/syntax/parser.h"
@@ -64,12 +64,12 @@ void run(std::size_t side, int frames, bool beside, bool picks) {
   scene.set(coord, "point", points(0));
   render::ItemBvh bvh;
   render::MeshCache meshes;
-  app::LivingWorld living(opened, meshes);
-  living.start(1000);
-  const auto seen = living.look({0, 0, 10}, true);
+  app::WorldRuntime runtime(opened, meshes);
+  runtime.start(1000);
+  const auto seen = runtime.look({0, 0, 10}, true);
   const auto worker = std::make_shared<render::MeshWorker>(
       std::function<void()>{}, [trees = bvh.trees()](const auto& mesh) { trees->prepare(mesh); });
-  if (beside) living.set_mesh_worker(worker);
+  if (beside) runtime.set_mesh_worker(worker);
   if (picks) bvh.prepare(seen->scene.list());
   // The events of a frame are prepared before its time is taken.
   std::vector<vrml::MFVec3f> waves;
@@ -79,10 +79,10 @@ void run(std::size_t side, int frames, bool beside, bool picks) {
   const vrml::Mesh* last = nullptr;
   for (int i = 1; i <= frames; ++i) {
     const auto start = Clock::now();
-    (void)living.take_meshes();
-    (void)living.send(scene, coord, "set_point", vrml::FieldValue(waves[static_cast<std::size_t>(i) % waves.size()]));
-    living.step(1000 + i / 60.0);
-    (void)living.show(*seen, {0, 0, 10});
+    (void)runtime.take_meshes();
+    (void)runtime.send(scene, coord, "set_point", vrml::FieldValue(waves[static_cast<std::size_t>(i) % waves.size()]));
+    runtime.step(1000 + i / 60.0);
+    (void)runtime.show(*seen, {0, 0, 10});
     const render::RenderList& list = seen->scene.list();
     if (picks && !list.items.empty()) (void)bvh.nearest(list, {{0.1, 5, 0.1}, {0, -1, 0}});
     times.ms.push_back(ms_since(start));

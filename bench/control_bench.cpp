@@ -71,11 +71,11 @@ struct Controlled {
     document = hold_world(std::move(world));
     begin_world(*document, now);
     session.show(document);
-    session.add_guest(control);
+    session.add_extension(control);
     input.area = Viewport{0, 0, 1024, 768};
     step();
   }
-  ~Controlled() { session.remove_guest(control); }
+  ~Controlled() { session.remove_extension(control); }
   void step() { (void)session.step(now += 1.0 / 60, input); }
 
   double now = 1000;

@@ -1,6 +1,6 @@
 #include "app/control/control.h"
 
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 
 #include <algorithm>
 #include <chrono>
@@ -109,8 +109,8 @@ Control::Control(ControlChannel& channel, std::function<void()> wake, std::chron
 Control::~Control() {
   for (auto& [number, client] : clients_) leave_world(client);
   for (const auto& world : worlds_)
-    if (const auto document = world->document.lock(); document && document->living)
-      document->living->execution().observe({}, this);
+    if (const auto document = world->document.lock(); document && document->runtime)
+      document->runtime->execution().observe({}, this);
 }
 
 // Steps -------------------------------------------------------------------------------------------
@@ -155,7 +155,7 @@ void Control::follow_viewport(Session& session, ControlClient& client) {
   const std::vector<std::size_t> sight = session.panes().visible();
   const View* const view = client.viewport < sight.size() ? session.panes().at(sight[client.viewport]).view() : nullptr;
   std::shared_ptr<Document> document = view ? view->document : nullptr;
-  if (document && (!document->living || !document->living->has_started())) document = nullptr;
+  if (document && (!document->runtime || !document->runtime->has_started())) document = nullptr;
   const std::shared_ptr<Document> before = client.world ? client.world->document.lock() : nullptr;
   if (before == document && (document || !client.world)) return;
   if (client.world) {
@@ -163,7 +163,7 @@ void Control::follow_viewport(Session& session, ControlClient& client) {
     leave_world(client);
   }
   if (!document) return;
-  document->living->measure_viewer();
+  document->runtime->measure_viewer();
   const auto known = std::find_if(worlds_.begin(), worlds_.end(),
                                   [&](const auto& world) { return world->document.lock() == document; });
   if (known != worlds_.end()) {
@@ -182,7 +182,7 @@ void Control::tell_browser_event(ControlClient& client, std::string_view what, c
   if (!client.wants_browser_events) return;
   std::string out =
       "{\"jsonrpc\":\"2.0\",\"method\":\"browser\",\"params\":{\"event\":\"" + std::string(what) + "\",\"url\":";
-  append_json_string(out, document && document->living ? document->living->browser().world_url : "");
+  append_json_string(out, document && document->runtime ? document->runtime->browser().world_url : "");
   out += "}}";
   channel_.send(client.number, std::move(out));
 }
@@ -193,8 +193,8 @@ void Control::leave_world(ControlClient& client) {
   if (!client.world) return;
   const auto document = client.world->document.lock();
   while (!client.watches.empty()) (void)unwatch(client, client.watches.begin()->first);
-  if (document && document->living) {
-    vrml::Execution& execution = document->living->execution();
+  if (document && document->runtime) {
+    vrml::Execution& execution = document->runtime->execution();
     for (const auto& [number, node] : client.nodes)
       if (execution.has_scene(node.scene)) execution.release(*node.scene, node.id);
   }
@@ -286,7 +286,7 @@ std::uint64_t Control::number_of(ControlClient& client, vrml::SceneGraph& scene,
   const auto [known, is_new] = client.known_nodes.try_emplace(node_key(node), client.last_node + 1);
   if (!is_new) return known->second;
   const auto document = client.world->document.lock();
-  document->living->execution().hold(scene, node);
+  document->runtime->execution().hold(scene, node);
   client.nodes[++client.last_node] = {&scene, node};
   return client.last_node;
 }
@@ -296,7 +296,7 @@ void Control::dispose(ControlClient& client, std::uint64_t number) {
   if (!node) return;
   client.known_nodes.erase(node_key(node.mapped().id));
   const auto document = client.world->document.lock();
-  vrml::Execution& execution = document->living->execution();
+  vrml::Execution& execution = document->runtime->execution();
   if (execution.has_scene(node.mapped().scene)) execution.release(*node.mapped().scene, node.mapped().id);
 }
 
@@ -331,11 +331,11 @@ bool Control::unwatch(ControlClient& client, std::uint64_t number) {
 // Observes the events of a world only while a client watches, because an observer receives all events.
 void Control::observe(ControlledWorld& world) {
   const auto document = world.document.lock();
-  if (!document || !document->living) return;
+  if (!document || !document->runtime) return;
   if (world.watched.empty()) {
-    document->living->execution().observe({}, this);
+    document->runtime->execution().observe({}, this);
   } else {
-    document->living->execution().observe([this, &world](const vrml::SentEvent& event) { note(world, event); }, this);
+    document->runtime->execution().observe([this, &world](const vrml::SentEvent& event) { note(world, event); }, this);
   }
 }
 
@@ -363,7 +363,7 @@ void Control::note(ControlledWorld& world, const vrml::SentEvent& event) {
 void Control::append_event(std::string& out, ControlClient& client, std::uint64_t number, const Watch& watch,
                            double time, const vrml::FieldValue& value, std::uint64_t missed) {
   const std::shared_ptr<Document> document = client.world->document.lock();
-  const vrml::Execution& execution = document->living->execution();
+  const vrml::Execution& execution = document->runtime->execution();
   out += "{\"jsonrpc\":\"2.0\",\"method\":\"event\",\"params\":{\"watch\":" + std::to_string(number) + ",\"time\":";
   append_json_number(out, time);
   out += ",\"value\":";

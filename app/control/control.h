@@ -20,7 +20,7 @@ namespace gs::app {
 /// Server of control clients for the worlds of a session: the services of ISO/IEC 14772-2 as JSON-RPC 2.0
 /// (docs/control.md). Used by the session's thread. In each step it acts after time has advanced and before the user's
 /// input.
-class Control final : public SessionGuest {
+class Control final : public SessionExtension {
  public:
   /// Function that draws a view with the given size in pixels. Returns a PNG file or an error.
   using Painter =

@@ -1,6 +1,6 @@
 #include "app/control/control.h"
 #include "app/control/services.h"
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ void ServiceCall::fail_at(std::size_t place, const std::string& why) {
 }
 
 std::optional<PlacedNode> ServiceCall::read_node(JsonCursor& json) {
-  const vrml::Execution& execution = document->living->execution();
+  const vrml::Execution& execution = document->runtime->execution();
   const JsonKind kind = json.kind();
   if (kind == JsonKind::number) {
     const double number = json.number();
@@ -200,7 +200,7 @@ bool ServiceCall::send(std::vector<ClientEvent>&& events) {
 }
 
 bool ServiceCall::deliver(std::vector<ClientEvent>&& events) {
-  vrml::Execution& execution = document->living->execution();
+  vrml::Execution& execution = document->runtime->execution();
   execution.begin_update();
   std::size_t sent = 0;
   for (ClientEvent& event : events) {

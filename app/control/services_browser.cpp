@@ -1,7 +1,7 @@
 #include "app/control/control.h"
 #include "app/control/services.h"
 #include "app/script/run_time_nodes.h"
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 
 #include <algorithm>
 
@@ -27,10 +27,10 @@ bool get_browser(ServiceCall& call) {
   put_member(out, "name", "GhostSpace");
   put_member(out, "version", GHOSTSPACE_VERSION);
   if (call.document) {
-    const BrowserState& browser = call.document->living->browser();
+    const BrowserState& browser = call.document->runtime->browser();
     put_member(out, "url", browser.world_url);
     put_member(out, "title", call.document->world.title);
-    put_figure(out, "time", call.document->living->execution().now());
+    put_figure(out, "time", call.document->runtime->execution().now());
     put_figure(out, "speed", browser.speed);
     put_figure(out, "frameRate", browser.frame_rate);
   }
@@ -48,17 +48,17 @@ bool get_version(ServiceCall& call) {
 }
 bool get_speed(ServiceCall& call) {
   call.result.clear();
-  append_json_number(call.result, call.document->living->browser().speed);
+  append_json_number(call.result, call.document->runtime->browser().speed);
   return true;
 }
 bool get_frame_rate(ServiceCall& call) {
   call.result.clear();
-  append_json_number(call.result, call.document->living->browser().frame_rate);
+  append_json_number(call.result, call.document->runtime->browser().frame_rate);
   return true;
 }
 bool get_world_url(ServiceCall& call) {
   call.result.clear();
-  append_json_string(call.result, call.document->living->browser().world_url);
+  append_json_string(call.result, call.document->runtime->browser().world_url);
   return true;
 }
 
@@ -104,7 +104,7 @@ bool create_from_string(ServiceCall& call) {
   if (!text) return false;
   vrml::SceneGraph& scene = *call.document->world.scene;
   vrml::Diagnostics diagnostics;
-  const vrml::RunTimeNodes made = call.document->living->create(scene, "control", *text, diagnostics, &scene);
+  const vrml::RunTimeNodes made = call.document->runtime->create(scene, "control", *text, diagnostics, &scene);
   std::string messages = "[";
   for (const vrml::Diagnostic& one : diagnostics.entries()) {
     if (messages.size() > 1) messages += ',';
@@ -140,7 +140,7 @@ bool create_from_url(ServiceCall& call) {
     return false;
   }
   request.location = node->scene->node(node->id).location;
-  call.document->living->create_from_url(std::move(request));
+  call.document->runtime->create_from_url(std::move(request));
   call.changes = true;
   return true;
 }
@@ -148,7 +148,7 @@ bool create_from_url(ServiceCall& call) {
 bool replace_world(ServiceCall& call) {
   const auto nodes = call.nodes(0);
   if (!nodes) return false;
-  vrml::Execution& execution = call.document->living->execution();
+  vrml::Execution& execution = call.document->runtime->execution();
   execution.begin_update();
   vrml::SceneGraph& scene = nodes->first ? *nodes->first : *call.document->world.scene;
   if (!execution.replace_world(scene, nodes->second)) {
@@ -177,7 +177,7 @@ bool change_route(ServiceCall& call) {
     return false;
   }
   const vrml::Route& route = std::get<vrml::Route>(found);
-  vrml::Execution& execution = call.document->living->execution();
+  vrml::Execution& execution = call.document->runtime->execution();
   // Adding an existing ROUTE or removing a missing one has no effect (VRML97 4.10.2).
   const bool done = kAdd ? execution.add_route(*from->scene, route) : execution.remove_route(*from->scene, route);
   call.result = done ? "{\"changed\":true}" : "{\"changed\":false}";

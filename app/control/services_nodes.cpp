@@ -1,6 +1,6 @@
 #include "app/control/control.h"
 #include "app/control/services.h"
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 
 #include <limits>
 
@@ -76,7 +76,7 @@ bool get_value(ServiceCall& call) {
   std::optional<PlacedNode> node;
   const vrml::InterfaceDeclaration* const event = event_out(call, node);
   if (!event) return false;
-  const vrml::FieldValue* const value = call.document->living->execution().last_value(*node->scene, node->id, *event);
+  const vrml::FieldValue* const value = call.document->runtime->execution().last_value(*node->scene, node->id, *event);
   if (!value) {
     call.problem = "the value exceeds the limit of pending events";
     return false;

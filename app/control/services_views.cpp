@@ -1,6 +1,6 @@
 #include "app/control/control.h"
 #include "app/control/services.h"
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 #include "app/view/navigation.h"
 #include "net/control/digest.h"
 
@@ -105,7 +105,7 @@ bool set_viewer(ServiceCall& call) {
   pose.height = height;
   call.view->navigation.transition.reset();
   call.view->navigation.pose = pose;
-  call.document->living->execution().viewer_jumped();
+  call.document->runtime->execution().viewer_jumped();
   call.changes = true;
   return true;
 }

@@ -18,7 +18,7 @@ constexpr double kLit = 0.6;                // seconds of highlight after an eve
 
 std::shared_ptr<Document> document_of(Session& session) {
   const View* const seen = session.view();
-  const bool lives = seen && seen->document->living && seen->document->living->has_started();
+  const bool lives = seen && seen->document->runtime && seen->document->runtime->has_started();
   return lives ? seen->document : nullptr;
 }
 
@@ -41,7 +41,7 @@ void Inspection::enter(const std::shared_ptr<Document>& document) {
   match_.reset();
   reveal_ = fly_ = false;
   document_ = document;
-  world_ = document ? &document->living->execution() : nullptr;
+  world_ = document ? &document->runtime->execution() : nullptr;
   if (!world_) return;
   outline_.set_world(world_, &index_);
 }
@@ -65,7 +65,7 @@ bool Inspection::act(Session& session) {
   for (const std::string& line : std::exchange(entered_, {})) {
     const NodeAt script = console_script();
     const ScriptRunner::Evaluation answer =
-        document_->living->evaluate(script ? *script.scene : world_->root(), script.id, line);
+        document_->runtime->evaluate(script ? *script.scene : world_->root(), script.id, line);
     console_.answer(answer.text, answer.failed);
     changed = true;
   }
@@ -262,8 +262,8 @@ void Inspection::retry(const StreamList::Row& row) { retried_.push_back(row); }
 // Finds the node by address only, because it may no longer exist.
 void Inspection::send_again(Session& session, const StreamList::Row& row) {
   const std::shared_ptr<Document>& document = row.document;
-  if (document && document->living && row.load.node) {
-    vrml::Execution& execution = document->living->execution();
+  if (document && document->runtime && row.load.node) {
+    vrml::Execution& execution = document->runtime->execution();
     std::vector<const vrml::SceneGraph*> scenes{&execution.root()};
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       for (const auto& [place, content] : scenes[i]->inlines())

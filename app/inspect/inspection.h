@@ -29,9 +29,9 @@ struct InspectionWants {
 };
 
 /// Inspection of the world in a session's active viewport: node tree, selected node, ROUTEs, programs and streams. It
-/// applies the user's edits as a SessionGuest in the session's next step. Events thus take the same path as those of
-/// remote control. Use on the session's thread. The session must outlive it or remove it.
-class Inspection final : public SessionGuest {
+/// applies the user's edits as a SessionExtension in the session's next step. Events thus take the same path as those
+/// of remote control. Use on the session's thread. The session must outlive it or remove it.
+class Inspection final : public SessionExtension {
  public:
   Inspection() = default;
   Inspection(const Inspection&) = delete;

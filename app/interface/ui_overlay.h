@@ -2,7 +2,7 @@
 
 #include "app/interface/base/ui_model.h"
 #include "app/interface/dock/dock.h"
-#include "app/settings/user_memory.h"
+#include "app/settings/app_state.h"
 #include "app/view/actions.h"
 #include "app/view/viewports.h"
 #include "app/window/window_event.h"

@@ -18,7 +18,7 @@ void SoundStage::add(const render::RenderList& list, vrml::Execution& execution,
     const auto play = execution.media_play(*sound.scene, sound.source);
     // Reversed and stopped sounds are silent.
     if (!play || !play->active || !(play->rate > 0)) continue;
-    const Heard heard = hear(sound, world_from_viewer);
+    const Heard heard = sound_attenuation(sound, world_from_viewer);
     if (heard.level <= 0) continue;
     Voice voice;
     voice.who = sound.node;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/media/hearing.h"
 #include "app/media/mixer.h"
+#include "app/media/sound_attenuation.h"
 #include "render/scene/collect_schema.h"
 #include "render/scene/render_list.h"
 #include "vrml/events/execution.h"

@@ -186,7 +186,7 @@ void Panes::grow(const Document& document) {
         // The LOD distances now depend on this viewer, so a shared list must be replaced by an own one.
         constexpr long kOwnUsers = 2;  // this view, and the document's reference for later views
         if (document.viewer_dependent && view.scene.use_count() > kOwnUsers) {
-          view.scene = document.living->look(view.navigation.pose.position, true);
+          view.scene = document.runtime->look(view.navigation.pose.position, true);
           view.list = view.scene->scene.shared_list();
         }
         const bool stays = at_home(view);

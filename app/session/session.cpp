@@ -42,8 +42,8 @@ Frame Session::step(double now, const SessionInput& input) {
   if (take_meshes()) frame_.changed = true;
   if (feed_streams()) frame_.changed = true;
   prioritize();
-  if (let_live(input.look)) frame_.changed = true;
-  if (let_guest_act(input.look)) frame_.changed = true;
+  if (advance_worlds(input.look)) frame_.changed = true;
+  if (run_extensions(input.look)) frame_.changed = true;
   if (input.area) {
     area_ = *input.area;
     show_loaded();
@@ -53,7 +53,7 @@ Frame Session::step(double now, const SessionInput& input) {
     if (std::exchange(pointer_moved_, false)) point_again();
   }
   was_moving_ = moving();
-  for (SessionGuest* const guest : guests_) guest->step_is_over();
+  for (SessionExtension* const guest : extensions_) guest->step_is_over();
   Frame frame = std::exchange(frame_, {});
   const std::vector<std::size_t> sight = panes_.visible();
   const std::vector<Viewport> rectangles = places();
@@ -79,7 +79,8 @@ std::vector<Document*> Session::living() const {
   std::vector<Document*> result;
   for (const std::size_t i : panes_.visible()) {
     const View* seen = panes_.at(i).view();
-    if (seen && seen->document->living && std::find(result.begin(), result.end(), seen->document.get()) == result.end())
+    if (seen && seen->document->runtime &&
+        std::find(result.begin(), result.end(), seen->document.get()) == result.end())
       result.push_back(seen->document.get());
   }
   return result;
@@ -88,7 +89,7 @@ std::vector<Document*> Session::living() const {
 std::optional<double> Session::next_life() const {
   std::optional<double> next;
   for (const Document* document : living())
-    if (const auto time = document->living->next_time()) next = std::min(next.value_or(*time), *time);
+    if (const auto time = document->runtime->next_time()) next = std::min(next.value_or(*time), *time);
   // Actions of an extension cause events and requests for files.
   if (acted_) next = life_due_;
   if (next) next = std::max(*next, life_due_);
@@ -99,7 +100,7 @@ std::optional<double> Session::next_life() const {
 // Sets the viewer position for the sensors of a world. A viewer at the bound Viewpoint follows it at each timestamp. A
 // viewer that jumps to a Viewpoint is at its destination already (VRML97 6.53).
 void Session::place_viewer(Document& document, const View& leader) const {
-  vrml::Execution& execution = document.living->execution();
+  vrml::Execution& execution = document.runtime->execution();
   if (const Viewport place = place_of(leader); place.height > 0)
     execution.set_aspect(static_cast<double>(place.width) / place.height);
   const std::optional<Transition>& way = leader.navigation.transition;
@@ -112,7 +113,7 @@ void Session::place_viewer(Document& document, const View& leader) const {
 }
 
 // Advances the visible worlds. Returns true if the picture changed.
-bool Session::let_live(bool look) {
+bool Session::advance_worlds(bool look) {
   if (now_ < life_due_) return false;
   acted_ = false;
   const double started = world_time();
@@ -125,18 +126,18 @@ bool Session::let_live(bool look) {
     for (const std::size_t i : panes_.visible())
       if (View* seen = panes_.at(i).view(); seen && seen->document.get() == document) views.push_back(seen);
     if (!leader) leader = views.front();
-    vrml::Execution& execution = document->living->execution();
+    vrml::Execution& execution = document->runtime->execution();
     // Changing the viewport moves the viewer without walking.
     const void* before = std::exchange(document->viewer, leader);
     if (before && before != leader) execution.viewer_jumped();
     place_viewer(*document, *leader);
-    const bool moved = document->living->step(now_);
+    const bool moved = document->runtime->step(now_);
     take_script_news(*document);
     if (document->reader)
-      if (std::vector<UrlRequest> urls = document->living->take_url_requests(); !urls.empty())
+      if (std::vector<UrlRequest> urls = document->runtime->take_url_requests(); !urls.empty())
         document->reader->request(std::move(urls));
-    const bool rebound = leader->bound != document->living->bound().viewpoint;
-    if (look && document->living->show_movies(options_.simulated)) any = true;
+    const bool rebound = leader->bound != document->runtime->bound().viewpoint;
+    if (look && document->runtime->show_movies(options_.simulated)) any = true;
     if (look || rebound)
       for (View* seen : views) any = follow_world(*seen) || any;
     if (rebound) any = follow_bound_viewpoint(*leader) || any;
@@ -157,14 +158,14 @@ bool Session::let_live(bool look) {
   return any;
 }
 
-bool Session::let_guest_act(bool look) {
+bool Session::run_extensions(bool look) {
   bool any = false;
-  for (SessionGuest* const guest : guests_) any = guest->act(*this) || any;
+  for (SessionExtension* const guest : extensions_) any = guest->act(*this) || any;
   if (!any) return false;
   acted_ = true;
   if (look)
     for (const std::size_t i : panes_.visible())
-      if (View* seen = panes_.at(i).view(); seen && seen->document->living) any = follow_world(*seen) || any;
+      if (View* seen = panes_.at(i).view(); seen && seen->document->runtime) any = follow_world(*seen) || any;
   return any;
 }
 
@@ -193,10 +194,10 @@ void Session::move_viewer(View& seen, Navigation after, bool loading, float seco
   const std::optional<std::size_t> before = seen.navigation.body.item;
   seen.navigation = with_body(seen.navigation, std::move(after), avatar, obstacles, seconds);
   const std::optional<std::size_t> met = seen.navigation.body.item;
-  if (!met || met == before || !seen.document->living) return;
+  if (!met || met == before || !seen.document->runtime) return;
   Hit hit;
   hit.item = *met;
-  (void)seen.document->living->execution().collide(path_of(list, hit));
+  (void)seen.document->runtime->execution().collide(path_of(list, hit));
 }
 
 void Session::move_views(float seconds, bool look) {

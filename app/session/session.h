@@ -98,10 +98,10 @@ struct Frame {
   bool show_log = false;
 };
 
-/// Extension that acts in each step of a session, beside the user; see Session::add_guest().
-class SessionGuest {
+/// Extension that acts in each step of a session, beside the user; see Session::add_extension().
+class SessionExtension {
  public:
-  virtual ~SessionGuest() = default;
+  virtual ~SessionExtension() = default;
   /// Acts after time has advanced and before the user's input. Returns true if worlds or views changed.
   virtual bool act(Session& session) = 0;
   /// Called at the end of each step.
@@ -132,8 +132,8 @@ class Session {
   Frame step(double now, const SessionInput& input);
   /// Adds an extension that acts in each step, after those that were added before. It must outlive the session or be
   /// removed.
-  void add_guest(SessionGuest& guest) { guests_.push_back(&guest); }
-  void remove_guest(SessionGuest& guest) { std::erase(guests_, &guest); }
+  void add_extension(SessionExtension& guest) { extensions_.push_back(&guest); }
+  void remove_extension(SessionExtension& guest) { std::erase(extensions_, &guest); }
   /// Serves a request of a program or client for a world that is shown (VRML97 4.12.10). Returns the reason why no URL
   /// of loadURL may be opened, or nullopt.
   std::optional<std::string> serve(const Document& document, const ScriptRequest& request);
@@ -274,8 +274,8 @@ class Session {
   [[nodiscard]] std::vector<Document*> living() const;
   void take_script_news(Document& document);
   void place_viewer(Document& document, const View& leader) const;
-  bool let_live(bool look);
-  bool let_guest_act(bool look);
+  bool advance_worlds(bool look);
+  bool run_extensions(bool look);
   void listen(Document& document, const View& leader);
   void change_sound(Action action);
   /// Completes moves to Viewpoints at once in simulated time.
@@ -382,7 +382,7 @@ class Session {
   std::vector<Reader> readers_;
   std::vector<std::shared_ptr<WorldReader>> retired_;  // no longer needed; they end as soon as they can
   std::vector<Loads> failed_loads_;
-  std::vector<SessionGuest*> guests_;
+  std::vector<SessionExtension*> extensions_;
   bool acted_ = false;                                     // an extension has acted since time advanced in the worlds
   std::array<TravelHistory, kMostViewports> histories_;    // by viewport
   std::map<std::size_t, TravelHistory::Visit> returning_;  // poses of viewers once their files are loaded

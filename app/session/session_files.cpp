@@ -99,10 +99,10 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
   }
   frame_.arrived.push_back(from.reading.path);
   const std::shared_ptr<Document> document = news.document;
-  if (const auto opener = private_files_.find(from.reading.path); opener != private_files_.end() && document->living)
-    document->living->assume_private(opener->second);
-  if (document->living && mesh_worker_) document->living->set_mesh_worker(mesh_worker_);
-  if (document->living && !document->living->has_started()) begin_world(*document, world_time());
+  if (const auto opener = private_files_.find(from.reading.path); opener != private_files_.end() && document->runtime)
+    document->runtime->assume_private(opener->second);
+  if (document->runtime && mesh_worker_) document->runtime->set_mesh_worker(mesh_worker_);
+  if (document->runtime && !document->runtime->has_started()) begin_world(*document, world_time());
   log_.note(from.reading.path, document->world.diagnostics);  // includes the objects that limits removed
   places_behind_.erase(from.reading.path);
   questions_.ask(from.reading.path, document->world.outside);
@@ -117,7 +117,7 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
 bool Session::take_meshes() {
   bool any = false;
   for (const DocumentList::Entry& entry : panes_.documents().entries())
-    if (entry.document && entry.document->living) any = entry.document->living->take_meshes() || any;
+    if (entry.document && entry.document->runtime) any = entry.document->runtime->take_meshes() || any;
   return any;
 }
 

@@ -387,7 +387,7 @@ std::vector<std::string> Session::places_of(const std::vector<std::string>& give
 void Session::answer_question(bool allow) {
   if (!questions_.current()) {
     if (const auto asked = network_question())
-      panes_.documents().document(asked->world)->living->answer_network_question(allow);
+      panes_.documents().document(asked->world)->runtime->answer_network_question(allow);
     return;
   }
   if (allow) load_.allowed.push_back(questions_.current()->folder);
@@ -396,8 +396,8 @@ void Session::answer_question(bool allow) {
 
 std::optional<Session::WorldNetworkQuestion> Session::network_question() const {
   for (const DocumentList::Entry& entry : panes_.documents().entries())
-    if (entry.document && entry.document->living)
-      if (auto question = entry.document->living->network_question())
+    if (entry.document && entry.document->runtime)
+      if (auto question = entry.document->runtime->network_question())
         return WorldNetworkQuestion{entry.path, std::move(*question)};
   return std::nullopt;
 }

@@ -19,11 +19,11 @@ PickOptions pick_options(const View& seen, const glm::vec2& size) {
 // Points at the world of a viewport. Returns true if a sensor grabs the pointer, so that it does not move the viewer.
 bool Session::point_world(std::size_t pane, bool down) {
   View* seen = panes_.at(pane).view();
-  if (!seen || !seen->document->living) return false;
-  vrml::Execution& execution = seen->document->living->execution();
+  if (!seen || !seen->document->runtime) return false;
+  vrml::Execution& execution = seen->document->runtime->execution();
   if (!execution.has_pointing_sensors()) return false;
   const Viewport place = place_of(pane);
-  (void)seen->document->living->step(now_);
+  (void)seen->document->runtime->step(now_);
   (void)follow_world(*seen);
   (void)point(execution, picker_, *seen->list, sight_line(seen->navigation.pose, place.inside(pointer_), place.size()),
               down, pick_options(*seen, place.size()));
@@ -36,14 +36,14 @@ bool Session::point_world(std::size_t pane, bool down) {
 void Session::leave_world() {
   if (!pointed_pane_) return;
   View* seen = panes_.at(*std::exchange(pointed_pane_, std::nullopt)).view();
-  if (seen && seen->document->living) seen->document->living->execution().point({});
+  if (seen && seen->document->runtime) seen->document->runtime->execution().point({});
   sensor_has_pointer_ = false;
 }
 
 Session::Pointed Session::pointed() const {
   const View* seen = panes_.at(panes_.active()).view();
-  if (pointed_pane_ != panes_.active() || !seen || !seen->document->living) return {};
-  const vrml::PointedAt at = seen->document->living->execution().pointed_at();
+  if (pointed_pane_ != panes_.active() || !seen || !seen->document->runtime) return {};
+  const vrml::PointedAt at = seen->document->runtime->execution().pointed_at();
   return {at.sensor || at.active, at.description};
 }
 
@@ -101,7 +101,7 @@ std::optional<Session::Picked> Session::pick_at(const glm::vec2& pixel) {
 
 bool Session::point_at_sensor(bool down) {
   View& seen = *view();
-  vrml::Execution& execution = seen.document->living->execution();
+  vrml::Execution& execution = seen.document->runtime->execution();
   (void)follow_world(seen);
   std::vector<std::size_t> items;
   for (SensorGeometry& one : sensor_geometry(execution, *seen.list))
@@ -115,9 +115,9 @@ bool Session::point_at_sensor(bool down) {
 
 bool Session::press_sensor(const vrml::NodePlace& sensor) {
   View* const seen = view();
-  if (held_sensor_ || sensor_has_pointer_ || !seen || !seen->document->living) return false;
+  if (held_sensor_ || sensor_has_pointer_ || !seen || !seen->document->runtime) return false;
   (void)follow_world(*seen);
-  for (const SensorGeometry& one : sensor_geometry(seen->document->living->execution(), *seen->list)) {
+  for (const SensorGeometry& one : sensor_geometry(seen->document->runtime->execution(), *seen->list)) {
     if (one.sensor.scene != sensor.scene || !(one.sensor.node == sensor.node)) continue;
     const auto line = line_that_meets(only(*seen->list, one.items), seen->navigation.pose.position);
     if (!line) return false;
@@ -131,7 +131,7 @@ bool Session::press_sensor(const vrml::NodePlace& sensor) {
 
 void Session::drag_sensor(const glm::dvec2& pixels) {
   const View* const seen = view();
-  if (!held_sensor_ || !seen || !seen->document->living) return;
+  if (!held_sensor_ || !seen || !seen->document->runtime) return;
   glm::dvec3& direction = held_sensor_->line.direction;
   const glm::dvec3 up = seen->navigation.pose.up();
   glm::dvec3 right = glm::cross(direction, up);
@@ -144,7 +144,7 @@ void Session::drag_sensor(const glm::dvec2& pixels) {
 
 void Session::release_sensor() {
   if (!held_sensor_) return;
-  if (const View* const seen = view(); seen && seen->document->living) (void)point_at_sensor(false);
+  if (const View* const seen = view(); seen && seen->document->runtime) (void)point_at_sensor(false);
   held_sensor_.reset();
 }
 
@@ -159,10 +159,10 @@ void Session::move_viewer_to(const glm::dvec3& place) {
 
 void Session::open_links(std::size_t pane) {
   View* seen = panes_.at(pane).view();
-  for (const vrml::NodePlace& anchor : seen->document->living->execution().take_requests()) {
-    LivingWorld& living = *seen->document->living;
-    if (vrml::SceneGraph* const scene = living.execution().own_scene(*anchor.scene);
-        scene && living.open_computed_anchor(*scene, anchor.node))
+  for (const vrml::NodePlace& anchor : seen->document->runtime->execution().take_requests()) {
+    WorldRuntime& runtime = *seen->document->runtime;
+    if (vrml::SceneGraph* const scene = runtime.execution().own_scene(*anchor.scene);
+        scene && runtime.open_computed_anchor(*scene, anchor.node))
       return;
     const Link link = link_of(*anchor.scene, anchor.node);
     follow_link(pane, link);
@@ -174,7 +174,7 @@ void Session::open_links(std::size_t pane) {
 void Session::enter_by_link(Pane& pane) {
   View* seen = pane.view();
   const auto entry = entries_.find(pane.shown);
-  if (entry == entries_.end() || !seen || !seen->document->living) return;
+  if (entry == entries_.end() || !seen || !seen->document->runtime) return;
   if (const auto index = find_viewpoint(seen->list->viewpoints, entry->second)) {
     // Acts as if it were the first Viewpoint of the file (VRML97 6.53).
     go_to_viewpoint(*seen, *index);

@@ -10,23 +10,23 @@ namespace gs::app {
 
 void Session::take_script_news(Document& document) {
   bool told = false;
-  for (ScriptMessage& message : document.living->take_script_messages()) {
+  for (ScriptMessage& message : document.runtime->take_script_messages()) {
     told = true;
     if (message.printed) message.diagnostic.file = "print";
     document.world.diagnostics.add(std::move(message.diagnostic));
   }
   if (told) log_.note(document.world.path, document.world.diagnostics);
-  for (const ScriptRequest& request : document.living->take_script_requests()) serve(document, request);
+  for (const ScriptRequest& request : document.runtime->take_script_requests()) serve(document, request);
 }
 
 // Marks the worlds that a Script opens as private, if it has read a private file. Their names may reveal its content.
 void Session::keep_private(const Document& document, const Link& link) {
-  if (!document.living || document.living->private_file().empty()) return;
+  if (!document.runtime || document.runtime->private_file().empty()) return;
   for (const Link::Place& place : link.places) {
     if (place.target.empty()) continue;
-    private_files_[place.target] = document.living->private_file();
-    if (const auto known = panes_.documents().document(place.target); known && known->living)
-      known->living->assume_private(document.living->private_file());
+    private_files_[place.target] = document.runtime->private_file();
+    if (const auto known = panes_.documents().document(place.target); known && known->runtime)
+      known->runtime->assume_private(document.runtime->private_file());
   }
 }
 

@@ -8,7 +8,7 @@ namespace gs::app {
 
 void Session::listen(Document& document, const View& leader) {
   if (!leader.list || document.world.media.empty()) return;
-  sounds_.add(*leader.list, document.living->execution(), document.world.media,
+  sounds_.add(*leader.list, document.runtime->execution(), document.world.media,
               world_from_viewer(leader.navigation.pose));
 }
 

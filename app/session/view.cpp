@@ -21,13 +21,13 @@ bool same(const vrml::NodePlace& a, const vrml::NodePlace& b) { return a.scene =
 /// Stores the jump field of the bound Viewpoint. Keeps the last value if the Viewpoint was removed.
 void note_jump(View& view) {
   const auto [scene, node] = view.bound_place;
-  if (scene && view.document->living->execution().has_scene(scene) && scene->contains(node))
+  if (scene && view.document->runtime->execution().has_scene(scene) && scene->contains(node))
     view.bound_jump = scene->get<vrml::SFBool>(node, "jump");
 }
 
 void note_bound(View& view) {
   const vrml::NodeChange bound =
-      view.document->living->execution().bound(vrml::built_in_node_type(vrml::NodeKind::viewpoint));
+      view.document->runtime->execution().bound(vrml::built_in_node_type(vrml::NodeKind::viewpoint));
   view.bound = bound.scene ? &bound.scene->node(bound.node) : nullptr;
   view.bound_place = {bound.scene, bound.node};
   note_jump(view);
@@ -108,7 +108,7 @@ void follow_growth(View& view) {
       render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
     return;
   // While the user drags an object, the camera must not move.
-  if (view.document->living->execution().pointed_at().active) return;
+  if (view.document->runtime->execution().pointed_at().active) return;
   render::WorldBounds whole = view.framed;
   whole.add(now);
   if (!usable(view.framed)) {
@@ -190,11 +190,11 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   view.style = style;
   view.color_bar = document->world.color_key.has_value();  // such colours have no meaning without it
   view.list = document->list;
-  if (document->living) {
+  if (document->runtime) {
     note_bound(view);
     // The first view reuses the document's initial render scene.
     view.scene = document->viewer_dependent && document->first_scene.use_count() > 1
-                     ? document->living->look({0, 0, 10}, true)
+                     ? document->runtime->look({0, 0, 10}, true)
                      : document->first_scene;
     view.list = view.scene->scene.shared_list();
   }
@@ -271,11 +271,11 @@ void fit_home(View& view, const glm::vec2& viewport) {
 }
 
 bool follow_world(View& view) {
-  if (!view.scene || !view.document || !view.document->living) return false;
+  if (!view.scene || !view.document || !view.document->runtime) return false;
   view.scene->scene.set_pixels_per_radian(
       render::pixels_per_radian(view.navigation.pose.field_of_view, view.home_size.x, view.home_size.y));
   view.scene->scene.set_viewer_up(view.navigation.pose.up());
-  const bool changed = view.document->living->show(*view.scene, view.navigation.pose.position);
+  const bool changed = view.document->runtime->show(*view.scene, view.navigation.pose.position);
   if (!changed) return false;
   follow_navigation_info(view);
   const auto& viewpoints = view.list->viewpoints;
@@ -315,17 +315,17 @@ void bind_viewpoint(View& view, std::size_t index) {
   view.home = home_of(view, viewpoint);
   take_measures(view, viewpoint);
   view.navigation = travel_to(view.navigation, view.home);
-  if (!view.document || !view.document->living) return;
-  (void)view.document->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true});
+  if (!view.document || !view.document->runtime) return;
+  (void)view.document->runtime->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true});
   note_bound(view);
 }
 
 bool follow_bound_viewpoint(View& view) {
-  if (!view.document || !view.document->living) return false;
-  const vrml::Node* bound = view.document->living->bound().viewpoint;
+  if (!view.document || !view.document->runtime) return false;
+  const vrml::Node* bound = view.document->runtime->bound().viewpoint;
   if (bound == view.bound) return false;
   const bool popped = view.bound_place.scene &&
-                      !view.document->living->execution().is_on_stack(view.bound_place.scene, view.bound_place.node);
+                      !view.document->runtime->execution().is_on_stack(view.bound_place.scene, view.bound_place.node);
   if (!popped) leave_viewpoint(view);
   note_jump(view);
   const bool popped_jump = view.bound_jump;

@@ -34,7 +34,7 @@ struct ViewStyle {
 /// lists do.
 struct View {
   std::shared_ptr<Document> document;
-  std::shared_ptr<LivingScene> scene;              // render list of the running world; null before the world starts
+  std::shared_ptr<RuntimeScene> scene;             // render list of the running world; null before the world starts
   std::shared_ptr<const render::RenderList> list;  // of `scene`, or of the parts received so far
   NavigationRules rules;
   render::NavigationState navigation_info;  // state from which `rules` were last made

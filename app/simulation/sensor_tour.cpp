@@ -23,7 +23,7 @@ void add_scenes(const vrml::SceneGraph& scene, std::vector<const vrml::SceneGrap
 
 vrml::Execution* SensorTour::world() {
   const View* const seen = session_.view();
-  return seen && seen->document->living ? &seen->document->living->execution() : nullptr;
+  return seen && seen->document->runtime ? &seen->document->runtime->execution() : nullptr;
 }
 
 std::vector<vrml::NodePlace> sensors_of(const vrml::SceneGraph& world, bool pointing) {

@@ -163,13 +163,13 @@ void Simulation::stand_at(const render::Camera& camera) {
   if (there || sensors_of(world.root(), false).empty()) return;
   world.set_viewer(after);
   world.begin_update();
-  (void)document_->living->step(world.now());
+  (void)document_->runtime->step(world.now());
 }
 
 const render::RenderList& Simulation::look_from(const glm::dvec3& viewer, const glm::dvec3& up) {
   const View& seen = look();
   seen.scene->scene.set_viewer_up(up);
-  (void)document_->living->show(*seen.scene, viewer);
+  (void)document_->runtime->show(*seen.scene, viewer);
   return *seen.list;
 }
 
@@ -236,7 +236,7 @@ void Simulation::act(double time) {
 // Fetches the urls that the last step has set. Urls that their contents set are fetched after the next step.
 void Simulation::fetch() {
   if (!loading_) return;
-  std::vector<UrlRequest> requests = document_->living->take_url_requests();
+  std::vector<UrlRequest> requests = document_->runtime->take_url_requests();
   if (requests.empty()) return;
   loading_->request(std::move(requests));
   constexpr std::chrono::milliseconds kWait{1000};
@@ -248,7 +248,7 @@ void Simulation::fetch() {
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   if (steps_ == 0) {
-    if (document_->living) document_->living->set_script_settings({0, true});
+    if (document_->runtime) document_->runtime->set_script_settings({0, true});
     begin_world(*document_, kSimulatedStart);
     session_.show(document_);
     step(0, false);

@@ -59,10 +59,10 @@ class Simulation {
   void measure(render::PhaseClock* phases) { document_->meshes.phases = phases; }
 
   [[nodiscard]] OpenedWorld& world() { return document_->world; }
-  [[nodiscard]] vrml::Execution& execution() { return document_->living->execution(); }
-  /// Sets the receiver of script messages; see LivingWorld::observe_scripts().
+  [[nodiscard]] vrml::Execution& execution() { return document_->runtime->execution(); }
+  /// Sets the receiver of script messages; see WorldRuntime::observe_scripts().
   void observe_scripts(std::function<void(const ScriptMessage&)> observer) {
-    document_->living->observe_scripts(std::move(observer));
+    document_->runtime->observe_scripts(std::move(observer));
   }
   /// Returns the view of the world after `run`.
   [[nodiscard]] const View& look();

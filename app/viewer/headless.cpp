@@ -1,7 +1,7 @@
 #include "app/viewer/headless.h"
 
 #include "app/base/console.h"
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 #include "app/viewer/end_signals.h"
 #include "app/viewer/offscreen.h"
 
@@ -57,7 +57,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
         if (!opened->renderer) return opened->problem;
         return paint(*opened->renderer, options, view, {width, height});
       });
-  session.add_guest(control);
+  session.add_extension(control);
   SessionInput input;
   input.area = Viewport{0, 0, options.width, options.height};
   while (!EndOnSignals::told() && !control.wants_to_end()) {
@@ -73,7 +73,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
     if (frame.next_life) wait = std::min(wait, *frame.next_life - world_time());
     if (!control.wants_to_end()) bell.wait(wait);
   }
-  session.remove_guest(control);
+  session.remove_extension(control);
   return error.empty() ? 0 : 1;
 }
 

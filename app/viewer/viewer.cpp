@@ -18,8 +18,8 @@ constexpr double kIdleWait = 30;       // seconds; any event ends it
 constexpr double kLongPicture = 0.3;   // seconds; a delay that users notice
 constexpr double kLoadingWait = 0.25;  // between pictures of the progress line
 
-DeskOptions desk_options(const ViewerOptions& options, float scale) {
-  DeskOptions result;
+ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
+  ViewerControllerOptions result;
   result.session = options.session;
   result.folders = options.folders;
   result.not_kept = options.not_kept;
@@ -32,7 +32,7 @@ DeskOptions desk_options(const ViewerOptions& options, float scale) {
 // Returns the size of the last window, unless the options give one.
 glm::ivec2 first_size(const ViewerOptions& options) {
   if (!options.size_given && options.folders.any()) {
-    const UserMemory memory = remembered(options.folders);
+    const AppState memory = remembered(options.folders);
     if (memory.width > 0 && memory.height > 0) return {memory.width, memory.height};
   }
   return {options.width, options.height};
@@ -63,10 +63,10 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
     : options_(options),
       window_(std::move(window)),
       renderer_(std::move(renderer)),
-      desk_(desk_options(options, window_->content_scale()), load, make_window_backend(window_->handle()), *this,
-            &Window::wake),
-      ui_(desk_.ui()),
-      session_(desk_.session()),
+      controller_(controller_options(options, window_->content_scale()), load, make_window_backend(window_->handle()),
+                  *this, &Window::wake),
+      ui_(controller_.ui()),
+      session_(controller_.session()),
       hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
       tools_(options, *renderer_),
       frames_wanted_(kSettlingFrames) {
@@ -80,7 +80,7 @@ std::optional<std::string> Viewer::start_control() {
   control_->control().set_painter([this](const View& view, int width, int height) {
     return paint(*renderer_, options_, view, {width, height});
   });
-  session_.add_guest(control_->control());
+  session_.add_extension(control_->control());
   return std::nullopt;
 }
 
@@ -92,18 +92,19 @@ void Viewer::run() {
     const double now = Window::now();
     const std::vector<WindowEvent> events = in_sight ? window_->take_events() : std::vector<WindowEvent>{};
     take_handed_over();
-    if (desk_.take_chosen_files()) frames_wanted_ = kSettlingFrames;
+    if (controller_.take_chosen_files()) frames_wanted_ = kSettlingFrames;
     SessionInput input;
     input.look = in_sight;
     if (in_sight) input.area = ui_.picture_area(size);
     if (!events.empty()) {
       frames_wanted_ = kSettlingFrames;
       ui_.begin_frame(now, events);  // the interface handles events first
-      input.events = desk_.take(events);
+      input.events = controller_.take(events);
     }
     frame_ = session_.step(world_time(), input);
     tell(frame_);
-    if (desk_.inspection().busy() || desk_.inspection().take_news(now)) frames_wanted_ = std::max(frames_wanted_, 1);
+    if (controller_.inspection().busy() || controller_.inspection().take_news(now))
+      frames_wanted_ = std::max(frames_wanted_, 1);
     if (!in_sight) continue;
     // If pictures of the worlds take long, the interface shows finished loading and typed text before them.
     const bool typed = std::any_of(events.begin(), events.end(), [](const WindowEvent& event) {
@@ -122,8 +123,8 @@ void Viewer::run() {
     draw_viewports();
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.ask_for_streams();
-    desk_.inspection().prepare(session_, frame_.pictures, now);
-    desk_.apply(ui_.build(desk_.model(frame_, measures_)));
+    controller_.inspection().prepare(session_, frame_.pictures, now);
+    controller_.apply(ui_.build(controller_.model(frame_, measures_)));
     if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
     window_->present();
@@ -134,7 +135,7 @@ void Viewer::run() {
   const glm::ivec2 size = window_->window_size();
   if (size.x > 0 && size.y > 0 && !window_->is_full_screen()) {
     const auto place = window_->place();
-    desk_.note_window(size.x, size.y, place ? std::optional(std::array{place->x, place->y}) : std::nullopt);
+    controller_.note_window(size.x, size.y, place ? std::optional(std::array{place->x, place->y}) : std::nullopt);
   }
   window_->hide();
 }
@@ -152,12 +153,12 @@ void Viewer::wait_for_something() {
 void Viewer::wait_idle() {
   const std::optional<double> change = ui_.next_change();
   double wait = frame_.loading || tools_.reads_values() ? kLoadingWait : kIdleWait;
-  if (desk_.shows_rates()) {
+  if (controller_.shows_rates()) {
     wait = std::min(wait, kLoadingWait);
     frames_wanted_ = std::max(frames_wanted_, 2);  // items that appear or disappear are measured one frame earlier
   }
   if (frame_.next_life) wait = std::clamp(*frame_.next_life - world_time(), 0.0, wait);
-  if (const auto next = desk_.inspection().next_change()) wait = std::min(wait, *next);
+  if (const auto next = controller_.inspection().next_change()) wait = std::min(wait, *next);
   const bool interface_first = change && *change <= wait;
   window_->wait(interface_first ? *change : wait);
   /// New items are measured in one frame and shown in the next.
@@ -168,7 +169,7 @@ void Viewer::wait_idle() {
 void Viewer::tell(const Frame& frame) {
   if (frame.news) frames_wanted_ = kSettlingFrames;
   if (frame.changed) frames_wanted_ = std::max(frames_wanted_, 1);
-  if (desk_.tell(frame) || tools_.take_values()) frames_wanted_ = kSettlingFrames;
+  if (controller_.tell(frame) || tools_.take_values()) frames_wanted_ = kSettlingFrames;
   show_title();
 }
 
@@ -190,7 +191,7 @@ void Viewer::take_handed_over() {
 }
 
 void Viewer::show_title() {
-  const std::string title = desk_.title();
+  const std::string title = controller_.title();
   if (title == title_) return;
   title_ = title;
   window_->set_title(title_);

@@ -16,7 +16,7 @@ constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 // Returns the vector budget: that of the command line, else that of the settings.
 std::size_t Viewer::budget() const {
   if (options_.budget > 0) return options_.budget;
-  return desk_.kept().settings().budget > 0 ? desk_.kept().settings().budget : kWindowBudget;
+  return controller_.kept().settings().budget > 0 ? controller_.kept().settings().budget : kWindowBudget;
 }
 
 void Viewer::draw_viewports() {
@@ -71,7 +71,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   source.draw.x = source.draw.y = 0;
   source.draw.most_decoded = 0;
   for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
-  if (seen.document->living) source.grown += seen.document->living->movie_pictures();
+  if (seen.document->runtime) source.grown += seen.document->runtime->movie_pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
   if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;
   // Long pictures are interrupted by events; without events, all pixels are drawn.

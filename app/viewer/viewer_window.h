@@ -2,10 +2,10 @@
 
 #include "app/view/panes/picture_ledger.h"
 #include "app/view/picture_detail.h"
-#include "app/viewer/desk.h"
 #include "app/viewer/frame_rate.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/viewer.h"
+#include "app/viewer/viewer_controller.h"
 #include "app/viewer/viewer_tools.h"
 #include "app/window/window.h"
 #include "render/draw/renderer.h"
@@ -21,8 +21,8 @@ namespace gs::app {
 /// Session in a window. Passes the user's input to it, draws its pictures, and lays the user interface over them. Main
 /// thread.
 ///
-/// viewer.cpp: the loop; viewer_picture.cpp: the drawing; desk.h: the parts without a window.
-class Viewer final : public DeskWindow {
+/// viewer.cpp: the loop; viewer_picture.cpp: the drawing; viewer_controller.h: the parts without a window.
+class Viewer final : public WindowOperations {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
          std::unique_ptr<render::Renderer> renderer);
@@ -46,7 +46,7 @@ class Viewer final : public DeskWindow {
   void take_handed_over();
   [[nodiscard]] std::size_t budget() const;
 
-  // Overrides of DeskWindow that need the renderer.
+  // Overrides of WindowOperations that need the renderer.
   bool run_tool(Action action) override;
   bool take(const SessionInput::Event& event) override;
   void describe_tools(UiTools& tools) override;
@@ -63,9 +63,9 @@ class Viewer final : public DeskWindow {
   const ViewerOptions& options_;
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::Renderer> renderer_;
-  Desk desk_;
-  UiOverlay& ui_;                            // owned by desk_
-  Session& session_;                         // owned by desk_
+  ViewerController controller_;
+  UiOverlay& ui_;                            // owned by controller_
+  Session& session_;                         // owned by controller_
   std::unique_ptr<ControlService> control_;  // null if no client may control the window
   std::unique_ptr<HandOver> hand_over_;      // null if other processes cannot hand over files
   Frame frame_;                              // result of the last step
@@ -74,7 +74,7 @@ class Viewer final : public DeskWindow {
   std::array<PictureDetail, kMostViewports> details_;
   LoadingPace pace_;
   std::string title_;
-  DeskMeasures measures_;
+  PictureMeasures measures_;
   FrameRate rate_;
   int frames_wanted_;
   bool was_in_motion_ = false, was_loading_ = false;

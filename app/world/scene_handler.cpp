@@ -329,7 +329,7 @@ std::shared_ptr<vrml::SceneGraph> SceneHandler::give_content() {
 
 // Hands over the scene with all complete Inlines; the others follow.
 void SceneHandler::give_away() {
-  owner_ = Owner::living_world;
+  owner_ = Owner::world_runtime;
   if (!scene || refused()) return;
   for (const auto& one : libraries_)
     if (one->stage_ == Stage::settled && one->owner_ == Owner::reader) one->give_away();

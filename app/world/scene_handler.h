@@ -197,7 +197,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
     settled,       // so have the references of a library
   };
   Stage stage_ = Stage::receiving;
-  enum class Owner : std::uint8_t { reader, living_world };
+  enum class Owner : std::uint8_t { reader, world_runtime };
   Owner owner_ = Owner::reader;  // owner of the scene, its nodes and types
 };
 

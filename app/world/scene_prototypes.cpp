@@ -108,7 +108,7 @@ bool SceneHandler::stand_in(vrml::NodeType& type) {
 
 // Handles a missing library. `why` is the reason, or nullopt if it was already reported.
 void SceneHandler::miss_prototypes(const SceneHandler& library, const std::optional<std::string>& why) {
-  if (owner_ == Owner::living_world) return give_prototypes(library.awaiting, nullptr, why);
+  if (owner_ == Owner::world_runtime) return give_prototypes(library.awaiting, nullptr, why);
   for (const AwaitedPrototype& one : library.awaiting) {
     if (one.own_name) {
       own_types_.emplace_back(one.type, *one.own_name);
@@ -122,7 +122,7 @@ void SceneHandler::miss_prototypes(const SceneHandler& library, const std::optio
 void SceneHandler::take_library(SceneHandler& library) {
   --awaited_libraries_;
   const bool usable = library.scene && !library.refused();
-  if (owner_ == Owner::living_world) {
+  if (owner_ == Owner::world_runtime) {
     if (!usable) return;
     library.give_away();
     give_prototypes(library.awaiting, std::move(library.own_), std::nullopt);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "net/load/transport_memory.h"
@@ -81,9 +81,9 @@ struct World {
       opened = loading.take();
     }
     REQUIRE(opened.scene);
-    living = std::make_unique<LivingWorld>(opened, meshes);
-    living->start(1000);
-    seen = living->look({0, 0, 10}, true);
+    runtime = std::make_unique<WorldRuntime>(opened, meshes);
+    runtime->start(1000);
+    seen = runtime->look({0, 0, 10}, true);
   }
   vrml::SceneGraph& scene() { return *opened.scene; }
   vrml::NodeId root(std::size_t place) { return scene().roots()[place]; }
@@ -91,26 +91,26 @@ struct World {
   void set_url(vrml::NodeId node, const std::string& url) {
     vrml::MFString list;
     if (!url.empty()) list.push_back(url);
-    CHECK(living->send(scene(), node, "set_url", vrml::FieldValue(list)));
-    living->step(time += 1);
+    CHECK(runtime->send(scene(), node, "set_url", vrml::FieldValue(list)));
+    runtime->step(time += 1);
   }
   /// Returns the requested resources when they are loaded.
   Arrivals fetch() {
-    loading.request(living->take_url_requests());
+    loading.request(runtime->take_url_requests());
     while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
     return loading.take_arrivals();
   }
   void arrive(Arrivals&& arrivals) {
-    living->arrive(std::move(arrivals));
-    living->step(time += 1);
+    runtime->arrive(std::move(arrivals));
+    runtime->step(time += 1);
   }
   /// All that comes, with what that asks for.
   void load() {
     do {
-      loading.request(living->take_url_requests());
+      loading.request(runtime->take_url_requests());
       while (!loading.done()) {
         (void)loading.step(std::chrono::milliseconds(1000));
-        living->arrive(loading.take_arrivals());
+        runtime->arrive(loading.take_arrivals());
       }
       arrive(loading.take_arrivals());
     } while (requests_wait());
@@ -122,13 +122,13 @@ struct World {
     arrive(loading.take_arrivals());
   }
   bool requests_wait() {
-    auto requests = living->take_url_requests();
+    auto requests = runtime->take_url_requests();
     const bool any = !requests.empty();
     loading.request(std::move(requests));
     return any && !loading.done();
   }
   const render::RenderList& list(const glm::dvec3& viewer = {0, 0, 10}) {
-    (void)living->show(*seen, viewer);
+    (void)runtime->show(*seen, viewer);
     return seen->scene.list();
   }
   std::size_t items() { return list().items.size(); }
@@ -136,8 +136,8 @@ struct World {
   WorldLoading loading;
   OpenedWorld opened;
   render::MeshCache meshes;
-  std::unique_ptr<LivingWorld> living;
-  std::shared_ptr<LivingScene> seen;
+  std::unique_ptr<WorldRuntime> runtime;
+  std::shared_ptr<RuntimeScene> seen;
   double time = 1000;
 };
 

@@ -53,7 +53,7 @@ struct OneWorld {
     return static_cast<double>(std::count(events.begin(), events.end(), name));
   }
   void watch() {
-    document->living->execution().observe(
+    document->runtime->execution().observe(
         [this](const vrml::SentEvent& event) { events.push_back(event.event->name); });
   }
 

@@ -51,10 +51,10 @@ bool run_control_messages(std::span<const std::byte> bytes) {
   Session session({{}, {}, {}, true}, {}, [] {});
   Control control(lines, [] {});
   const std::shared_ptr<Document> document = hold_world(small_world());
-  document->living->set_script_settings({0.1, true});
+  document->runtime->set_script_settings({0.1, true});
   begin_world(*document, 1000);
   session.show(document);
-  session.add_guest(control);
+  session.add_extension(control);
   SessionInput input;
   input.area = Viewport{0, 0, 64, 64};
   double now = 1000;
@@ -70,7 +70,7 @@ bool run_control_messages(std::span<const std::byte> bytes) {
     now += 0.1;
     while (!lines.news.empty()) (void)session.step(now, input);
   }
-  session.remove_guest(control);
+  session.remove_extension(control);
   return lines.answered;
 }
 

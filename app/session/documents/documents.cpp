@@ -63,15 +63,15 @@ std::shared_ptr<Document> hold_world(OpenedWorld world, render::MeshCache meshes
   document->list = std::make_shared<const render::RenderList>();
   if (!document->world.scene) return document;
   inspect(*document, *document->world.scene, 1);
-  document->living = std::make_unique<LivingWorld>(document->world, document->meshes);
+  document->runtime = std::make_unique<WorldRuntime>(document->world, document->meshes);
   return document;
 }
 
 void begin_world(Document& document, double now) {
-  if (!document.living) return;
-  document.living->start(now);
-  document.has_navigation_info = document.living->bound().navigation_info != nullptr;
-  document.first_scene = document.living->look({0, 0, 10}, document.viewer_dependent);
+  if (!document.runtime) return;
+  document.runtime->start(now);
+  document.has_navigation_info = document.runtime->bound().navigation_info != nullptr;
+  document.first_scene = document.runtime->look({0, 0, 10}, document.viewer_dependent);
   document.list = document.first_scene->scene.shared_list();
   document.upright = document.world.upright(size_of_all(*document.list));
   if (document.viewer_dependent) {
@@ -79,7 +79,7 @@ void begin_world(Document& document, double now) {
     const glm::dvec3 viewer = viewpoints.empty()
                                   ? first_pose(document.list->bounds, {4, 3}, document.upright).position
                                   : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
-    (void)document.living->show(*document.first_scene, viewer);
+    (void)document.runtime->show(*document.first_scene, viewer);
   }
   report_left_out(*document.list, document.world.diagnostics);
   inspect_clouds(document);
@@ -90,19 +90,19 @@ bool arrive(Document& document, Arrivals&& arrivals) {
   for (const Arrivals::Content& one : arrivals.contents)
     if (one.content) grown.emplace_back(one.content.get(), 1);
   for (const Arrivals::Prototypes& one : arrivals.prototypes)
-    if (document.living->execution().has_scene(one.scene))
+    if (document.runtime->execution().has_scene(one.scene))
       grown.emplace_back(one.scene, static_cast<std::uint32_t>(one.scene->node_count()) + 1);
-  document.living->arrive(std::move(arrivals));
+  document.runtime->arrive(std::move(arrivals));
   for (const auto& [scene, first] : grown)
-    if (document.living->execution().has_scene(scene)) inspect(document, *scene, first);
-  document.has_navigation_info = document.living->bound().navigation_info != nullptr;
+    if (document.runtime->execution().has_scene(scene)) inspect(document, *scene, first);
+  document.has_navigation_info = document.runtime->bound().navigation_info != nullptr;
   return !grown.empty();
 }
 
 std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {
   auto document = hold_world(std::move(world), std::move(meshes));
-  if (document->living && document->living->execution().has_scripts())
-    (void)document->living->look({0, 0, 10}, true);
+  if (document->runtime && document->runtime->execution().has_scripts())
+    (void)document->runtime->look({0, 0, 10}, true);
   else
     begin_world(*document, world_time());
   return document;

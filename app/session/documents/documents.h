@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 #include "app/world/opened_world.h"
 #include "app/world/world_loading.h"
 #include "qnv/base/cloud.h"
@@ -25,8 +25,8 @@ class WorldReader;
 struct Document {
   OpenedWorld world;
   render::MeshCache meshes;
-  std::unique_ptr<LivingWorld> living;             // null if there is no scene (yet)
-  std::shared_ptr<LivingScene> first_scene;        // the initial view; null if there is no scene (yet)
+  std::unique_ptr<WorldRuntime> runtime;           // null if there is no scene (yet)
+  std::shared_ptr<RuntimeScene> first_scene;       // the initial view; null if there is no scene (yet)
   std::shared_ptr<const render::RenderList> list;  // of `first_scene`, or of the parts received so far; never null
   Upright upright;                                 // up axis, from the format or from the file
   bool is_preview = false;                         // more data will be received; there is no scene yet

@@ -27,10 +27,10 @@ struct Site {
     SessionOptions options;
     options.files = {file};
     session = std::make_unique<Session>(options, load, [] {});
-    session->add_guest(control);
+    session->add_extension(control);
   }
   ~Site() {
-    if (session) session->remove_guest(control);
+    if (session) session->remove_extension(control);
   }
   void say(const Json& call) { channel.news.push_back({1, false, call.dump()}); }
   /// Advances the session until the client receives a message that satisfies `wanted`. Returns null if there is none.

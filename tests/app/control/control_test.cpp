@@ -231,7 +231,7 @@ TEST_CASE("replaces a world, and keeps old nodes that a client holds (14772-2 re
 
 TEST_CASE("keeps nodes that only a client holds until it disposes of them or disconnects (14772-2)") {
   World world("DEF G Group {}");
-  vrml::Execution& execution = world.document->living->execution();
+  vrml::Execution& execution = world.document->runtime->execution();
   const Json made =
       world.call("createVrmlFromString", {{"text", "DEF One Transform {} DEF Two Transform {}"}})["nodes"];
   CHECK(execution.remove_unheld() == 0);
@@ -249,7 +249,7 @@ TEST_CASE("ends the watch of a removed node, and rejects the number of a removed
   const Json made = world.call("createVrmlFromString", {{"text", "Transform {}"}})["nodes"][0];
   world.call("advise", {{"node", made}, {"event", "translation"}});
   world.call("dispose", {{"node", made}});
-  CHECK(world.document->living->execution().remove_unheld() == 1);
+  CHECK(world.document->runtime->execution().remove_unheld() == 1);
   world.call("createVrmlFromString", {{"text", "DEF Again Transform {}"}});
   world.call("setValue", {{"node", "Again"}, {"event", "translation"}, {"value", {1, 2, 3}}});
   CHECK(world.told("event").empty());

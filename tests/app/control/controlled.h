@@ -45,15 +45,15 @@ class World {
       : session({{}, {}, {}, true}, {}, [] {}),
         control(
             channel, [this] { ++wakes; }, most_of_step) {
-    session.add_guest(control);
+    session.add_extension(control);
     input.area = Viewport{0, 0, 200, 100};
     open(body);
   }
   World() : session({{}, {}, {}, true}, {}, [] {}), control(channel, [this] { ++wakes; }) {
-    session.add_guest(control);
+    session.add_extension(control);
     input.area = Viewport{0, 0, 200, 100};
   }
-  ~World() { session.remove_guest(control); }
+  ~World() { session.remove_extension(control); }
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 

@@ -15,10 +15,10 @@ using namespace sessions;
 struct Inspected : OneWorld {
   explicit Inspected(const std::string& body, const InspectionWants& shown = {true, true, true, true, false})
       : OneWorld(body), wants(shown) {
-    session.add_guest(inspection);
+    session.add_extension(inspection);
     for (int i = 0; i < 3; ++i) look();  // it is known what is drawn, which world that is, and what that holds
   }
-  ~Inspected() { session.remove_guest(inspection); }
+  ~Inspected() { session.remove_extension(inspection); }
   Inspected(const Inspected&) = delete;
   Inspected& operator=(const Inspected&) = delete;
   // A step, and a picture.
@@ -220,7 +220,7 @@ TEST_CASE("runs lines in a world without programs") {
 
 TEST_CASE("clears the selection when its node is removed") {
   Inspected world("DEF G Group {}");
-  const auto made = world.document->living->evaluate(
+  const auto made = world.document->runtime->evaluate(
       *world.document->world.scene, {},
       "var n = Browser.createVrmlFromString('DEF New Group {}'); Browser.replaceWorld(n)");
   INFO(made.text);

@@ -171,7 +171,7 @@ TEST_CASE("copies and pastes a camera, and reports invalid text") {
   user.press(letter_key('O'));
   const Pose kept = pose(user);
   user.press(letter_key('C'), true);
-  CHECK(user.desk().ui().clipboard() == camera_text(kept));
+  CHECK(user.controller().ui().clipboard() == camera_text(kept));
   user.press(letter_key('O'));
   user.press(letter_key('1'), false, true);
   user.wait(1);
@@ -182,9 +182,9 @@ TEST_CASE("copies and pastes a camera, and reports invalid text") {
   CHECK(user.session().view()->style.parallel);
   user.click("Navigate");
   user.click("Copy camera as Viewpoint node");
-  CHECK(user.desk().ui().clipboard().starts_with("Viewpoint { position "));
-  CHECK(std::holds_alternative<Pose>(read_camera(user.desk().ui().clipboard())));
-  user.desk().ui().set_clipboard("nothing of the kind");
+  CHECK(user.controller().ui().clipboard().starts_with("Viewpoint { position "));
+  CHECK(std::holds_alternative<Pose>(read_camera(user.controller().ui().clipboard())));
+  user.controller().ui().set_clipboard("nothing of the kind");
   user.press(letter_key('V'), true);
   CHECK(user.sees("The clipboard has no camera"));
   CHECK(glm::distance(pose(user).position, kept.position) < 1e-5);

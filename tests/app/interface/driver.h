@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/viewer/desk.h"
+#include "app/viewer/viewer_controller.h"
 #include "tests/app/worlds.h"
 
 #include <catch2/catch.hpp>
@@ -111,23 +111,23 @@ inline std::vector<SeenCharacter> seen_characters() {
   return seen;
 }
 
-class Driver final : public DeskWindow {
+class Driver final : public WindowOperations {
  public:
-  explicit Driver(DeskOptions options = {}, const glm::ivec2& size = {1000, 700}, LoadOptions load = {})
-      : size_(size), desk_(std::move(options), std::move(load), std::make_unique<NoWindow>(size), *this, [] {}) {
+  explicit Driver(ViewerControllerOptions options = {}, const glm::ivec2& size = {1000, 700}, LoadOptions load = {})
+      : size_(size), controller_(std::move(options), std::move(load), std::make_unique<NoWindow>(size), *this, [] {}) {
     settle();
   }
 
-  Desk& desk() { return desk_; }
-  Session& session() { return desk_.session(); }
+  ViewerController& controller() { return controller_; }
+  Session& session() { return controller_.session(); }
   const Frame& frame() const { return frame_; }
   /// Newest action of each kind since the last call.
   const UiActions& actions() const { return actions_; }
   /// Measured times of the picture, as in the model.
-  DeskMeasures& measures() { return measures_; }
+  PictureMeasures& measures() { return measures_; }
   bool closed() const { return closed_; }
   int full_screens() const { return full_screens_; }
-  Viewport picture() { return desk_.ui().picture_area(size_); }
+  Viewport picture() { return controller_.ui().picture_area(size_); }
   /// The model is changed by this before it is shown, for what no session of a test has.
   void set_model(std::function<void(UiModel&)> change) { change_model_ = std::move(change); }
 
@@ -150,17 +150,17 @@ class Driver final : public DeskWindow {
     time_ += 1 / 60.0;
     SessionInput input;
     input.area = picture();
-    desk_.ui().begin_frame(time_, events);
-    input.events = desk_.take(events);
-    (void)desk_.take_chosen_files();
+    controller_.ui().begin_frame(time_, events);
+    input.events = controller_.take(events);
+    (void)controller_.take_chosen_files();
     frame_ = session().step(time_, input);
-    (void)desk_.tell(frame_);
-    desk_.inspection().prepare(session(), frame_.pictures, time_);
-    UiModel model = desk_.model(frame_, measures_);
+    (void)controller_.tell(frame_);
+    controller_.inspection().prepare(session(), frame_.pictures, time_);
+    UiModel model = controller_.model(frame_, measures_);
     if (change_model_) change_model_(model);
-    const UiActions actions = desk_.ui().build(model);
-    desk_.ui().draw();
-    desk_.apply(actions);
+    const UiActions actions = controller_.ui().build(model);
+    controller_.ui().draw();
+    controller_.apply(actions);
     if (actions.run) actions_.run = actions.run;
     if (actions.open) actions_.open = actions.open;
     if (actions.file) actions_.file = actions.file;
@@ -170,7 +170,7 @@ class Driver final : public DeskWindow {
   }
   /// Until the interface rests.
   void settle() {
-    for (int i = 0; i < 4 || desk_.ui().has_input_left(); ++i) step();
+    for (int i = 0; i < 4 || controller_.ui().has_input_left(); ++i) step();
   }
   /// Runs frames until `so` returns true. Returns false if it never does.
   bool wait_for(const std::function<bool()>& so) {
@@ -347,9 +347,9 @@ class Driver final : public DeskWindow {
   int full_screens_ = 0;
   std::function<void(UiModel&)> change_model_;
   UiActions actions_;
-  DeskMeasures measures_;
+  PictureMeasures measures_;
   Frame frame_;
-  Desk desk_;
+  ViewerController controller_;
 };
 
 }  // namespace gs::app::driver

@@ -115,7 +115,7 @@ TEST_CASE("takes the space of a panel from the picture, and returns it") {
 
 TEST_CASE("enlarges text and buttons on Ctrl+plus, and changes colours, at once and permanently") {
   ScratchFolder scratch;
-  DeskOptions options;
+  ViewerControllerOptions options;
   options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
   const auto bar = [](Driver& user) { return user.picture().top; };
   int larger = 0;
@@ -129,12 +129,12 @@ TEST_CASE("enlarges text and buttons on Ctrl+plus, and changes colours, at once 
     user.press(letter_key('P'), true, true);
     user.type("light theme");
     user.press(Key::enter);
-    CHECK(user.desk().kept().settings().theme == Theme::light);
+    CHECK(user.controller().kept().settings().theme == Theme::light);
   }
   {
     Driver user(options);
     CHECK(bar(user) == larger);
-    CHECK(user.desk().kept().settings().theme == Theme::light);
+    CHECK(user.controller().kept().settings().theme == Theme::light);
     user.press(letter_key('0'), true);
     CHECK(bar(user) < larger);
   }
@@ -194,15 +194,15 @@ TEST_CASE("goes back after an Anchor to the earlier position") {
 
 TEST_CASE("stores file and position in a bookmark, and returns there") {
   ScratchFolder scratch;
-  DeskOptions options;
+  ViewerControllerOptions options;
   options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
   Driver user(options);
   user.show_world(kTwoViewpoints);
   user.session().view()->navigation.pose.position = {1, 2, 3};
   user.press(letter_key('D'), true);
-  REQUIRE(user.desk().kept().bookmarks().size() == 1);
-  CHECK(user.desk().kept().bookmarks()[0].place == absolute_place("test.wrl"));
-  CHECK(user.desk().kept().bookmarks()[0].viewpoint == "Entrance");
+  REQUIRE(user.controller().kept().bookmarks().size() == 1);
+  CHECK(user.controller().kept().bookmarks()[0].place == absolute_place("test.wrl"));
+  CHECK(user.controller().kept().bookmarks()[0].viewpoint == "Entrance");
   user.session().view()->navigation.pose.position = {9, 9, 9};
   user.step();
   user.click("Bookmarks");
@@ -210,7 +210,7 @@ TEST_CASE("stores file and position in a bookmark, and returns there") {
   user.wait(0.2);
   CHECK(user.session().view()->navigation.pose.position == glm::dvec3(1, 2, 3));
   user.press(letter_key('D'), true);  // this view is bookmarked: not any more
-  CHECK(user.desk().kept().bookmarks().empty());
+  CHECK(user.controller().kept().bookmarks().empty());
   const auto kept = read_bookmarks(scratch.read("bookmarks.json"));
   REQUIRE(kept);
   CHECK(kept->empty());
@@ -218,7 +218,7 @@ TEST_CASE("stores file and position in a bookmark, and returns there") {
 
 TEST_CASE("stores the projection in a bookmark") {
   ScratchFolder scratch;
-  DeskOptions options;
+  ViewerControllerOptions options;
   options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
   Driver user(options);
   user.show_world(kTwoViewpoints);
@@ -333,10 +333,10 @@ TEST_CASE("shows right-to-left input in visual order, with the pointer at the vi
   const float line = user.find("z")->y;
   user.click(glm::vec2(*alef - 1, line));
   user.type("1");
-  CHECK(user.desk().ui().clipboard().empty());
+  CHECK(user.controller().ui().clipboard().empty());
   user.press(letter_key('A'), true);
   user.press(letter_key('C'), true);
-  CHECK(user.desk().ui().clipboard() ==
+  CHECK(user.controller().ui().clipboard() ==
         "a\u05d0"
         "1\u05d1\u05d2z");
 }
@@ -359,7 +359,7 @@ TEST_CASE("cancels loading on Esc before it closes panels") {
   user.press(Key::f3);
   user.session().open_files({"memory://a/late.wrl"});
   user.step();
-  user.desk().ui().show_notice("to be read", false);
+  user.controller().ui().show_notice("to be read", false);
   REQUIRE(user.session().panes().loading(0));
   user.press(Key::escape);
   CHECK_FALSE(user.session().panes().loading(0));
@@ -419,9 +419,9 @@ TEST_CASE("lists the settings of the table in Preferences") {
   const auto choices = user.find("dark light");
   REQUIRE(choices);
   user.click(*choices + glm::vec2(25, 0));
-  CHECK(user.desk().kept().settings().theme == Theme::light);
+  CHECK(user.controller().kept().settings().theme == Theme::light);
   user.click("Restore defaults");
-  CHECK(user.desk().kept().settings() == UserSettings{});
+  CHECK(user.controller().kept().settings() == UserSettings{});
   user.press(Key::escape);
   CHECK_FALSE(user.sees("Restore defaults"));
 }

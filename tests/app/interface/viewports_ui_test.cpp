@@ -274,7 +274,7 @@ TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   CHECK_FALSE(user.sees("1 error"));
   user.click("Show log");
   CHECK(user.sees("1 error"));
-  user.desk().ui().clear_notices();
+  user.controller().ui().clear_notices();
   user.settle();
   user.click("Close");  // only the message: something is shown
   CHECK_FALSE(user.session().panes().at(1).failure);
@@ -302,12 +302,12 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
   settings.memory = 0.0002;
   UiActions actions;
   actions.settings = settings;
-  user.desk().apply(actions);
+  user.controller().apply(actions);
   user.session().open_files({path});
   REQUIRE(user.wait_for([&] { return user.session().panes().at(0).failure.has_value(); }));
   settings.memory = 1;
   actions.settings = settings;
-  user.desk().apply(actions);
+  user.controller().apply(actions);
   user.settle();
   user.click("Retry");
   CHECK(user.wait_for([&] {
@@ -323,7 +323,7 @@ TEST_CASE("closes a viewport together with the message of its failed file") {
   user.press(Key::right, true, true);
   user.session().open_in(1, "/nowhere/second.wrl");
   REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
-  user.desk().ui().clear_notices();
+  user.controller().ui().clear_notices();
   user.settle();
   CHECK(user.sees("first.wrl cannot be opened"));
   CHECK(user.sees("second.wrl cannot be opened"));
@@ -335,7 +335,7 @@ TEST_CASE("closes a viewport together with the message of its failed file") {
 TEST_CASE("shows a three-line introduction without arguments until it is closed") {
   ScratchFolder scratch;
   scratch.write("demo.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
-  DeskOptions options;
+  ViewerControllerOptions options;
   options.not_kept = scratch.path("demo.wrl");
   options.folders.settings_file = scratch.path("settings.conf");
   Driver user(std::move(options), {1400, 900});
@@ -353,7 +353,7 @@ TEST_CASE("shows a three-line introduction without arguments until it is closed"
   CHECK(user.sees("Page Down next viewpoint"));
   user.click("Got it");
   CHECK_FALSE(user.sees("Page Down next viewpoint"));
-  CHECK_FALSE(user.desk().kept().settings().first_steps);
+  CHECK_FALSE(user.controller().kept().settings().first_steps);
 }
 
 TEST_CASE("restores the splits, files and weights of a window that ended unexpectedly") {
@@ -365,7 +365,7 @@ TEST_CASE("restores the splits, files and weights of a window that ended unexpec
                     "\"], \"split\": \"2:3|(1/4)\", \"viewports\": [{\"number\": 2, \"file\": \"" +
                     scratch.path("b.wrl") + "\", \"weight\": 2}, {\"number\": 1, \"file\": \"" + scratch.path("a.wrl") +
                     "\", \"weight\": 1}, {\"number\": 4, \"file\": \"" + scratch.path("b.wrl") + "\"}]}");
-  DeskOptions options;
+  ViewerControllerOptions options;
   options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
   Driver user(options);
   CHECK(user.sees("Open the 2 files that it showed?"));

@@ -99,7 +99,7 @@ TEST_CASE("decodes movie frames to one image, without a new render item") {
                       "loop TRUE } } geometry Box { } }");
   const auto document = hold_world(load_world(path));
   begin_world(*document, kSimulatedStart);
-  LivingWorld& world = *document->living;
+  WorldRuntime& world = *document->runtime;
   const render::Image* const image = document->list->items[0].texture.image.get();
   CHECK(world.next_time().has_value());  // it asks for pictures
   (void)world.step(kSimulatedStart + 0.5);

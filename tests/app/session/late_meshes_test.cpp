@@ -2,7 +2,7 @@
 // them, and the dropped ones.
 #include "render/scene/late_meshes.h"
 
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 #include "tests/app/worlds.h"
 #include "vrml/syntax/parser.h"
 
@@ -65,23 +65,23 @@ constexpr std::size_t kSmall = 10;
 
 struct World {
   explicit World(const std::string& body, bool with_worker = true) : opened(world_of(body)) {
-    living = std::make_unique<LivingWorld>(opened, meshes);
-    living->start(1000);
-    seen = living->look({0, 0, 10}, true);
-    if (with_worker) living->set_mesh_worker(worker);
+    runtime = std::make_unique<WorldRuntime>(opened, meshes);
+    runtime->start(1000);
+    seen = runtime->look({0, 0, 10}, true);
+    if (with_worker) runtime->set_mesh_worker(worker);
   }
   ~World() { gate.open(); }
   vrml::SceneGraph& scene() { return *opened.scene; }
   vrml::NodeId geometry(std::size_t shape = 0) { return scene().get<vrml::SFNode>(scene().roots()[shape], "geometry"); }
   void set_heights(std::size_t side, float height, std::size_t shape = 0) {
-    CHECK(living->send(scene(), geometry(shape), "set_height", vrml::FieldValue(heights(side, height))));
+    CHECK(runtime->send(scene(), geometry(shape), "set_height", vrml::FieldValue(heights(side, height))));
   }
   /// A frame: what was done in it, in elements.
   std::uint64_t frame() {
     const std::uint64_t before = meshes.late ? meshes.late->work_in_frames() : 0;
-    (void)living->take_meshes();
-    living->step(time += 0.02);
-    (void)living->show(*seen, {0, 0, 10});
+    (void)runtime->take_meshes();
+    runtime->step(time += 0.02);
+    (void)runtime->show(*seen, {0, 0, 10});
     return meshes.late ? meshes.late->work_in_frames() - before : 0;
   }
   /// The height at which the mesh of an item lies; -1: there is none.
@@ -95,8 +95,8 @@ struct World {
       std::function<void()>{}, [this](const std::shared_ptr<const vrml::Mesh>&) { gate.pass(); });
   OpenedWorld opened;
   render::MeshCache meshes;
-  std::unique_ptr<LivingWorld> living;
-  std::shared_ptr<LivingScene> seen;
+  std::unique_ptr<WorldRuntime> runtime;
+  std::shared_ptr<RuntimeScene> seen;
   double time = 1000;
 };
 
@@ -160,7 +160,7 @@ TEST_CASE("makes the same mesh on a worker as in a frame, bit for bit") {
     for (const int corner : {i % 2, 1 + i % 2, 3, -1}) index.push_back(corner);
   const auto mesh_with = [&](bool with_worker) {
     World world(body, with_worker);
-    CHECK(world.living->send(world.scene(), world.geometry(), "set_coordIndex", vrml::FieldValue(index)));
+    CHECK(world.runtime->send(world.scene(), world.geometry(), "set_coordIndex", vrml::FieldValue(index)));
     world.frame();
     CHECK(world.seen->scene.list().items.empty() == with_worker);
     world.worker->wait();
@@ -206,7 +206,7 @@ TEST_CASE("drops a late mesh of a worker if a newer one was made in a frame") {
     vrml::MFInt32 index;
     for (int i = 0; i < triangles; ++i)
       for (const int corner : {0, 1, 2 + i % 2, -1}) index.push_back(corner);
-    CHECK(world.living->send(world.scene(), world.geometry(), "set_coordIndex", vrml::FieldValue(index)));
+    CHECK(world.runtime->send(world.scene(), world.geometry(), "set_coordIndex", vrml::FieldValue(index)));
   };
   const auto triangles = [&] {
     const auto& items = world.seen->scene.list().items;
@@ -229,13 +229,13 @@ TEST_CASE("drops a late mesh of a worker if a newer one was made in a frame") {
 TEST_CASE("survives removed nodes and closed worlds while their meshes are being made") {
   World world("Group { }");
   const auto children = [&](const vrml::MFNode& list) {
-    CHECK(world.living->send(world.scene(), world.scene().roots()[0], "set_children", vrml::FieldValue(list)));
+    CHECK(world.runtime->send(world.scene(), world.scene().roots()[0], "set_children", vrml::FieldValue(list)));
   };
   const auto make = [&](float height) {
     vrml::Diagnostics diagnostics;
     const vrml::NodeId made = vrml::read_into(world.scene(), "made.wrl", grid(kLarge, height), diagnostics).roots[0];
     CHECK(diagnostics.errors() == 0);
-    world.living->execution().attach(world.scene());
+    world.runtime->execution().attach(world.scene());
     return made;
   };
   const auto only = [](vrml::NodeId node) {
@@ -258,7 +258,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
   world.frame();
   world.gate.wait_for_worker();
   children({});
-  CHECK(world.living->execution().remove_unheld() == 4);
+  CHECK(world.runtime->execution().remove_unheld() == 4);
   children(only(make(3)));  // in the places of those that were removed
   world.frame();
   world.gate.open();
@@ -266,7 +266,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
   world.frame();
   CHECK(world.height() == 3);
   CHECK(world.scene().budget()->used(vrml::Resource::meshes) == used);
-  CHECK(world.living->execution().replace_world(only(make(4))));
+  CHECK(world.runtime->execution().replace_world(only(make(4))));
   world.frame();
   world.worker->wait();
   world.frame();
@@ -286,7 +286,7 @@ TEST_CASE("makes long Text on a worker, and keeps it readable until the refined 
   vrml::MFString lines;
   for (int i = 0; i < 40; ++i) lines.push_back(vrml::SFString("a line of some twenty characters " + std::to_string(i)));
   const std::size_t before = world.seen->scene.list().items.at(0).mesh->indices.size();
-  CHECK(world.living->send(world.scene(), world.geometry(), "set_string", vrml::FieldValue(lines)));
+  CHECK(world.runtime->send(world.scene(), world.geometry(), "set_string", vrml::FieldValue(lines)));
   CHECK(world.frame() == 0);
   CHECK(world.seen->scene.list().items.at(0).mesh->indices.size() == before);
   for (int i = 0; i < 3; ++i) {
@@ -296,11 +296,11 @@ TEST_CASE("makes long Text on a worker, and keeps it readable until the refined 
   const std::size_t large = world.seen->scene.list().items.at(0).mesh->indices.size();
   CHECK(large > 20 * before);
   // From near, glyphs are finer; until they are, those that were there are shown.
-  (void)world.living->show(*world.seen, {0, 0, 0.5});
+  (void)world.runtime->show(*world.seen, {0, 0, 0.5});
   CHECK(world.seen->scene.list().items.at(0).mesh->indices.size() == large);
   world.worker->wait();
-  (void)world.living->take_meshes();
-  (void)world.living->show(*world.seen, {0, 0, 0.5});
+  (void)world.runtime->take_meshes();
+  (void)world.runtime->show(*world.seen, {0, 0, 0.5});
   CHECK(world.seen->scene.list().items.at(0).mesh->indices.size() > large);
 }
 

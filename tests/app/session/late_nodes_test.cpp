@@ -32,13 +32,13 @@ TEST_CASE("delivers events of the rest while an Inline and an EXTERNPROTO never 
     CHECK_FALSE(news.over);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  REQUIRE(document->living);
+  REQUIRE(document->runtime);
   CHECK(document->list->items.size() == 1);
-  const double start = document->living->execution().now();
-  CHECK(document->living->step(start + 1));
+  const double start = document->runtime->execution().now();
+  CHECK(document->runtime->step(start + 1));
   const vrml::SceneGraph& scene = *document->world.scene;
   CHECK(scene.get<vrml::SFVec3f>(scene.roots()[2], "translation").x > 0);
-  const auto behind = document->living->next_time();
+  const auto behind = document->runtime->next_time();
   CHECK(behind.has_value());
   reader.retire();
 }
@@ -67,8 +67,8 @@ TEST_CASE("attaches Inlines to the running world as they load, including nested 
   CHECK(world.loading.state().waiting >= 1);
   const vrml::SceneGraph* outer = world.scene().inlined(world.root(2));
   REQUIRE(outer);
-  CHECK(world.living->execution().has_scene(outer));
-  CHECK(world.living->next_time().has_value());  // its TimeSensor runs
+  CHECK(world.runtime->execution().has_scene(outer));
+  CHECK(world.runtime->next_time().has_value());  // its TimeSensor runs
 }
 
 TEST_CASE("withdraws a partly visible Inline until it is loaded completely") {
@@ -83,14 +83,14 @@ TEST_CASE("withdraws a partly visible Inline until it is loaded completely") {
   REQUIRE(loading.root_is_read());
   OpenedWorld opened = loading.take();
   render::MeshCache meshes;
-  LivingWorld living(opened, meshes);
-  living.start(1000);
-  const auto seen = living.look({0, 0, 10}, true);
+  WorldRuntime runtime(opened, meshes);
+  runtime.start(1000);
+  const auto seen = runtime.look({0, 0, 10}, true);
   CHECK(seen->scene.list().items.size() == 1);
   CHECK(opened.scene->inlined(opened.scene->roots()[1]) == nullptr);
   while (!loading.done()) (void)loading.step(std::chrono::milliseconds(100));
-  living.arrive(loading.take_arrivals());
-  (void)living.show(*seen, {0, 0, 10});
+  runtime.arrive(loading.take_arrivals());
+  (void)runtime.show(*seen, {0, 0, 10});
   CHECK(seen->scene.list().items.size() == 402);
 }
 
@@ -102,9 +102,9 @@ TEST_CASE("prefers set_url over an Inline of the file that is not loaded yet (6.
   site.put("fast.wrl", kHeader + "Shape { geometry Box { } }");
   World world(site);
   CHECK(world.items() == 0);
-  CHECK(world.living->send(world.scene(), world.root(0), "set_url",
-                           vrml::FieldValue(vrml::MFString{vrml::SFString("fast.wrl")})));
-  world.living->step(world.time += 1);
+  CHECK(world.runtime->send(world.scene(), world.root(0), "set_url",
+                            vrml::FieldValue(vrml::MFString{vrml::SFString("fast.wrl")})));
+  world.runtime->step(world.time += 1);
   world.load();
   CHECK(world.items() == 1);
 }
@@ -128,7 +128,7 @@ TEST_CASE("gives instances the body of their EXTERNPROTO when it loads, and even
   CHECK(world.items() == 0);
   const vrml::NodeId a = world.root(0), b = world.root(1);
   // Ignored until it is there.
-  CHECK(world.living->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(9, 9, 9))));
+  CHECK(world.runtime->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(9, 9, 9))));
   world.load();
   REQUIRE(world.items() == 3);  // two balls, and the Group in the place of the one that is missing
   const auto moved = [&](vrml::NodeId ball) {
@@ -136,7 +136,7 @@ TEST_CASE("gives instances the body of their EXTERNPROTO when it loads, and even
   };
   CHECK(moved(a) == vrml::SFVec3f(1, 0, 0));
   CHECK(moved(b) == vrml::SFVec3f(5, 5, 5));
-  CHECK(world.living->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(2, 0, 0))));
+  CHECK(world.runtime->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(2, 0, 0))));
   CHECK(moved(a) == vrml::SFVec3f(2, 0, 0));
   int pictures = 0;
   for (const render::DrawItem& item : world.list().items) pictures += item.texture.image ? 1 : 0;
@@ -150,13 +150,13 @@ TEST_CASE("binds a Viewpoint of a late EXTERNPROTO body if none was bound (4.6.1
   site.put("lib.wrl",
            kHeader + "PROTO View [ ] { Group { children [ Viewpoint { position 0 0 77 } NavigationInfo { } ] } }", 600);
   World world(site);
-  CHECK(world.living->bound().viewpoint == nullptr);
-  const vrml::Node* navigation = world.living->bound().navigation_info;
+  CHECK(world.runtime->bound().viewpoint == nullptr);
+  const vrml::Node* navigation = world.runtime->bound().navigation_info;
   CHECK(navigation);
   world.load();
-  REQUIRE(world.living->bound().viewpoint);
+  REQUIRE(world.runtime->bound().viewpoint);
   CHECK(world.list().viewpoints.size() == 1);
-  CHECK(world.living->bound().navigation_info == navigation);
+  CHECK(world.runtime->bound().navigation_info == navigation);
 }
 
 TEST_CASE("loads an Inline's own EXTERNPROTOs later") {
@@ -181,9 +181,9 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     vrml::Diagnostics diagnostics;
     const vrml::RunTimeNodes made = vrml::read_into(world.scene(), "script", text, diagnostics);
     CHECK(diagnostics.errors() == 0);
-    world.living->execution().attach(world.scene());
-    CHECK(world.living->send(world.scene(), world.root(0), "set_children", vrml::FieldValue(made.roots)));
-    world.living->step(world.time += 1);
+    world.runtime->execution().attach(world.scene());
+    CHECK(world.runtime->send(world.scene(), world.root(0), "set_children", vrml::FieldValue(made.roots)));
+    world.runtime->step(world.time += 1);
     return made.roots;
   };
   for (int round = 0; round < 5; ++round) {
@@ -196,16 +196,16 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     read("EXTERNPROTO Own [ ] \"#Own\" Own { } EXTERNPROTO N [ ] \"none.wrl\" N { }");
     world.load();
     CHECK(world.items() == 1);
-    (void)world.living->execution().remove_unheld();
+    (void)world.runtime->execution().remove_unheld();
     CHECK(world.scene().run_time_texts() == 1);
     if (round > 1) CHECK(world.scene().node_count() == nodes);
   }
   // Nobody waits any more.
   read("EXTERNPROTO Q [ ] \"lib.wrl#P\" Q { }");
-  auto requests = world.living->take_url_requests();
+  auto requests = world.runtime->take_url_requests();
   CHECK(requests.size() == 1);
   read("Shape { geometry Box { } }");
-  (void)world.living->execution().remove_unheld();
+  (void)world.runtime->execution().remove_unheld();
   world.loading.request(std::move(requests));
   world.load();
   CHECK(world.items() == 1);

@@ -39,7 +39,7 @@ struct Watched {
   explicit Watched(const Site& site) : session({{"memory://a/world.wrl"}, {}, {}, false}, site.options, [] {}) {}
   void step(std::vector<WindowEvent> events = {}) {
     (void)session.step(world_time(), input_of(std::move(events)));
-    if (const View* seen = session.view(); seen && seen->document->living) {
+    if (const View* seen = session.view(); seen && seen->document->runtime) {
       if (places.empty() || places.back() != seen->navigation.pose.position)
         places.push_back(seen->navigation.pose.position);
     }
@@ -47,7 +47,7 @@ struct Watched {
   }
   [[nodiscard]] std::size_t items() const {
     const View* seen = session.panes().at(0).view();
-    return seen && seen->document->living ? seen->list->items.size() : 0;
+    return seen && seen->document->runtime ? seen->list->items.size() : 0;
   }
   void wait_for(std::size_t count) {
     for (int i = 0; i < 10'000 && items() < count; ++i) step();
@@ -57,7 +57,7 @@ struct Watched {
   void set_url(std::size_t root, const std::string& url) {
     Document& document = *session.view()->document;
     const vrml::SceneGraph& scene = *document.world.scene;
-    CHECK(document.living->send(scene, scene.roots()[root], "set_url", vrml::MFString{vrml::SFString(url)}));
+    CHECK(document.runtime->send(scene, scene.roots()[root], "set_url", vrml::MFString{vrml::SFString(url)}));
   }
 
   Session session;

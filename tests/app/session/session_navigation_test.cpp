@@ -98,7 +98,7 @@ TEST_CASE("starts at the Viewpoint that the fragment of the world's own URL name
     std::vector<std::string> told;
     while (!living && std::chrono::steady_clock::now() < deadline) {
       for (const Notice& notice : session.step(world_time(), input_of({})).notices) told.push_back(notice.text);
-      living = session.view() && session.view()->document->living;
+      living = session.view() && session.view()->document->runtime;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     REQUIRE(living);
@@ -108,7 +108,7 @@ TEST_CASE("starts at the Viewpoint that the fragment of the world's own URL name
     const auto& viewpoints = session.view()->list->viewpoints;
     const std::size_t at = session.view()->viewpoint.value_or(99);
     REQUIRE(at < viewpoints.size());
-    CHECK(session.view()->document->living->bound().viewpoint == &viewpoints[at].scene->node(viewpoints[at].node));
+    CHECK(session.view()->document->runtime->bound().viewpoint == &viewpoints[at].scene->node(viewpoints[at].node));
     return session.view()->navigation.pose.position.z;
   };
   CHECK(begins(path) == 10);

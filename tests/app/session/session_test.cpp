@@ -123,7 +123,7 @@ TEST_CASE("updates sensors at the viewer's position, first at the Viewpoint") {
       "NavigationInfo { type \"FLY\" speed 4 } DEF T Transform { children Viewpoint { position 0 0 10 } } "
       "ProximitySensor { center 0 0 6 size 2 2 2 } Shape { geometry Box { } }");
   world.watch();
-  const auto& execution = world.document->living->execution();
+  const auto& execution = world.document->runtime->execution();
   (void)world.session.step(kStart + 0.1, input_of({}));
   CHECK_FALSE(execution.is_told_viewer());
   (void)world.session.step(kStart + 0.2, input_of({key(Kind::key_down, 'W')}));
@@ -139,7 +139,7 @@ TEST_CASE("triggers no sensors along a jump, but those at its end (VRML97 6.53)"
       "ProximitySensor { center 25 0 10 size 20 2 2 } ProximitySensor { center 50 0 10 size 2 2 2 }",
       false);
   std::vector<double> entered;
-  world.document->living->execution().observe([&](const vrml::SentEvent& event) {
+  world.document->runtime->execution().observe([&](const vrml::SentEvent& event) {
     if (event.event->name == "enterTime") entered.push_back(event.time);
   });
   // A walk sends enterTime. A jump follows.
@@ -170,7 +170,7 @@ TEST_CASE("follows an Anchor to the first file that can be read (VRML97 6.2)") {
     failures += frame.notices.size();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   };
-  while ((!session.view() || !session.view()->document->living) && std::chrono::steady_clock::now() < deadline)
+  while ((!session.view() || !session.view()->document->runtime) && std::chrono::steady_clock::now() < deadline)
     step({});
   REQUIRE(session.view());
   for (const Kind kind : {Kind::pointer, Kind::button_down, Kind::button_up}) step({pointer(kind, 100, 50)});

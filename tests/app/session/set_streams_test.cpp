@@ -87,9 +87,9 @@ TEST_CASE("replaces the vectors of a QNV node on set_url") {
   REQUIRE(former.clouds.size() == 1);
   world.set_url("large.qnv");
   Arrivals present = world.come();
-  world.living->arrive(std::move(former));
+  world.runtime->arrive(std::move(former));
   CHECK(world.vectors() == large);
-  world.living->arrive(std::move(present));
+  world.runtime->arrive(std::move(present));
   CHECK(world.vectors() == large);
   world.set_url("");
   world.arrive();
@@ -124,9 +124,9 @@ TEST_CASE("replaces the polygons of an OutlineGroup on set_url") {
   REQUIRE(former.outlines.size() == 1);
   world.set_url("box.qnv");
   Arrivals present = world.come();
-  world.living->arrive(std::move(former));
+  world.runtime->arrive(std::move(former));
   CHECK(world.triangles() == 12);
-  world.living->arrive(std::move(present));
+  world.runtime->arrive(std::move(present));
   CHECK(world.triangles() == 12);
   // One that nobody has, none.
   world.set_url("none.qnv");
@@ -152,7 +152,7 @@ TEST_CASE("adds late polygons of a file to its OutlineGroup, without delay of th
   site.put("box.qnv", outlines("Shape { geometry Box { } }"), 4000);
   World world(site);
   CHECK(world.triangles() == 1);
-  CHECK(world.living->next_time().has_value());
+  CHECK(world.runtime->next_time().has_value());
   world.arrive();
   CHECK(world.triangles() == 13);
 }

@@ -66,9 +66,9 @@ TEST_CASE("ends a load that fails at once within its step") {
   World world(files);
   vrml::MFString list;
   list.push_back(vrml::SFString("unknown:x"));
-  CHECK(world.living->send(world.scene(), world.root(0), "set_url", vrml::FieldValue(list)));
-  world.living->step(world.time += 1);
-  world.loading.request(world.living->take_url_requests());
+  CHECK(world.runtime->send(world.scene(), world.root(0), "set_url", vrml::FieldValue(list)));
+  world.runtime->step(world.time += 1);
+  world.loading.request(world.runtime->take_url_requests());
   CHECK_FALSE(world.loading.done());
   CHECK_FALSE(world.loading.step(std::chrono::milliseconds(1000)));
   CHECK(world.loading.done());
@@ -79,20 +79,20 @@ TEST_CASE("shows the new image of an ImageTexture on set_url (6.22)") {
   CHECK(world.shades() == Shades{-1, 10});
   world.set_url(world.texture(), "light.pgm");
   CHECK(world.shades() == Shades{-1, 10});
-  world.living->arrive(world.fetch());
+  world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 200});
   // One that is there already, one that nobody has, none.
   world.set_url(world.texture(), "dark.pgm");
-  world.living->arrive(world.fetch());
+  world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 10});
   world.set_url(world.texture(), "none.pgm");
-  world.living->arrive(world.fetch());
+  world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, -1});
   CHECK(world.opened.diagnostics.warnings() == 1);
   world.set_url(world.texture(), "dark.pgm");
-  world.living->arrive(world.fetch());
+  world.runtime->arrive(world.fetch());
   world.set_url(world.texture(), "");
-  world.living->arrive(world.fetch());
+  world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, -1});
 }
 
@@ -109,9 +109,9 @@ TEST_CASE("sets the faces of a Background one by one (6.5)") {
   CHECK(face(render::Background::back) == 200);
   CHECK(face(render::Background::top) == -1);
   const auto set = [&](const char* event, const char* url) {
-    CHECK(world.living->send(world.scene(), background, event, vrml::FieldValue(vrml::MFString{vrml::SFString(url)})));
-    world.living->step(world.time += 1);
-    world.living->arrive(world.fetch());
+    CHECK(world.runtime->send(world.scene(), background, event, vrml::FieldValue(vrml::MFString{vrml::SFString(url)})));
+    world.runtime->step(world.time += 1);
+    world.runtime->arrive(world.fetch());
   };
   set("set_frontUrl", "light.pgm");
   set("set_topUrl", "dark.pgm");
@@ -130,15 +130,15 @@ TEST_CASE("drops the result of a former url") {
   REQUIRE(former.images.size() == 1);
   world.set_url(world.texture(), "dark.pgm");
   Arrivals present = world.fetch();
-  world.living->arrive(std::move(former));
+  world.runtime->arrive(std::move(former));
   CHECK(world.shades() == Shades{-1, 10});
-  world.living->arrive(std::move(present));
+  world.runtime->arrive(std::move(present));
   CHECK(world.shades() == Shades{-1, 10});
 
   world.set_url(world.scene().roots()[0], "two.wrl");
   Arrivals inner = world.fetch();
   world.set_url(world.scene().roots()[0], "");
-  world.living->arrive(std::move(inner));
+  world.runtime->arrive(std::move(inner));
   CHECK(world.shades() == Shades{-1, 10});
 }
 
@@ -149,15 +149,15 @@ TEST_CASE("replaces the content of an Inline on set_url (6.25)") {
   REQUIRE(first);
   for (int round = 0; round < 5; ++round) {
     world.set_url(inlined, "two.wrl");
-    world.living->arrive(world.fetch());
+    world.runtime->arrive(world.fetch());
     CHECK(world.shades() == Shades{-1, 200, -1, 10});
-    if (round == 0) CHECK(!world.living->execution().has_scene(first));
+    if (round == 0) CHECK(!world.runtime->execution().has_scene(first));
     world.set_url(inlined, "one.wrl");
-    world.living->arrive(world.fetch());
+    world.runtime->arrive(world.fetch());
     CHECK(world.shades() == Shades{-1, 10});
   }
   world.set_url(inlined, "");
-  world.living->arrive(world.fetch());
+  world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{10});
   CHECK(!world.scene().inlined(inlined));
   // Only the outer one's pictures are left.
@@ -168,12 +168,12 @@ TEST_CASE("gives up a stalled Inline when its url is set again") {
   World world(site());
   const vrml::NodeId inlined = world.scene().roots()[0];
   world.set_url(inlined, "slow.wrl");
-  world.loading.request(world.living->take_url_requests());
+  world.loading.request(world.runtime->take_url_requests());
   (void)world.loading.step(std::chrono::milliseconds(20));
   CHECK(world.loading.state().waiting == 1);
   CHECK(world.loading.take_arrivals().contents.empty());
   world.set_url(inlined, "two.wrl");
-  world.living->arrive(world.fetch());
+  world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 200, -1, 10});
 }
 
@@ -209,10 +209,10 @@ TEST_CASE("loads the urls of nodes made at run time, on behalf of the file") {
                       "texture ImageTexture { url IS u } } } } P { u \"light.pgm\" } Inline { url \"one.wrl\" }",
                       diagnostics);
   CHECK(diagnostics.errors() == 0);
-  world.living->execution().attach(world.scene());
-  CHECK(world.living->send(world.scene(), world.scene().roots()[2], "addChildren", vrml::FieldValue(made.roots)));
-  world.living->step(1001);
-  world.living->arrive(world.fetch());
+  world.runtime->execution().attach(world.scene());
+  CHECK(world.runtime->send(world.scene(), world.scene().roots()[2], "addChildren", vrml::FieldValue(made.roots)));
+  world.runtime->step(1001);
+  world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 10, 200, -1});
 }
 
@@ -223,14 +223,14 @@ TEST_CASE("continues to read requests while the world runs") {
     for (news = reader.take(); !there(); news = reader.take())
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
   };
-  wait_for([&] { return news.document && news.document->living; });
+  wait_for([&] { return news.document && news.document->runtime; });
   const std::shared_ptr<Document> document = news.document;
   vrml::SceneGraph& scene = *document->world.scene;
   for (const char* url : {"two.wrl", "one.wrl", "two.wrl"}) {
     vrml::MFString list;
     list.push_back(url);
-    CHECK(document->living->send(scene, scene.roots()[0], "set_url", vrml::FieldValue(list)));
-    reader.request(document->living->take_url_requests());
+    CHECK(document->runtime->send(scene, scene.roots()[0], "set_url", vrml::FieldValue(list)));
+    reader.request(document->runtime->take_url_requests());
     // A late result of an earlier url changes nothing.
     const auto shown = [&] {
       const vrml::SceneGraph* const inlined = scene.inlined(scene.roots()[0]);
@@ -238,7 +238,7 @@ TEST_CASE("continues to read requests while the world runs") {
     };
     const std::string wanted = std::string("memory://a/") + url;
     wait_for([&] {
-      if (!news.arrivals.contents.empty()) document->living->arrive(std::move(news.arrivals));
+      if (!news.arrivals.contents.empty()) document->runtime->arrive(std::move(news.arrivals));
       return shown() == wanted;
     });
     CHECK(shown() == wanted);

@@ -22,7 +22,7 @@ TEST_CASE("updates each view by its own world, whichever view was drawn last") {
   View one = view_of(shared, kSize, {}), two = view_of(shared, kSize, {});
   const vrml::SceneGraph& scene = *shared->world.scene;
   const auto move = [&](float x) {
-    CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{x, 0, 0}));
+    CHECK(shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{x, 0, 0}));
   };
   move(3);
   CHECK(follow_world(one));
@@ -30,7 +30,7 @@ TEST_CASE("updates each view by its own world, whichever view was drawn last") {
   CHECK(two.list == one.list);
   for (int i = 0; i < 20; ++i) {
     move(static_cast<float>(i));
-    (void)shared->living->step(world_time());
+    (void)shared->runtime->step(world_time());
   }
   CHECK(follow_world(two));
   CHECK(one.list->items.at(0).world_from_node[3].x == 19);
@@ -43,7 +43,7 @@ TEST_CASE("frames the scene again for an unmoved viewer without Viewpoint when g
   walker.navigation.pose.position += glm::dvec3(0.25, 0, 0);
   const vrml::SceneGraph& scene = *shared->world.scene;
   const auto move = [&](View& seen, float x) {
-    CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{x, 0, 0}));
+    CHECK(shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{x, 0, 0}));
     CHECK(follow_world(seen));
   };
   const auto sees_all = [](const View& seen) {
@@ -78,7 +78,7 @@ TEST_CASE("frames the scene again for an unmoved viewer without Viewpoint when g
   CHECK(view.home.position == last.position);
 
   // A moved viewer stays, and no viewer follows geometry that leaves for good.
-  (void)shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{0, 0, 0});
+  (void)shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{0, 0, 0});
   for (const float x : {6.0f, 41.0f}) move(walker, x);
   CHECK(walker.navigation.pose.position == first.position + glm::dvec3(0.25, 0, 0));
   CHECK_FALSE(walker.navigation.transition);
@@ -92,9 +92,9 @@ TEST_CASE("frames geometry that is added to an empty world without Viewpoint") {
   vrml::SceneGraph& scene = *shared->world.scene;
   vrml::Diagnostics diagnostics;
   const auto made =
-      shared->living->create(scene, "test", "Shape { geometry Sphere { radius 70 } }", diagnostics, &scene);
+      shared->runtime->create(scene, "test", "Shape { geometry Sphere { radius 70 } }", diagnostics, &scene);
   REQUIRE(made.roots.size() == 1);
-  CHECK(shared->living->send(scene, scene.roots()[0], "addChildren", vrml::FieldValue(made.roots)));
+  CHECK(shared->runtime->send(scene, scene.roots()[0], "addChildren", vrml::FieldValue(made.roots)));
   CHECK(follow_world(view));
   REQUIRE_FALSE(view.list->bounds.empty());
   CHECK(view.home.position.x == Approx(300));
@@ -110,15 +110,15 @@ TEST_CASE("moves the viewer with the bound Viewpoint, and to the one that events
   CHECK(view.navigation.pose.position == glm::dvec3(0, 0, 5));
   view.navigation.pose.position += glm::dvec3(0, 1, 0);  // he has walked
   const vrml::SceneGraph& scene = *shared->world.scene;
-  CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{2, 0, 0}));
+  CHECK(shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{2, 0, 0}));
   CHECK(follow_world(view));
   CHECK(glm::distance(view.navigation.pose.position, glm::dvec3(2, 1, 5)) < 1e-5f);
-  CHECK(shared->living->send(scene, scene.roots()[0], "rotation", vrml::SFRotation{0, 1, 0, 3.14159265f}));
+  CHECK(shared->runtime->send(scene, scene.roots()[0], "rotation", vrml::SFRotation{0, 1, 0, 3.14159265f}));
   CHECK(follow_world(view));
   CHECK(glm::distance(view.navigation.pose.position, glm::dvec3(2, 1, -5)) < 1e-4f);
   const auto bind = [&](std::size_t index) {
     const render::ViewpointState& viewpoint = view.list->viewpoints[index];
-    CHECK(shared->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true}));
+    CHECK(shared->runtime->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true}));
     (void)follow_world(view);
     return follow_bound_viewpoint(view);
   };
@@ -133,7 +133,7 @@ TEST_CASE("moves the viewer with the bound Viewpoint, and to the one that events
   CHECK_FALSE(view.navigation.transition);
   CHECK(view.navigation.pose.position == stays);
   // From then on he moves with that one.
-  CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{7, 0, 0}));
+  CHECK(shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{7, 0, 0}));
   CHECK(follow_world(view));
   CHECK(glm::distance(view.navigation.pose.position, stays + glm::dvec3(5, 0, 0)) < 1e-4f);
 }
@@ -145,7 +145,7 @@ struct Bound {
   explicit Bound(const std::string& body) : shared(make_document(world_of(body))), view(view_of(shared, kSize, {})) {}
   void bind(std::size_t index, bool to_top = true) {
     const render::ViewpointState& viewpoint = view.list->viewpoints[index];
-    CHECK(shared->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{to_top}));
+    CHECK(shared->runtime->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{to_top}));
     (void)follow_world(view);
     (void)follow_bound_viewpoint(view);
     if (!view.navigation.transition) return;
@@ -154,7 +154,7 @@ struct Bound {
   }
   void move_root(std::size_t place, const vrml::SFVec3f& to) {
     const vrml::SceneGraph& scene = *shared->world.scene;
-    CHECK(shared->living->send(scene, scene.roots()[place], "translation", to));
+    CHECK(shared->runtime->send(scene, scene.roots()[place], "translation", to));
     (void)follow_world(view);
   }
   void walk(const glm::dvec3& way) { view.navigation.pose.position += way; }
@@ -207,8 +207,8 @@ TEST_CASE("pops a bound Viewpoint that is deleted like any other (VRML97 4.6.10,
   world.bind(1);
   CHECK(world.at({50, 0, 0}));
   const vrml::SceneGraph& scene = *world.shared->world.scene;
-  CHECK(world.shared->living->send(scene, scene.roots()[1], "set_children", vrml::MFNode{}));
-  (void)world.shared->living->execution().remove_unheld();
+  CHECK(world.shared->runtime->send(scene, scene.roots()[1], "set_children", vrml::MFNode{}));
+  (void)world.shared->runtime->execution().remove_unheld();
   (void)follow_world(world.view);
   CHECK(follow_bound_viewpoint(world.view));
   REQUIRE(world.view.navigation.transition);
@@ -241,7 +241,7 @@ TEST_CASE("binds a Viewpoint that is chosen from the list, and moves there (VRML
   View view = view_of(shared, kSize, {});
   bind_viewpoint(view, 1);
   const vrml::SceneGraph& scene = *shared->world.scene;
-  CHECK(shared->living->bound().viewpoint == &scene.node(scene.roots()[1]));
+  CHECK(shared->runtime->bound().viewpoint == &scene.node(scene.roots()[1]));
   REQUIRE(view.navigation.transition);
   CHECK(view.navigation.transition->to.position == glm::dvec3(0, 0, 50));
   CHECK_FALSE(follow_bound_viewpoint(view));  // he is on his way already
@@ -262,11 +262,11 @@ TEST_CASE("moves as the bound NavigationInfo defines, including changes (4.6.10,
   CHECK(view.rules.avatar.step == 0.5);
   CHECK_FALSE(view.rules.allows(NavigationMode::fly));
   const vrml::SceneGraph& scene = *shared->world.scene;
-  CHECK(shared->living->send(scene, scene.roots()[0], "set_speed", vrml::SFFloat{5}));
+  CHECK(shared->runtime->send(scene, scene.roots()[0], "set_speed", vrml::SFFloat{5}));
   CHECK(follow_world(view));
   CHECK(view.navigation.speed == Approx(10));
   CHECK(view.navigation.mode == NavigationMode::walk);
-  CHECK(shared->living->send(scene, scene.roots()[1], "set_bind", vrml::SFBool{true}));
+  CHECK(shared->runtime->send(scene, scene.roots()[1], "set_bind", vrml::SFBool{true}));
   CHECK(follow_world(view));
   CHECK(view.navigation.mode == NavigationMode::fly);
   CHECK(view.rules.allows(NavigationMode::walk));
@@ -279,7 +279,7 @@ TEST_CASE("advances time in a window by the clock (VRML97 4.11.3)") {
   const double clock = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   CHECK(std::abs(clock - before) < 60);  // if the clock of the machine is not set meanwhile
   const auto shared = make_document(world_of("TimeSensor { loop TRUE }"));
-  vrml::Execution& execution = shared->living->execution();
+  vrml::Execution& execution = shared->runtime->execution();
   CHECK(execution.now() >= before);
   CHECK(execution.now() <= world_time());
   double last = execution.now();
@@ -289,7 +289,7 @@ TEST_CASE("advances time in a window by the clock (VRML97 4.11.3)") {
     steps += event.event->name == "time" ? 1 : 0;
   });
   while (world_time() - before < 0.01) {
-    (void)shared->living->step(world_time());
+    (void)shared->runtime->step(world_time());
     last = execution.now();
   }
   CHECK(steps > 0);

@@ -94,16 +94,16 @@ TEST_CASE("loads another sound on set_url in a running world, and sends duration
   const auto document =
       hold_world(load_world(folder.write("main.wrl", kHeader + "Sound { source DEF C AudioClip { url \"a.wav\" } }")));
   std::vector<double> durations;
-  document->living->execution().observe([&](const vrml::SentEvent& event) {
+  document->runtime->execution().observe([&](const vrml::SentEvent& event) {
     if (event.event->name == "duration_changed") durations.push_back(std::get<vrml::SFTime>(*event.value));
   });
   begin_world(*document, 1000);
   CHECK(durations == std::vector<double>{0.25});
   vrml::SceneGraph& scene = *document->world.scene;
   const vrml::NodeId clip = scene.get<vrml::SFNode>(scene.roots()[0], "source");
-  (void)document->living->step(1001);
-  REQUIRE(document->living->send(scene, clip, "set_url", vrml::MFString{vrml::SFString("b.wav")}));
-  const auto requests = document->living->take_url_requests();
+  (void)document->runtime->step(1001);
+  REQUIRE(document->runtime->send(scene, clip, "set_url", vrml::MFString{vrml::SFString("b.wav")}));
+  const auto requests = document->runtime->take_url_requests();
   REQUIRE(requests.size() == 1);
   CHECK(requests[0].content == vrml::UrlContent::sound);
   Arrivals arrivals;
@@ -111,7 +111,7 @@ TEST_CASE("loads another sound on set_url in a running world, and sends duration
   file->info = {0.5, false, true};
   arrivals.media.push_back({{requests[0].place}, file, nullptr});
   (void)arrive(*document, std::move(arrivals));
-  (void)document->living->step(1002);
+  (void)document->runtime->step(1002);
   CHECK(durations == std::vector<double>{0.25, 0.5});
   CHECK(document->world.media.at(&scene.node(clip)) == file);
 }

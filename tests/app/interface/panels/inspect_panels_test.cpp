@@ -43,12 +43,12 @@ class NoWindow final : public InterfaceBackend {
 /// A world, and its panels in a window that is not there.
 struct Screen : OneWorld {
   explicit Screen(const std::string& body) : OneWorld(body) {
-    session.add_guest(inspection);
+    session.add_extension(inspection);
     model.inspection = &inspection;
     model.has_world = true;
     draw();
   }
-  ~Screen() { session.remove_guest(inspection); }
+  ~Screen() { session.remove_extension(inspection); }
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 

@@ -32,10 +32,10 @@ TEST_CASE("shows right-to-left text in the script console in visual order, runs 
   if (!typed) return;  // the system has no font with these letters
   CHECK(*typed);
   user.press(Key::enter);
-  const auto& lines = user.desk().inspection().console().lines();
+  const auto& lines = user.controller().inspection().console().lines();
   REQUIRE_FALSE(lines.empty());
   CHECK(lines.front().text == "'\u05d0\u05d1\u05d2'");
-  user.desk().inspection().console().clear();
+  user.controller().inspection().console().clear();
   user.settle();
   CHECK_FALSE(user.place_of(kAlef));
   user.press(Key::up);
@@ -48,7 +48,7 @@ TEST_CASE("shows right-to-left text in the inspector in visual order, and sends 
   Driver user;
   user.show_world("Anchor { description \"\u05d0\u05d1\u05d2\" }");
   user.press(letter_key('I'), true, true);
-  Inspection& inspection = user.desk().inspection();
+  Inspection& inspection = user.controller().inspection();
   const vrml::SceneGraph& scene = *user.session().view()->document->world.scene;
   const vrml::NodeId node = scene.roots()[0];
   inspection.select({&scene, node}, false);

@@ -110,7 +110,7 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
       REQUIRE(news.document->world.scene);
       document = news.document;
       waited = over ? 0 : news.state.waiting;
-      CHECK(document->living->next_time().has_value());  // its time goes on
+      CHECK(document->runtime->next_time().has_value());  // its time goes on
       CHECK(document->list->items.at(0).texture.image == nullptr);
     }
     arrivals.append(std::move(news.arrivals));
@@ -120,8 +120,8 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
   CHECK(waited == 1u);  // the one that is missing was known by then
   CHECK(arrivals.images.size() == 1);
   CHECK(document->world.diagnostics.warnings() + arrivals.diagnostics.warnings() == 1);
-  document->living->arrive(std::move(arrivals));
-  CHECK(document->living->show(*document->first_scene, {0, 0, 10}));
+  document->runtime->arrive(std::move(arrivals));
+  CHECK(document->runtime->show(*document->first_scene, {0, 0, 10}));
   REQUIRE(document->list->items.at(0).texture.image);
   CHECK(document->list->items.at(0).mesh->texture_coordinates.size() == 3);
   CHECK(document->first_scene->scene.gathered() == 1);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "app/settings/app_state.h"
 #include "app/settings/log_file.h"
 #include "app/settings/user_folders.h"
-#include "app/settings/user_memory.h"
 #include "app/settings/user_settings.h"
 
 #include <optional>
@@ -12,23 +12,23 @@
 namespace gs::app {
 
 /// Returns the stored state of the program, as far as it is readable. Reports no errors.
-[[nodiscard]] UserMemory remembered(const UserFolders& folders);
+[[nodiscard]] AppState remembered(const UserFolders& folders);
 
 /// Store of the user's settings, bookmarks and state between windows. Each change writes its file atomically. An
 /// unreadable file is reported once, saved as FILE.bad, and otherwise ignored. Without folders, nothing is read or
 /// written. One thread.
-class UserKeeper {
+class SettingsStore {
  public:
-  explicit UserKeeper(UserFolders folders);
+  explicit SettingsStore(UserFolders folders);
   /// Removes the session's file, because a clean end leaves nothing to restore.
-  ~UserKeeper();
-  UserKeeper(const UserKeeper&) = delete;
-  UserKeeper& operator=(const UserKeeper&) = delete;
+  ~SettingsStore();
+  SettingsStore(const SettingsStore&) = delete;
+  SettingsStore& operator=(const SettingsStore&) = delete;
 
   [[nodiscard]] const UserSettings& settings() const { return settings_; }
   void set(const UserSettings& settings);
-  [[nodiscard]] const UserMemory& memory() const { return memory_; }
-  void set(const UserMemory& memory);
+  [[nodiscard]] const AppState& state() const { return state_; }
+  void set(const AppState& state);
   [[nodiscard]] const std::vector<Bookmark>& bookmarks() const { return bookmarks_; }
   void set(const std::vector<Bookmark>& bookmarks);
 
@@ -48,7 +48,7 @@ class UserKeeper {
 
   UserFolders folders_;
   UserSettings settings_;
-  UserMemory memory_;
+  AppState state_;
   std::vector<Bookmark> bookmarks_;
   std::optional<SessionMemory> session_;  // as last written
   std::string session_file_;

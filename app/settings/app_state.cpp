@@ -1,4 +1,4 @@
-#include "app/settings/user_memory.h"
+#include "app/settings/app_state.h"
 
 #include <nlohmann/json.hpp>
 
@@ -56,45 +56,45 @@ std::vector<std::string> strings_in(const json& list, std::size_t most) {
 
 }  // namespace
 
-void note_recent(UserMemory& memory, const std::string& place) {
+void note_recent(AppState& state, const std::string& place) {
   if (place.empty() || place.size() > kMostText) return;
-  std::erase(memory.recent, place);
-  memory.recent.insert(memory.recent.begin(), place);
-  if (memory.recent.size() > UserMemory::kMostRecent) memory.recent.resize(UserMemory::kMostRecent);
+  std::erase(state.recent, place);
+  state.recent.insert(state.recent.begin(), place);
+  if (state.recent.size() > AppState::kMostRecent) state.recent.resize(AppState::kMostRecent);
 }
 
-std::string memory_text(const UserMemory& memory) {
+std::string memory_text(const AppState& state) {
   json panels = json::array();
-  for (const PanelMemory& one : memory.panels)
+  for (const PanelMemory& one : state.panels)
     panels.push_back({{"panel", one.panel}, {"side", one.side}, {"open", one.open}, {"front", one.front}});
-  json window = {{"width", memory.width}, {"height", memory.height}};
-  if (memory.place) window["place"] = *memory.place;
-  return printed({{"recent", memory.recent}, {"window", window}, {"areas", memory.areas}, {"panels", panels}});
+  json window = {{"width", state.width}, {"height", state.height}};
+  if (state.place) window["place"] = *state.place;
+  return printed({{"recent", state.recent}, {"window", window}, {"areas", state.areas}, {"panels", panels}});
 }
 
-std::optional<UserMemory> read_memory(std::string_view text) {
+std::optional<AppState> read_memory(std::string_view text) {
   const json whole = parsed(text);
   if (!whole.is_object()) return std::nullopt;
-  UserMemory memory;
-  memory.recent = strings_in(member(whole, "recent"), UserMemory::kMostRecent);
+  AppState state;
+  state.recent = strings_in(member(whole, "recent"), AppState::kMostRecent);
   const json& window = member(whole, "window");
-  memory.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMostPixels));
-  memory.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMostPixels));
+  state.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMostPixels));
+  state.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMostPixels));
   if (const json& place = member(window, "place"); place.is_array() && place.size() == 2) {
     const auto good = [](const json& one) {
       return one.is_number_integer() && std::abs(one.get<double>()) <= kMostPixels;
     };
-    if (good(place[0]) && good(place[1])) memory.place = {place[0].get<int>(), place[1].get<int>()};
+    if (good(place[0]) && good(place[1])) state.place = {place[0].get<int>(), place[1].get<int>()};
   }
   if (const json& areas = member(whole, "areas"); areas.is_array())
-    for (std::size_t i = 0; i < std::min(areas.size(), memory.areas.size()); ++i)
-      memory.areas[i] = number_in_json(areas[i], 1, kMostPixels);
+    for (std::size_t i = 0; i < std::min(areas.size(), state.areas.size()); ++i)
+      state.areas[i] = number_in_json(areas[i], 1, kMostPixels);
   if (const json& panels = member(whole, "panels"); panels.is_array())
     for (const json& one : panels) {
       PanelMemory panel{string_in(one, "panel"), string_in(one, "side"), flag_in(one, "open"), flag_in(one, "front")};
-      if (!panel.panel.empty() && memory.panels.size() < kMostPanels) memory.panels.push_back(std::move(panel));
+      if (!panel.panel.empty() && state.panels.size() < kMostPanels) state.panels.push_back(std::move(panel));
     }
-  return memory;
+  return state;
 }
 
 std::string bookmarks_text(const std::vector<Bookmark>& bookmarks) {

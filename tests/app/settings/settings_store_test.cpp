@@ -1,4 +1,4 @@
-#include "app/settings/user_keeper.h"
+#include "app/settings/settings_store.h"
 
 #include "tests/app/scratch_folder.h"
 
@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace gs::app::user_keeper_test {
+namespace gs::app::settings_store_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,19 +36,19 @@ pid_t gone_process() {
 TEST_CASE("restores kept state in the next window") {
   const ScratchFolder scratch;
   {
-    UserKeeper keeper(folders_in(scratch));
+    SettingsStore keeper(folders_in(scratch));
     UserSettings settings;
     settings.text_size = 1.5;
     keeper.set(settings);
-    UserMemory memory;
+    AppState memory;
     note_recent(memory, "/a.wrl");
     keeper.set(memory);
     keeper.set(std::vector<Bookmark>{{"/a.wrl", "", "A", {}}});
     CHECK(keeper.take_problems().empty());
   }
-  UserKeeper keeper(folders_in(scratch));
+  SettingsStore keeper(folders_in(scratch));
   CHECK(keeper.settings().text_size == 1.5);
-  CHECK(keeper.memory().recent == std::vector<std::string>{"/a.wrl"});
+  CHECK(keeper.state().recent == std::vector<std::string>{"/a.wrl"});
   CHECK(keeper.bookmarks().size() == 1);
   CHECK(remembered(folders_in(scratch)).recent.size() == 1);
   // Only their owner may look into the folders that it made.
@@ -61,7 +61,7 @@ TEST_CASE("removes unfinished files of killed processes from the settings folder
   scratch.write("config" + left, "theme = da");
   scratch.write("state" + left, "{");
   scratch.write("config/.ghostspace-1-0.bak", "kept");
-  const UserKeeper keeper(folders_in(scratch));
+  const SettingsStore keeper(folders_in(scratch));
   CHECK_FALSE(fs::exists(scratch.path("config" + left)));
   CHECK_FALSE(fs::exists(scratch.path("state" + left)));
   CHECK(scratch.read("config/.ghostspace-1-0.bak") == "kept");
@@ -73,7 +73,7 @@ TEST_CASE("reports damaged files once, keeps them, and continues") {
   scratch.write("config/bookmarks.json", "{{{");
   scratch.write("state/memory.json", std::string(2 << 20, 'x'));
   {
-    UserKeeper keeper(folders_in(scratch));
+    SettingsStore keeper(folders_in(scratch));
     CHECK(keeper.settings().theme == Theme::light);
     CHECK(keeper.bookmarks().empty());
     const auto problems = keeper.take_problems();
@@ -85,13 +85,13 @@ TEST_CASE("reports damaged files once, keeps them, and continues") {
   }
   CHECK(scratch.read("config/settings.conf.bad") == "theme = light\nspeed = fast\n");
   CHECK(scratch.read("config/bookmarks.json.bad") == "{{{");
-  CHECK(UserKeeper(folders_in(scratch)).bookmarks().size() == 1);
+  CHECK(SettingsStore(folders_in(scratch)).bookmarks().size() == 1);
 }
 
 TEST_CASE("reports a folder without write permission once") {
   const ScratchFolder scratch;
   scratch.write("config", "a file where the folder should be");
-  UserKeeper keeper(folders_in(scratch));
+  SettingsStore keeper(folders_in(scratch));
   UserSettings settings;
   settings.text_size = 1.5;
   keeper.set(settings);
@@ -106,7 +106,7 @@ TEST_CASE("offers the files of a window that ended unexpectedly once") {
   scratch.write("state/session-1.json", session_text({{"/of-init.wrl"}}));  // that runs
   scratch.write("state/session-x.json", "{");
   {
-    UserKeeper keeper(folders_in(scratch));
+    SettingsStore keeper(folders_in(scratch));
     CHECK(keeper.take_lost_sessions() == SessionMemory{{"/a.wrl", "/b.wrl"}});
     CHECK(keeper.take_lost_sessions().files.empty());
     CHECK_FALSE(fs::exists(scratch.path(lost)));
@@ -120,7 +120,7 @@ TEST_CASE("offers the files of a window that ended unexpectedly once") {
 
 TEST_CASE("reads and writes nothing without folders") {
   const ScratchFolder scratch;
-  UserKeeper keeper({});
+  SettingsStore keeper({});
   UserSettings settings;
   settings.text_size = 2;
   keeper.set(settings);
@@ -175,4 +175,4 @@ TEST_CASE("stores settings in the desktop's folders (XDG Base Directory Specific
   restore("XDG_STATE_HOME", state);
 }
 
-}  // namespace gs::app::user_keeper_test
+}  // namespace gs::app::settings_store_test

@@ -1,7 +1,7 @@
 #include "app/base/text.h"
 #include "app/view/ground_grid.h"
 #include "app/view/values/color_bar.h"
-#include "app/viewer/desk.h"
+#include "app/viewer/viewer_controller.h"
 #include "net/base/schemes.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-// Model of the interface, made from the session of a desk.
+// Model of the interface, made from the session of a ViewerController.
 namespace gs::app {
 namespace {
 
@@ -31,7 +31,7 @@ std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std:
 }
 
 // Returns a text such as "city.wrl: 3.1 of 12.0 MB, 4 files to come".
-std::string Desk::progress_of(const std::string& path) const {
+std::string ViewerController::progress_of(const std::string& path) const {
   std::string text = file_label(path);
   for (const LoadingState& state : session_.progress_of(path)) {
     if (state.received == 0) continue;
@@ -41,11 +41,11 @@ std::string Desk::progress_of(const std::string& path) const {
   return text;
 }
 
-bool Desk::shows_rates() const {
+bool ViewerController::shows_rates() const {
   return std::any_of(readings_.begin(), readings_.end(), [](const RateHistory& one) { return one.rate() > 0; });
 }
 
-void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) {
+void ViewerController::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) {
   const Panes& panes = session_.panes();
   const std::vector<std::size_t> budgets = budgets_of(frame, panes, budget);
   const double drawn = static_cast<double>(std::accumulate(budgets.begin(), budgets.end(), std::size_t{0}));
@@ -87,7 +87,7 @@ void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t bu
   model.linked = session_.linked();
 }
 
-UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
+UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measures) {
   UiModel model;
   const Panes& panes = session_.panes();
   for (const DocumentList::Entry& entry : panes.documents().entries()) {
@@ -122,7 +122,7 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   window_.describe_tools(model.tools);
   if (!seen) return model;
   model.has_world = true;
-  model.first_steps = keeper_.settings().first_steps && !not_kept_.empty() && pane.shown == not_kept_;
+  model.first_steps = store_.settings().first_steps && !not_kept_.empty() && pane.shown == not_kept_;
   const auto& viewpoints = seen->list->viewpoints;
   for (const std::size_t index : listed_viewpoints(viewpoints)) {
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
@@ -154,10 +154,10 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   return model;
 }
 
-void Desk::describe_user(UiModel& model, const Pane& pane) {
-  model.settings = keeper_.settings();
-  model.recent = keeper_.memory().recent;
-  model.bookmarks = keeper_.bookmarks();
+void ViewerController::describe_user(UiModel& model, const Pane& pane) {
+  model.settings = store_.settings();
+  model.recent = store_.state().recent;
+  model.bookmarks = store_.bookmarks();
   model.to_restore = lost_.files.size();
   model.address = pane.wanted.empty() ? pane.shown : pane.wanted;
   model.bookmark = find_bookmark();

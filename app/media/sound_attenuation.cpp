@@ -1,4 +1,4 @@
-#include "app/media/hearing.h"
+#include "app/media/sound_attenuation.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/constants.hpp>
@@ -35,7 +35,7 @@ Pan pan_of(const glm::dvec3& viewer) {
   return {1 - pan * pan, 1 - (1 - pan) * (1 - pan)};
 }
 
-Heard hear(const render::SoundState& sound, const glm::dmat4& world_from_viewer) {
+Heard sound_attenuation(const render::SoundState& sound, const glm::dmat4& world_from_viewer) {
   Heard heard;
   // Ratios along a line are invariant under transforms, so the ellipsoids are measured in the sound's own space.
   const double volume = glm::determinant(glm::dmat3(sound.world_from_local));

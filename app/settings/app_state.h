@@ -33,7 +33,7 @@ struct PanelMemory {
 };
 
 /// State that the program stores by itself between windows.
-struct UserMemory {
+struct AppState {
   static constexpr std::size_t kMostRecent = 50;
 
   std::vector<std::string> recent;          // paths and URLs, newest first
@@ -42,10 +42,10 @@ struct UserMemory {
   std::array<double, 3> areas{};            // of the dock: left, right, bottom; 0 means unknown
   std::vector<PanelMemory> panels;          // in the order of their tabs
 
-  bool operator==(const UserMemory&) const = default;
+  bool operator==(const AppState&) const = default;
 };
 /// Moves a path or URL to the front of the recent list, without duplicates.
-void note_recent(UserMemory& memory, const std::string& place);
+void note_recent(AppState& state, const std::string& place);
 
 /// Files of a window, stored so that they can be restored if the program ends unexpectedly.
 struct SessionMemory {
@@ -64,8 +64,8 @@ struct SessionMemory {
 
 /// Convert these structs to JSON and back. Readers omit unexpected values, and return nullopt if the text is not JSON
 /// of this kind. Safe for untrusted text.
-[[nodiscard]] std::string memory_text(const UserMemory& memory);
-[[nodiscard]] std::optional<UserMemory> read_memory(std::string_view text);
+[[nodiscard]] std::string memory_text(const AppState& state);
+[[nodiscard]] std::optional<AppState> read_memory(std::string_view text);
 [[nodiscard]] std::string bookmarks_text(const std::vector<Bookmark>& bookmarks);
 [[nodiscard]] std::optional<std::vector<Bookmark>> read_bookmarks(std::string_view text);
 [[nodiscard]] std::string session_text(const SessionMemory& session);

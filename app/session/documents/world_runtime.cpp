@@ -1,4 +1,4 @@
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 
 #include "app/formats/media_file.h"
 #include "app/formats/qnv/cloud_reader.h"
@@ -30,7 +30,7 @@ double world_time() {
   return at_begin + std::chrono::duration<double>(Steady::now() - begin).count();
 }
 
-LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
+WorldRuntime::WorldRuntime(OpenedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
   if (world.network_allowed) gate_.allow();
   browser_.world_url = world_.path;
@@ -43,13 +43,13 @@ LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
 }
 
 // Destroys the scripts first, because they refer to the other members.
-LivingWorld::~LivingWorld() {
+WorldRuntime::~WorldRuntime() {
   scripts_.reset();
   execution_.set_script_host(nullptr);
 }
 
 // Creates the script engine only if there is a Script, because it is large.
-void LivingWorld::want_scripts() {
+void WorldRuntime::want_scripts() {
   if (scripts_ || !execution_.has_scripts()) return;
   scripts_ = ScriptRunner::make(execution_, script_settings_);
   if (!scripts_) return;
@@ -61,17 +61,17 @@ void LivingWorld::want_scripts() {
   world_.programs.clear();
 }
 
-vrml::RunTimeNodes LivingWorld::create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
-                                       vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
-                                       std::shared_ptr<const vrml::TextSource> fetched_from) {
+vrml::RunTimeNodes WorldRuntime::create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
+                                        vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
+                                        std::shared_ptr<const vrml::TextSource> fetched_from) {
   vrml::RunTimeNodes made =
       make_nodes(execution_, scene, label, text, diagnostics, written_by, std::move(fetched_from));
   want_scripts();
   return made;
 }
 
-ScriptRunner::Evaluation LivingWorld::evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
-                                               const std::string& line) {
+ScriptRunner::Evaluation WorldRuntime::evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
+                                                const std::string& line) {
   const vrml::SceneGraph* of = &scene;
   if (!script) {
     of = world_.scene.get();
@@ -94,24 +94,24 @@ ScriptRunner::Evaluation LivingWorld::evaluate(const vrml::SceneGraph& scene, vr
   return result;
 }
 
-void LivingWorld::tell_message(ScriptMessage message) {
+void WorldRuntime::tell_message(ScriptMessage message) {
   if (script_observer_) return script_observer_(message);
   if (script_messages_.size() < kMostMessages) script_messages_.push_back(std::move(message));
 }
 
-void LivingWorld::observe_scripts(std::function<void(const ScriptMessage&)> observer) {
+void WorldRuntime::observe_scripts(std::function<void(const ScriptMessage&)> observer) {
   script_observer_ = std::move(observer);
   if (scripts_) scripts_->observe(script_observer_);
 }
 
-std::vector<ScriptMessage> LivingWorld::take_script_messages() {
+std::vector<ScriptMessage> WorldRuntime::take_script_messages() {
   std::vector<ScriptMessage> messages = std::exchange(script_messages_, {});
   if (!scripts_) return messages;
   for (ScriptMessage& one : scripts_->take_messages()) messages.push_back(std::move(one));
   return messages;
 }
 
-void LivingWorld::start(double now) {
+void WorldRuntime::start(double now) {
   started_ = true;
   want_scripts();
   execution_.start(now);
@@ -124,7 +124,7 @@ void LivingWorld::start(double now) {
 }
 
 // Computes speed and frame rate from the last two steps.
-void LivingWorld::tell_programs(double now) {
+void WorldRuntime::tell_programs(double now) {
   if (scripts_) scripts_->begin_step();
   if (!scripts_ && !measures_viewer_) return;
   const glm::dvec3 place(execution_.viewer()[3]);
@@ -137,7 +137,7 @@ void LivingWorld::tell_programs(double now) {
   viewer_ = place;
 }
 
-bool LivingWorld::step(double now) {
+bool WorldRuntime::step(double now) {
   tell_programs(now);
   execution_.step(now);
   tell_progress();
@@ -145,22 +145,22 @@ bool LivingWorld::step(double now) {
   return take_changes();
 }
 
-bool LivingWorld::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in,
-                       const vrml::FieldValue& value) {
+bool WorldRuntime::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in,
+                        const vrml::FieldValue& value) {
   if (!scene.contains(node)) return false;
   const vrml::InterfaceDeclaration* event = scene.node(node).type->find_event_in(event_in);
   return event && execution_.send(scene, node, *event, value);
 }
 
 // Reports progress to the nodes. Reports that do not fit in this timestamp wait for the next one.
-void LivingWorld::tell_progress() {
+void WorldRuntime::tell_progress() {
   std::erase_if(progress_, [&](const UrlProgress& one) {
     return !execution_.has_scene(one.scene) || !one.scene->contains(one.node) ||
            execution_.progress(*one.scene, one.node, one.fraction);
   });
 }
 
-void LivingWorld::tell_durations() {
+void WorldRuntime::tell_durations() {
   std::erase_if(durations_, [&](const MediaDuration& one) {
     return !execution_.has_scene(one.scene) || !one.scene->contains(one.node) ||
            execution_.media_came(*one.scene, one.node, one.seconds);
@@ -168,13 +168,13 @@ void LivingWorld::tell_durations() {
 }
 
 // Reports whether an update is stale: its node, scene or URL no longer exists.
-bool LivingWorld::is_gone(const Arrivals::Place& place) const {
+bool WorldRuntime::is_gone(const Arrivals::Place& place) const {
   if (!execution_.has_scene(place.scene) || !place.scene->contains(place.node)) return true;
   const auto number = url_numbers_.find({&place.scene->node(place.node), place.url});
   return place.request != (number == url_numbers_.end() ? 0 : number->second);
 }
 
-void LivingWorld::show_content(Arrivals::Content&& arrival) {
+void WorldRuntime::show_content(Arrivals::Content&& arrival) {
   if (is_gone(arrival.place)) {
     if (arrival.content) forget(*arrival.content, {});
     return;
@@ -189,7 +189,7 @@ void LivingWorld::show_content(Arrivals::Content&& arrival) {
   execution_.content_changed(scene, arrival.place.node);
 }
 
-void LivingWorld::take_prototypes(Arrivals::Prototypes&& arrival) {
+void WorldRuntime::take_prototypes(Arrivals::Prototypes&& arrival) {
   if (!execution_.has_scene(arrival.scene)) return;
   vrml::SceneGraph& scene = *arrival.scene;
   if (!app::take_prototypes(scene, arrival.awaited, std::move(arrival.library), arrival.why, world_.diagnostics))
@@ -201,7 +201,7 @@ void LivingWorld::take_prototypes(Arrivals::Prototypes&& arrival) {
 }
 
 // Sets the polygon lists without events, because only the browser may set them.
-void LivingWorld::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::NodeChange>& changes) {
+void WorldRuntime::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::NodeChange>& changes) {
   vrml::SceneGraph& scene = *arrival.place.scene;
   const vrml::NodeId node = arrival.place.node;
   std::vector<std::pair<const vrml::InterfaceDeclaration*, vrml::FieldValue>> told;
@@ -219,7 +219,7 @@ void LivingWorld::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::
       if (const vrml::NodeId refined = scene.resolve(*other)) changes.push_back({&scene, refined, 0});
 }
 
-void LivingWorld::arrive(Arrivals&& arrivals) {
+void WorldRuntime::arrive(Arrivals&& arrivals) {
   for (Arrivals::Content& one : arrivals.contents) show_content(std::move(one));
   for (Arrivals::Text& one : arrivals.texts) take_text(std::move(one));
   for (Arrivals::Prototypes& one : arrivals.prototypes) take_prototypes(std::move(one));
@@ -246,7 +246,7 @@ void LivingWorld::arrive(Arrivals&& arrivals) {
 }
 
 // Gives a movie an own image, with pixels that change in place.
-void LivingWorld::open_movie(const MediaDuration& of) {
+void WorldRuntime::open_movie(const MediaDuration& of) {
   const vrml::Node* node = &of.scene->node(of.node);
   std::erase_if(movies_, [&](const PlayedMovie& one) { return one.node == node; });
   const auto file = world_.media.find(node);
@@ -264,7 +264,7 @@ void LivingWorld::open_movie(const MediaDuration& of) {
   movies_.push_back({of.scene, of.node, node, std::move(player)});
 }
 
-bool LivingWorld::show_movies(bool wait) {
+bool WorldRuntime::show_movies(bool wait) {
   bool any = false;
   movies_run_ = false;
   for (const PlayedMovie& one : movies_) {
@@ -278,7 +278,7 @@ bool LivingWorld::show_movies(bool wait) {
 }
 
 // Forgets a removed node, or all nodes of a scene, because their addresses may be reused.
-void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
+void WorldRuntime::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
   const auto forget_one = [&](const vrml::Node& one) {
     for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i) {
       world_.images.erase({&one, i});
@@ -302,11 +302,11 @@ void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
     std::erase_if(batch, [&](const vrml::NodeChange& change) { return change.scene == &scene; });
 }
 
-void LivingWorld::set_mesh_worker(std::shared_ptr<render::MeshWorker> worker) {
+void WorldRuntime::set_mesh_worker(std::shared_ptr<render::MeshWorker> worker) {
   meshes_.late = worker ? std::make_shared<render::LateMeshes>(std::move(worker)) : nullptr;
 }
 
-bool LivingWorld::take_meshes() {
+bool WorldRuntime::take_meshes() {
   if (!meshes_.late) return false;
   meshes_.late->begin_frame();
   std::vector<vrml::NodeChange> changes;
@@ -317,13 +317,13 @@ bool LivingWorld::take_meshes() {
   return true;
 }
 
-void LivingWorld::add_changes(std::vector<vrml::NodeChange> changes) {
+void WorldRuntime::add_changes(std::vector<vrml::NodeChange> changes) {
   batches_.push_back(std::move(changes));
   if (batches_.size() > kMostBatches) batches_.pop_front();
   ++version_;
 }
 
-bool LivingWorld::take_changes() {
+bool WorldRuntime::take_changes() {
   const auto changes = execution_.take_changes();
   note_urls(changes);
   if (std::exchange(replaced_, execution_.replaced()) != execution_.replaced()) {
@@ -338,17 +338,17 @@ bool LivingWorld::take_changes() {
   return true;
 }
 
-std::shared_ptr<LivingScene> LivingWorld::look(const glm::dvec3& viewer, bool own) {
+std::shared_ptr<RuntimeScene> WorldRuntime::look(const glm::dvec3& viewer, bool own) {
   if (!own)
     if (auto shared = shared_.lock()) return shared;
-  auto scene = std::make_shared<LivingScene>(
-      LivingScene{render::RenderScene(*world_.scene, world_.images, world_.clouds, meshes_), version_});
+  auto scene = std::make_shared<RuntimeScene>(
+      RuntimeScene{render::RenderScene(*world_.scene, world_.images, world_.clouds, meshes_), version_});
   scene->scene.gather(bound(), viewer);
   if (!own) shared_ = scene;
   return scene;
 }
 
-bool LivingWorld::show(LivingScene& scene, const glm::dvec3& viewer) {
+bool WorldRuntime::show(RuntimeScene& scene, const glm::dvec3& viewer) {
   (void)take_changes();
   const std::uint64_t behind = version_ - scene.version;
   scene.version = version_;
@@ -363,7 +363,7 @@ bool LivingWorld::show(LivingScene& scene, const glm::dvec3& viewer) {
   return scene.scene.update(changes, bound(), viewer);
 }
 
-render::BoundNodes LivingWorld::bound() const {
+render::BoundNodes WorldRuntime::bound() const {
   using vrml::NodeKind;
   const auto node_of = [&](NodeKind kind) -> const vrml::Node* {
     const vrml::NodeChange bound = execution_.bound(vrml::built_in_node_type(kind));

@@ -1,4 +1,4 @@
-#include "app/media/hearing.h"
+#include "app/media/sound_attenuation.h"
 
 #include <catch2/catch.hpp>
 #include <glm/gtc/constants.hpp>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace gs::app::hearing_test {
+namespace gs::app::sound_attenuation_test {
 namespace {
 
 double decibels(double factor) { return 20 * std::log10(factor); }
@@ -41,7 +41,7 @@ TEST_CASE("places a Sound at a focus of its ellipsoids, which meet the axis at f
 TEST_CASE("attenuates by 20 dB between the ellipsoids, evenly in dB, and mutes beyond (6.42)") {
   render::SoundState sound = sound_of(2, 1, 12, 6);
   sound.spatialize = false;
-  const auto level = [&](double x, double y, double z) { return hear(sound, viewer_at(x, y, z)).level; };
+  const auto level = [&](double x, double y, double z) { return sound_attenuation(sound, viewer_at(x, y, z)).level; };
   // Ahead: from 2 to 12.
   CHECK(level(0, 0, 0) == 1);
   CHECK(level(0, 0, 2) == 1);
@@ -63,11 +63,11 @@ TEST_CASE("measures the ellipsoids of a Sound in its own coordinates (6.42)") {
   sound.direction = {1, 0, 0};
   sound.location = {0, 2, 0};
   sound.world_from_local = glm::scale(glm::translate(glm::dmat4(1), glm::dvec3(5, 0, 0)), glm::dvec3(2, 1, 1));
-  CHECK(decibels(hear(sound, viewer_at(5 + 2 * 5.5, 2, 0)).level) == Approx(-10));
-  CHECK(decibels(hear(sound, viewer_at(5, 2, 5.5)).level) == Approx(-10));
-  CHECK(hear(sound, viewer_at(5 + 20.1, 2, 0)).level == 0);
+  CHECK(decibels(sound_attenuation(sound, viewer_at(5 + 2 * 5.5, 2, 0)).level) == Approx(-10));
+  CHECK(decibels(sound_attenuation(sound, viewer_at(5, 2, 5.5)).level) == Approx(-10));
+  CHECK(sound_attenuation(sound, viewer_at(5 + 20.1, 2, 0)).level == 0);
   sound.world_from_local = glm::scale(glm::dmat4(1), glm::dvec3(0, 1, 1));  // nobody is in there
-  CHECK(hear(sound, viewer_at(0, 2, 0)).level == 0);
+  CHECK(sound_attenuation(sound, viewer_at(0, 2, 0)).level == 0);
 }
 
 TEST_CASE("converts intensity to loudness: 0 dB at 1, towards -20 dB at 0, which is silent (6.42)") {
@@ -78,7 +78,7 @@ TEST_CASE("converts intensity to loudness: 0 dB at 1, towards -20 dB at 0, which
   render::SoundState sound = sound_of(1, 1, 11, 11);
   sound.intensity = 0.25;
   sound.spatialize = false;
-  CHECK(decibels(hear(sound, viewer_at(0, 0, 6)).level) == Approx(-15 - 10));
+  CHECK(decibels(sound_attenuation(sound, viewer_at(0, 0, 6)).level) == Approx(-15 - 10));
 }
 
 TEST_CASE("pans by the angle in the viewer's XZ plane: 1 - pan^2 and 1 - (1 - pan)^2 (7.3.4.2)") {
@@ -102,19 +102,19 @@ TEST_CASE("pans between the ellipsoids if spatialize is TRUE, and not inside the
   render::SoundState sound = sound_of(1, 1, 11, 11);
   // The viewer looks along -X, six to the front: the sound is to his right.
   const glm::dmat4 turned = glm::rotate(viewer_at(0, 0, 6), glm::half_pi<double>(), glm::dvec3(0, 1, 0));
-  Heard heard = hear(sound, turned);
+  Heard heard = sound_attenuation(sound, turned);
   CHECK(decibels(heard.level) == Approx(-10));
   CHECK(heard.right == Approx(heard.level));
   CHECK(heard.left == Approx(0).margin(1e-12));
-  heard = hear(sound, viewer_at(0, 0, 6));
+  heard = sound_attenuation(sound, viewer_at(0, 0, 6));
   CHECK(heard.left == Approx(0.75 * heard.level));
   CHECK(heard.right == Approx(0.75 * heard.level));
   sound.spatialize = false;
-  heard = hear(sound, turned);
+  heard = sound_attenuation(sound, turned);
   CHECK(heard.left == heard.level);
   CHECK(heard.right == heard.level);
   sound.spatialize = true;
-  heard = hear(sound, viewer_at(0.5, 0, 0));
+  heard = sound_attenuation(sound, viewer_at(0.5, 0, 0));
   CHECK(heard.left == 1);
   CHECK(heard.right == 1);
 }
@@ -129,4 +129,4 @@ TEST_CASE("prefers high priority, then new and loud sounds, if there are too man
 }
 
 }  // namespace
-}  // namespace gs::app::hearing_test
+}  // namespace gs::app::sound_attenuation_test

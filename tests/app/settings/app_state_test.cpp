@@ -1,17 +1,17 @@
-#include "app/settings/user_memory.h"
+#include "app/settings/app_state.h"
 
 #include <catch2/catch.hpp>
 
 #include <string>
 #include <vector>
 
-namespace gs::app::user_memory_test {
+namespace gs::app::app_state_test {
 
 TEST_CASE("writes remembered state and reads it back") {
-  UserMemory memory;
+  AppState memory;
   for (int i = 0; i < 60; ++i) note_recent(memory, "/worlds/" + std::to_string(i) + ".wrl");
   note_recent(memory, "/worlds/30.wrl");
-  CHECK(memory.recent.size() == UserMemory::kMostRecent);
+  CHECK(memory.recent.size() == AppState::kMostRecent);
   CHECK(memory.recent[0] == "/worlds/30.wrl");
   CHECK(memory.recent[1] == "/worlds/59.wrl");
   memory.width = 1280;
@@ -73,7 +73,7 @@ TEST_CASE("uses the intact part of a damaged file") {
 }
 
 TEST_CASE("survives any bytes in remembered state") {
-  UserMemory memory;
+  AppState memory;
   note_recent(memory, "/worlds/\xFF\xFE.wrl");  // no UTF-8
   const std::string text = memory_text(memory);
   for (std::size_t i = 0; i < text.size(); i += 3) {
@@ -86,4 +86,4 @@ TEST_CASE("survives any bytes in remembered state") {
   CHECK_FALSE(read_memory(std::string(200'000, '[')));
 }
 
-}  // namespace gs::app::user_memory_test
+}  // namespace gs::app::app_state_test

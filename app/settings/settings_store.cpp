@@ -1,4 +1,4 @@
-#include "app/settings/user_keeper.h"
+#include "app/settings/settings_store.h"
 
 #include "app/base/temporary_file.h"
 
@@ -34,13 +34,13 @@ bool is_running(pid_t process) { return ::kill(process, 0) == 0 || errno == EPER
 
 }  // namespace
 
-UserMemory remembered(const UserFolders& folders) {
+AppState remembered(const UserFolders& folders) {
   std::string problem;
   const auto text = folders.state.empty() ? std::nullopt : read_user_file(folders.state + kMemoryFile, problem);
-  return text ? read_memory(*text).value_or(UserMemory{}) : UserMemory{};
+  return text ? read_memory(*text).value_or(AppState{}) : AppState{};
 }
 
-UserKeeper::UserKeeper(UserFolders folders) : folders_(std::move(folders)) {
+SettingsStore::SettingsStore(UserFolders folders) : folders_(std::move(folders)) {
   if (!folders_.state.empty()) {
     session_file_ = folders_.state + "/" + kSessionStart + std::to_string(::getpid()) + kSessionEnd;
     log_ = LogFile(folders_.state + kLogFile);
@@ -51,12 +51,12 @@ UserKeeper::UserKeeper(UserFolders folders) : folders_(std::move(folders)) {
   read();
 }
 
-UserKeeper::~UserKeeper() {
+SettingsStore::~SettingsStore() {
   std::error_code error;
   if (session_) fs::remove(session_file_, error);
 }
 
-void UserKeeper::read() {
+void SettingsStore::read() {
   const auto contents = [this](const std::string& path) {
     std::string problem;
     auto text = read_user_file(path, problem);
@@ -83,13 +83,13 @@ void UserKeeper::read() {
   const std::string memory_file = folders_.state + kMemoryFile;
   if (const auto text = contents(memory_file)) {
     if (auto found = read_memory(*text))
-      memory_ = std::move(*found);
+      state_ = std::move(*found);
     else
       spoilt(memory_file, *text);
   }
 }
 
-void UserKeeper::write(const std::string& path, const std::string& text) {
+void SettingsStore::write(const std::string& path, const std::string& text) {
   if (path.empty()) return;
   if (auto problem = write_user_file(path, text)) {
     // Reports the same problem only once.
@@ -98,26 +98,26 @@ void UserKeeper::write(const std::string& path, const std::string& text) {
   }
 }
 
-void UserKeeper::set(const UserSettings& settings) {
+void SettingsStore::set(const UserSettings& settings) {
   if (std::exchange(settings_, settings) != settings) write(folders_.settings_file, settings_text(settings_));
 }
 
-void UserKeeper::set(const UserMemory& memory) {
-  if (std::exchange(memory_, memory) != memory && !folders_.state.empty())
-    write(folders_.state + kMemoryFile, memory_text(memory_));
+void SettingsStore::set(const AppState& state) {
+  if (std::exchange(state_, state) != state && !folders_.state.empty())
+    write(folders_.state + kMemoryFile, memory_text(state_));
 }
 
-void UserKeeper::set(const std::vector<Bookmark>& bookmarks) {
+void SettingsStore::set(const std::vector<Bookmark>& bookmarks) {
   if (std::exchange(bookmarks_, bookmarks) != bookmarks) write(folders_.bookmarks_file, bookmarks_text(bookmarks_));
 }
 
-void UserKeeper::note_session(const SessionMemory& session) {
+void SettingsStore::note_session(const SessionMemory& session) {
   if (session_file_.empty() || session_ == session) return;
   session_ = session;
   write(session_file_, session_text(session));
 }
 
-SessionMemory UserKeeper::take_lost_sessions() {
+SessionMemory SettingsStore::take_lost_sessions() {
   SessionMemory lost;
   if (folders_.state.empty()) return lost;
   std::error_code error;
@@ -144,9 +144,9 @@ SessionMemory UserKeeper::take_lost_sessions() {
   return lost;
 }
 
-std::vector<std::string> UserKeeper::take_problems() { return std::exchange(problems_, {}); }
+std::vector<std::string> SettingsStore::take_problems() { return std::exchange(problems_, {}); }
 
-void UserKeeper::log(std::string_view line) {
+void SettingsStore::log(std::string_view line) {
   if (settings_.writes_log) log_.add(line);
 }
 

@@ -32,19 +32,19 @@ namespace gs::app {
 [[nodiscard]] double world_time();
 
 /// Render list of a running world for one viewer. Several views share it if nothing in the world depends on the viewer.
-struct LivingScene {
+struct RuntimeScene {
   render::RenderScene scene;
   std::uint64_t version = 0;  // version of the world that the list shows
 };
 
 /// World in which time passes: its events, and the render lists of its views. Used by one thread, the world's. The
 /// world and the cache must outlive it.
-class LivingWorld {
+class WorldRuntime {
  public:
-  LivingWorld(OpenedWorld& world, render::MeshCache& meshes);
-  ~LivingWorld();
-  LivingWorld(const LivingWorld&) = delete;
-  LivingWorld& operator=(const LivingWorld&) = delete;
+  WorldRuntime(OpenedWorld& world, render::MeshCache& meshes);
+  ~WorldRuntime();
+  WorldRuntime(const WorldRuntime&) = delete;
+  WorldRuntime& operator=(const WorldRuntime&) = delete;
 
   /// Sets how Script programs run. Call before `start`.
   void set_script_settings(ScriptRunner::Settings settings) { script_settings_ = settings; }
@@ -106,9 +106,9 @@ class LivingWorld {
   }
 
   /// Returns a render list for a viewer at `viewer`. With `own`, the list is not shared.
-  [[nodiscard]] std::shared_ptr<LivingScene> look(const glm::dvec3& viewer, bool own);
+  [[nodiscard]] std::shared_ptr<RuntimeScene> look(const glm::dvec3& viewer, bool own);
   /// Updates a render list for the viewer at `viewer`. Returns true if it changed.
-  bool show(LivingScene& scene, const glm::dvec3& viewer);
+  bool show(RuntimeScene& scene, const glm::dvec3& viewer);
 
   /// Returns the bound nodes of each bindable type.
   [[nodiscard]] render::BoundNodes bound() const;
@@ -168,7 +168,7 @@ class LivingWorld {
   std::string assumed_private_;
   /// Newest Arrivals::Place::request of each place, if not 0.
   std::unordered_map<render::ImagePlace, std::uint32_t, render::HashImagePlace> url_numbers_;
-  std::weak_ptr<LivingScene> shared_;
+  std::weak_ptr<RuntimeScene> shared_;
   std::vector<ScriptMessage> script_messages_;  // messages of this class, not of programs
   bool measures_viewer_ = false;
   vrml::NodeId console_;  // Script to which the console's lines belong

@@ -30,7 +30,7 @@ struct Pan {
 [[nodiscard]] Pan pan_of(const glm::dvec3& viewer);
 
 /// Computes how loud a viewer hears a Sound (6.42, 7.3.4). `world_from_viewer` must have no scale.
-[[nodiscard]] Heard hear(const render::SoundState& sound, const glm::dmat4& world_from_viewer);
+[[nodiscard]] Heard sound_attenuation(const render::SoundState& sound, const glm::dmat4& world_from_viewer);
 
 /// Sort key that selects which sounds play when there are more than kMostVoices (7.3.4.1).
 struct SoundRank {

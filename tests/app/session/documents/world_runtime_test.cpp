@@ -1,4 +1,4 @@
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 
 #include "vrml/syntax/parser.h"
 
@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-namespace gs::app::living_world_test {
+namespace gs::app::world_runtime_test {
 namespace {
 
 struct World {
@@ -16,29 +16,29 @@ struct World {
     opened.scene = std::make_unique<vrml::SceneGraph>("text.wrl");
     (void)vrml::parse("#VRML V2.0 utf8\n" + body, *opened.scene, diagnostics);
     CHECK(diagnostics.errors() == 0);
-    living = std::make_unique<LivingWorld>(opened, meshes);
-    living->start(1000);
-    seen = living->look({0, 0, 10}, true);
+    runtime = std::make_unique<WorldRuntime>(opened, meshes);
+    runtime->start(1000);
+    seen = runtime->look({0, 0, 10}, true);
   }
   vrml::NodeId read(const std::string& text) {
     vrml::Diagnostics diagnostics;
     const vrml::NodeId made = vrml::read_into(*opened.scene, "made.wrl", text, diagnostics).roots[0];
     CHECK(diagnostics.errors() == 0);
-    living->execution().attach(*opened.scene);
+    runtime->execution().attach(*opened.scene);
     return made;
   }
   void set_children(const vrml::MFNode& children) {
-    CHECK(living->send(*opened.scene, opened.scene->roots()[0], "set_children", vrml::FieldValue(children)));
+    CHECK(runtime->send(*opened.scene, opened.scene->roots()[0], "set_children", vrml::FieldValue(children)));
   }
   const render::RenderList& list() {
-    (void)living->show(*seen, {0, 0, 10});
+    (void)runtime->show(*seen, {0, 0, 10});
     return seen->scene.list();
   }
 
   OpenedWorld opened;
   render::MeshCache meshes;
-  std::unique_ptr<LivingWorld> living;
-  std::shared_ptr<LivingScene> seen;
+  std::unique_ptr<WorldRuntime> runtime;
+  std::shared_ptr<RuntimeScene> seen;
 };
 
 vrml::MFNode only(vrml::NodeId node) {
@@ -68,12 +68,12 @@ TEST_CASE("drops images and meshes of removed nodes, also when their slots are r
     const auto arrive = [&](vrml::SceneGraph* of) {
       Arrivals arrivals;
       arrivals.images.push_back({{{of, texture, 0, 1}}, image});
-      world.living->arrive(std::move(arrivals));
+      world.runtime->arrive(std::move(arrivals));
     };
     arrive(&scene);
     CHECK(world.list().items[0].texture.image == image);
     world.set_children({});
-    CHECK(world.living->execution().remove_unheld() == 5);
+    CHECK(world.runtime->execution().remove_unheld() == 5);
     CHECK(world.opened.images.empty());
     CHECK(world.meshes.meshes.empty());
     arrive(&scene);  // too late
@@ -81,7 +81,7 @@ TEST_CASE("drops images and meshes of removed nodes, also when their slots are r
     arrive(const_cast<vrml::SceneGraph*>(&other));  // of an Inline that is gone
     CHECK(world.opened.images.empty());
     CHECK(world.list().items.empty());
-    world.living->step(1001 + round);
+    world.runtime->step(1001 + round);
   }
 }
 
@@ -93,12 +93,12 @@ TEST_CASE("keeps an outdated list valid after its Inline is removed") {
   (void)vrml::parse("#VRML V2.0 utf8\nShape { geometry Box { } }", *content, diagnostics);
   const std::weak_ptr<vrml::SceneGraph> watched = content;
   scene.attach_inline(scene.roots()[1], std::move(content));
-  vrml::Execution& execution = world.living->execution();
+  vrml::Execution& execution = world.runtime->execution();
   execution.attach();
   execution.content_changed(scene, scene.roots()[1]);
   REQUIRE(world.list().items.size() == 1);
   execution.remove_content(scene, scene.roots()[1]);
-  world.living->step(1001);
+  world.runtime->step(1001);
   const render::RenderList& behind = world.seen->scene.list();
   REQUIRE(!watched.expired());
   CHECK(behind.places[behind.items[0].place].scene == watched.lock().get());
@@ -110,11 +110,11 @@ TEST_CASE("shows the new world after a replacement") {
   World world("Group { children Shape { geometry Box { } } }");
   CHECK(world.list().items.size() == 1);
   CHECK(
-      world.living->execution().replace_world(only(world.read("Transform { translation 7 0 0 children [ "
-                                                              "Shape { geometry Cone { } } ] }"))));
-  CHECK(world.living->step(1001));
+      world.runtime->execution().replace_world(only(world.read("Transform { translation 7 0 0 children [ "
+                                                               "Shape { geometry Cone { } } ] }"))));
+  CHECK(world.runtime->step(1001));
   REQUIRE(world.list().items.size() == 1);
   CHECK(world.list().items[0].world_from_node[3].x == 7);
 }
 
-}  // namespace gs::app::living_world_test
+}  // namespace gs::app::world_runtime_test

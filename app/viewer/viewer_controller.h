@@ -3,7 +3,7 @@
 #include "app/inspect/inspection.h"
 #include "app/interface/ui_overlay.h"
 #include "app/session/session.h"
-#include "app/settings/user_keeper.h"
+#include "app/settings/settings_store.h"
 #include "app/view/actions.h"
 #include "app/viewer/file_dialog.h"
 
@@ -19,9 +19,9 @@
 namespace gs::app {
 
 /// Window operations. The last four are optional and need a renderer: measuring and saving pictures.
-class DeskWindow {
+class WindowOperations {
  public:
-  virtual ~DeskWindow() = default;
+  virtual ~WindowOperations() = default;
   virtual void toggle_full_screen() = 0;
   virtual void close() = 0;
 
@@ -33,7 +33,7 @@ class DeskWindow {
   virtual void apply_tools(const UiToolActions&) {}
 };
 
-struct DeskOptions {
+struct ViewerControllerOptions {
   SessionOptions session;
   UserFolders folders;                     // if empty, no user data is read or written
   std::string not_kept;                    // file that is not remembered, such as the demo world
@@ -47,7 +47,7 @@ struct DeskOptions {
 [[nodiscard]] std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std::size_t budget);
 
 /// Measurements of the last picture, for the status bar.
-struct DeskMeasures {
+struct PictureMeasures {
   double frame_ms = 0, frames_a_second = 0;
   std::size_t budget = 0;  // vectors of all viewports together
   std::string gl_renderer;
@@ -55,25 +55,25 @@ struct DeskMeasures {
 
 /// Session with its interface and the user's settings: a window without window system and drawing, so that tests need
 /// neither. Main thread.
-class Desk {
+class ViewerController {
  public:
-  Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBackend> backend, DeskWindow& window,
-       const std::function<void()>& wake);
-  ~Desk();
-  Desk(const Desk&) = delete;
-  Desk& operator=(const Desk&) = delete;
+  ViewerController(ViewerControllerOptions options, LoadOptions load, std::unique_ptr<InterfaceBackend> backend,
+                   WindowOperations& window, const std::function<void()>& wake);
+  ~ViewerController();
+  ViewerController(const ViewerController&) = delete;
+  ViewerController& operator=(const ViewerController&) = delete;
 
   [[nodiscard]] Session& session() { return session_; }
   [[nodiscard]] UiOverlay& ui() { return ui_; }
   [[nodiscard]] Inspection& inspection() { return inspection_; }
-  [[nodiscard]] const UserKeeper& kept() const { return keeper_; }
+  [[nodiscard]] const SettingsStore& kept() const { return store_; }
 
   /// Runs the interface's own events and returns those for the session. Call after UiOverlay::begin_frame().
   [[nodiscard]] std::vector<SessionInput::Event> take(const std::vector<WindowEvent>& events);
   /// Reports the results of a step to the user and the log. Returns true if the interface has changed.
   bool tell(const Frame& frame);
   /// Returns the data that the interface shows.
-  [[nodiscard]] UiModel model(const Frame& frame, const DeskMeasures& measures);
+  [[nodiscard]] UiModel model(const Frame& frame, const PictureMeasures& measures);
   /// Returns true if the interface shows transfer rates, so that it must be redrawn soon.
   [[nodiscard]] bool shows_rates() const;
   /// Runs the user's requests.
@@ -102,8 +102,8 @@ class Desk {
   void describe_user(UiModel& model, const Pane& pane);
   [[nodiscard]] std::string progress_of(const std::string& path) const;
 
-  UserKeeper keeper_;
-  DeskWindow& window_;
+  SettingsStore store_;
+  WindowOperations& window_;
   std::string not_kept_;
   bool up_given_, memory_given_;
   UiOverlay ui_;

@@ -1,6 +1,6 @@
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/script/run_time_nodes.h"
-#include "app/session/documents/living_world.h"
+#include "app/session/documents/world_runtime.h"
 
 #include <algorithm>
 #include <utility>
@@ -54,7 +54,7 @@ bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
 
 // Requests the texts of Scripts. Each request has an own number above those of url fields, because both share one
 // range.
-void LivingWorld::ask_for_texts() {
+void WorldRuntime::ask_for_texts() {
   if (!scripts_) return;
   for (ScriptRequest& one : scripts_->take_requests()) {
     if (one.kind == ScriptRequest::Kind::create_from_url) {
@@ -68,7 +68,7 @@ void LivingWorld::ask_for_texts() {
   }
 }
 
-void LivingWorld::ask_for_text(ScriptRequest&& one, bool computed) {
+void WorldRuntime::ask_for_text(ScriptRequest&& one, bool computed) {
   constexpr std::size_t kAsked = 1000;  // url fields have lower numbers
   if (!one.scene->contains(one.node)) return;
   const vrml::Node& node = one.scene->node(one.node);
@@ -93,7 +93,7 @@ void LivingWorld::ask_for_text(ScriptRequest&& one, bool computed) {
   asked_texts_[number] = std::move(one);
 }
 
-void LivingWorld::take_text(Arrivals::Text&& arrival) {
+void WorldRuntime::take_text(Arrivals::Text&& arrival) {
   const auto asked = asked_texts_.extract(arrival.place.url);
   const bool gone = is_gone(arrival.place);
   if (!asked) {
@@ -118,7 +118,7 @@ void LivingWorld::take_text(Arrivals::Text&& arrival) {
   for (const vrml::Diagnostic& one : diagnostics.entries()) tell_message({one, false});
 }
 
-void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
+void WorldRuntime::note_urls(std::span<const vrml::NodeChange> changes) {
   for (const vrml::NodeChange& change : changes) {
     const vrml::Node& node = change.scene->node(change.node);
     if (node.type->kind == vrml::NodeType::Kind::external_prototype) ask_for_prototype(*change.scene, change.node);
@@ -147,7 +147,7 @@ void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
 }
 
 // Requests the body of an EXTERNPROTO in a text that was read at run time. The loader fetches those of files.
-void LivingWorld::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
+void WorldRuntime::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
   const vrml::Node& node = scene.node(instance);
   if (node.type->prototype || node.type->asked_for || url_requests_.size() >= kMaxRequests) return;
   const std::optional<std::uint32_t> owner = scene.text_declaring(node.type);
@@ -171,20 +171,20 @@ void LivingWorld::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instan
                            node.type->location});
 }
 
-const std::string& LivingWorld::private_file() const {
+const std::string& WorldRuntime::private_file() const {
   return assumed_private_.empty() && scripts_ ? scripts_->private_file() : assumed_private_;
 }
 
-void LivingWorld::watch_private_files() {
+void WorldRuntime::watch_private_files() {
   if (const std::string& file = private_file(); !file.empty()) gate_.close(file);
 }
 
-void LivingWorld::warn_held_back(const std::vector<std::string>& messages) {
+void WorldRuntime::warn_held_back(const std::vector<std::string>& messages) {
   for (const std::string& text : messages)
     tell_message({{vrml::Severity::warning, world_.scene->file_name(), {}, "Script: " + text}, false});
 }
 
-std::vector<UrlRequest> LivingWorld::take_url_requests() {
+std::vector<UrlRequest> WorldRuntime::take_url_requests() {
   (void)take_changes();
   ask_for_texts();
   watch_private_files();
@@ -198,7 +198,7 @@ std::vector<UrlRequest> LivingWorld::take_url_requests() {
   return requests;
 }
 
-std::vector<ScriptRequest> LivingWorld::take_script_requests() {
+std::vector<ScriptRequest> WorldRuntime::take_script_requests() {
   ask_for_texts();
   watch_private_files();
   std::vector<ScriptRequest> requests = gate_.take_script_requests();
@@ -209,7 +209,7 @@ std::vector<ScriptRequest> LivingWorld::take_script_requests() {
   return requests;
 }
 
-bool LivingWorld::open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId anchor) {
+bool WorldRuntime::open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId anchor) {
   const vrml::InterfaceDeclaration* const url = scene.node(anchor).type->find_field("url");
   if (!url || private_file().empty() || !is_computed(scene, anchor, url->slot)) return false;
   const vrml::SourceText& text = scene.text_of(anchor, url->slot);

@@ -1,4 +1,4 @@
-#include "app/viewer/desk.h"
+#include "app/viewer/viewer_controller.h"
 
 #include "app/base/console.h"
 #include "app/base/text.h"
@@ -72,41 +72,42 @@ bool is_arrow(Key key) { return key == Key::left || key == Key::right || key == 
 
 }  // namespace
 
-Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBackend> backend, DeskWindow& window,
-           const std::function<void()>& wake)
-    : keeper_(options.folders),
+ViewerController::ViewerController(ViewerControllerOptions options, LoadOptions load,
+                                   std::unique_ptr<InterfaceBackend> backend, WindowOperations& window,
+                                   const std::function<void()>& wake)
+    : store_(options.folders),
       window_(window),
       not_kept_(options.not_kept),
       up_given_(options.up_given),
       memory_given_(load.limits.memory != vrml::Limits{}.memory),
-      ui_(std::move(backend), options.scale, keeper_.settings()),
-      session_(with_settings(options.session, keeper_.settings(), options.up_given), std::move(load), wake),
+      ui_(std::move(backend), options.scale, store_.settings()),
+      session_(with_settings(options.session, store_.settings(), options.up_given), std::move(load), wake),
       dialog_(wake, options.dialogs) {
-  if (!memory_given_) session_.set_memory(memory_of(keeper_.settings().memory));
-  session_.add_guest(inspection_);
-  const UserMemory& memory = keeper_.memory();
-  ui_.arrange(memory.panels, memory.areas);
-  lost_ = keeper_.take_lost_sessions();
-  if (!keeper_.settings().offers_to_restore) lost_ = {};
+  if (!memory_given_) session_.set_memory(memory_of(store_.settings().memory));
+  session_.add_extension(inspection_);
+  const AppState& state = store_.state();
+  ui_.arrange(state.panels, state.areas);
+  lost_ = store_.take_lost_sessions();
+  if (!store_.settings().offers_to_restore) lost_ = {};
 }
 
-Desk::~Desk() {
-  session_.remove_guest(inspection_);
-  UserMemory memory = keeper_.memory();
-  memory.panels = ui_.panels();
-  memory.areas = ui_.areas();
-  keeper_.set(memory);
+ViewerController::~ViewerController() {
+  session_.remove_extension(inspection_);
+  AppState state = store_.state();
+  state.panels = ui_.panels();
+  state.areas = ui_.areas();
+  store_.set(state);
 }
 
-void Desk::note_window(int width, int height, const std::optional<std::array<int, 2>>& place) {
-  UserMemory memory = keeper_.memory();
-  memory.width = width;
-  memory.height = height;
-  memory.place = place;
-  keeper_.set(memory);
+void ViewerController::note_window(int width, int height, const std::optional<std::array<int, 2>>& place) {
+  AppState state = store_.state();
+  state.width = width;
+  state.height = height;
+  state.place = place;
+  store_.set(state);
 }
 
-std::vector<SessionInput::Event> Desk::take(const std::vector<WindowEvent>& events) {
+std::vector<SessionInput::Event> ViewerController::take(const std::vector<WindowEvent>& events) {
   std::vector<SessionInput::Event> result;
   for (const WindowEvent& event : events) {
     if (event.kind == WindowEvent::Kind::key_down) {
@@ -125,7 +126,7 @@ std::vector<SessionInput::Event> Desk::take(const std::vector<WindowEvent>& even
 
 // Handles a click that selects a node of the world (Alt+click, or the click after Action::pick). Returns true if it
 // did.
-bool Desk::picks(const WindowEvent& event) {
+bool ViewerController::picks(const WindowEvent& event) {
   if (event.kind != WindowEvent::Kind::button_down || event.button != MouseButton::left || ui_.wants_pointer() ||
       !(event.alt || inspection_.picking()))
     return false;
@@ -137,8 +138,8 @@ bool Desk::picks(const WindowEvent& event) {
 }
 
 // Runs an action of the interface, the settings or the window. Returns false if the session must run it.
-bool Desk::run(Action action) {
-  UserSettings settings = keeper_.settings();
+bool ViewerController::run(Action action) {
+  UserSettings settings = store_.settings();
   switch (action) {
     case Action::open_file:
       if (!settings.system_dialog || !dialog_.show(folder_of_file())) ui_.show_open_dialog();
@@ -198,7 +199,7 @@ bool Desk::run(Action action) {
 }
 
 // Returns the folder of the visible file, as the initial folder of dialogs.
-std::string Desk::folder_of_file() const {
+std::string ViewerController::folder_of_file() const {
   const Pane& pane = session_.panes().at(session_.panes().active());
   std::error_code error;
   if (pane.shown.empty() || pane.shown == not_kept_ || !std::filesystem::is_regular_file(pane.shown, error)) return ".";
@@ -207,7 +208,7 @@ std::string Desk::folder_of_file() const {
 }
 
 // Copies or pastes the camera through the clipboard.
-void Desk::exchange_camera(Action action) {
+void ViewerController::exchange_camera(Action action) {
   const View* seen = session_.view();
   if (!seen) return;
   if (action == Action::paste_camera) {
@@ -221,28 +222,28 @@ void Desk::exchange_camera(Action action) {
   ui_.show_notice("Copied: " + ui_.clipboard(), false);
 }
 
-void Desk::change(const UserSettings& settings) {
-  if (settings.speed != keeper_.settings().speed) session_.set_speed(settings.speed);
+void ViewerController::change(const UserSettings& settings) {
+  if (settings.speed != store_.settings().speed) session_.set_speed(settings.speed);
   if (!memory_given_) session_.set_memory(memory_of(settings.memory));
   ViewStyle style = session_.panes().style();
   if (!up_given_) style.up = settings.up;
   style.backdrop = settings.backdrop;
   style.axes = settings.axes;
   session_.set_style(style);
-  keeper_.set(settings);
+  store_.set(settings);
 }
 
-void Desk::apply(const UiActions& actions) {
+void ViewerController::apply(const UiActions& actions) {
   if (actions.settings) change(*actions.settings);
   if (actions.open) {
     opening_ = given_place(*actions.open).target;
     session_.open_files({*actions.open});
   }
   if (actions.open_bookmark) open_bookmark(*actions.open_bookmark);
-  if (actions.remove_bookmark && *actions.remove_bookmark < keeper_.bookmarks().size()) {
-    std::vector<Bookmark> kept = keeper_.bookmarks();
+  if (actions.remove_bookmark && *actions.remove_bookmark < store_.bookmarks().size()) {
+    std::vector<Bookmark> kept = store_.bookmarks();
     kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*actions.remove_bookmark));
-    keeper_.set(kept);
+    store_.set(kept);
   }
   if (actions.restore) {
     if (*actions.restore) restore();
@@ -274,7 +275,7 @@ void Desk::apply(const UiActions& actions) {
 // Bookmarks ---------------------------------------------------------------------------------------
 
 // Returns a bookmark of the active viewport: its Viewpoint, and the pose of a viewer that has moved away from it.
-std::optional<Bookmark> Desk::bookmark_of_view() {
+std::optional<Bookmark> ViewerController::bookmark_of_view() {
   const Pane& pane = session_.panes().at(session_.panes().active());
   const View* seen = pane.view();
   if (!seen || pane.shown.empty()) return std::nullopt;
@@ -290,18 +291,18 @@ std::optional<Bookmark> Desk::bookmark_of_view() {
   return bookmark;
 }
 
-std::optional<std::size_t> Desk::find_bookmark() {
+std::optional<std::size_t> ViewerController::find_bookmark() {
   const auto here = bookmark_of_view();
   if (!here) return std::nullopt;
-  const std::vector<Bookmark>& all = keeper_.bookmarks();
+  const std::vector<Bookmark>& all = store_.bookmarks();
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all[i].place == here->place && all[i].viewpoint == here->viewpoint && are_alike(all[i].camera, here->camera))
       return i;
   return std::nullopt;
 }
 
-void Desk::toggle_bookmark() {
-  std::vector<Bookmark> kept = keeper_.bookmarks();
+void ViewerController::toggle_bookmark() {
+  std::vector<Bookmark> kept = store_.bookmarks();
   if (const auto present = find_bookmark()) {
     kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*present));
     ui_.show_notice("Bookmark removed", false);
@@ -309,12 +310,12 @@ void Desk::toggle_bookmark() {
     ui_.show_notice("Bookmarked: " + bookmark->title, false);
     kept.push_back(std::move(*bookmark));
   }
-  keeper_.set(kept);
+  store_.set(kept);
 }
 
-void Desk::open_bookmark(std::size_t index) {
-  if (index >= keeper_.bookmarks().size()) return;
-  const Bookmark bookmark = keeper_.bookmarks()[index];
+void ViewerController::open_bookmark(std::size_t index) {
+  if (index >= store_.bookmarks().size()) return;
+  const Bookmark bookmark = store_.bookmarks()[index];
   const View* seen = session_.view();
   // The file may be open already under another spelling of its path.
   std::string place = bookmark.place;
@@ -325,11 +326,11 @@ void Desk::open_bookmark(std::size_t index) {
 
 // Messages ----------------------------------------------------------------------------------------
 
-bool Desk::tell(const Frame& frame) {
+bool ViewerController::tell(const Frame& frame) {
   bool any = false;
-  for (const std::string& line : keeper_.take_problems()) {
+  for (const std::string& line : store_.take_problems()) {
     complain("ghostspace: %s", line.c_str());
-    keeper_.log(line);
+    store_.log(line);
     ui_.show_notice(line, true);
     any = true;
   }
@@ -340,7 +341,7 @@ bool Desk::tell(const Frame& frame) {
     if (chosen(failure.path)) ui_.open_ended(failure.reason);
   for (const std::string& line : session_.log().take_untold()) {
     complain("%s", line.c_str());
-    keeper_.log(line);
+    store_.log(line);
   }
   for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem, notice.about);
   for (const std::string& page : frame.web_pages) {
@@ -353,16 +354,16 @@ bool Desk::tell(const Frame& frame) {
   return any || !frame.notices.empty() || !frame.web_pages.empty() || frame.show_log;
 }
 
-void Desk::remember(const std::vector<std::string>& arrived) {
-  UserMemory memory = keeper_.memory();
+void ViewerController::remember(const std::vector<std::string>& arrived) {
+  AppState state = store_.state();
   for (const std::string& path : arrived)
     if (const std::string place = absolute_place(path);
-        path != not_kept_ && (memory.recent.empty() || memory.recent.front() != place))
-      note_recent(memory, place);
-  keeper_.set(memory);
+        path != not_kept_ && (state.recent.empty() || state.recent.front() != place))
+      note_recent(state, place);
+  store_.set(state);
 }
 
-void Desk::note_session() {
+void ViewerController::note_session() {
   SessionMemory session;
   for (const DocumentList::Entry& entry : session_.panes().documents().entries())
     if (entry.path != not_kept_) session.files.push_back(absolute_place(entry.path));
@@ -373,10 +374,10 @@ void Desk::note_session() {
     const bool kept = !pane.wanted.empty() && pane.wanted != not_kept_;
     session.viewports.push_back({i + 1, kept ? absolute_place(pane.wanted) : std::string(), pane.weight});
   }
-  keeper_.note_session(session);
+  store_.note_session(session);
 }
 
-void Desk::restore() {
+void ViewerController::restore() {
   session_.open_files(lost_.files);
   const auto split = read_split(lost_.split);
   const auto* tree = std::get_if<SplitTree>(&split);
@@ -390,7 +391,7 @@ void Desk::restore() {
   session_.restore_split(*tree, files, weights);
 }
 
-bool Desk::take_chosen_files() {
+bool ViewerController::take_chosen_files() {
   const auto answer = dialog_.take();
   if (!answer) return false;
   if (answer->failed) ui_.show_open_dialog();
@@ -398,7 +399,7 @@ bool Desk::take_chosen_files() {
   return true;
 }
 
-std::string Desk::title() {
+std::string ViewerController::title() {
   const View* seen = session_.view();
   if (!seen) return "GhostSpace";
   const OpenedWorld& world = seen->document->world;
