@@ -5,13 +5,14 @@
 namespace gs::qnv {
 
 ProgressiveDecoder::ProgressiveDecoder(const StreamHeader& header, std::size_t most_vectors)
-    : colored_(header.colored), box_(header.description.box) {
+    : colored_(header.colored), box_(header.description.box), exact_(header.description.box, most_vectors) {
   count_.full = progressive::promises_more(header.base, most_vectors);
   const bool good = count_.full || mesh_.begin(header.base, most_vectors);
   ++(good ? count_.taken : count_.refused);
 }
 
-void ProgressiveDecoder::add(ChunkType, std::span<const std::byte> payload, std::span<const ByteRange>) {
+void ProgressiveDecoder::add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange>) {
+  if (type != ChunkType::splits) return exact_.add(type, payload);
   if (count_.full) return;
   const std::size_t before = mesh_.segments();
   if (!mesh_.add(payload)) ++count_.refused;
@@ -21,15 +22,28 @@ void ProgressiveDecoder::add(ChunkType, std::span<const std::byte> payload, std:
 }
 
 void ProgressiveDecoder::append(Cloud& cloud) const {
-  if (mesh_.begun()) shown().append(cloud, colored_);
+  if (exact_.whole())
+    exact_.append(cloud, colored_);
+  else if (mesh_.begun())
+    shown().append(cloud, colored_);
+}
+
+DecodeCount ProgressiveDecoder::count() const {
+  DecodeCount count = count_;
+  return count += exact_.count();
+}
+
+std::size_t ProgressiveDecoder::vectors() const {
+  if (exact_.whole()) return exact_.vectors();
+  return mesh_.begun() ? shown().positions.size() : 0;
 }
 
 MeshProgress ProgressiveDecoder::mesh() const {
-  MeshProgress progress;
+  MeshProgress progress = exact_.progress();
   progress.vertices = mesh_.vertices();
-  progress.bits = mesh_.bits();
+  if (!progress.whole) progress.bits = mesh_.bits();
   progress.growing = mesh_.begun();
-  progress.final = mesh_.whole();
+  progress.final = progress.final || mesh_.whole();
   return progress;
 }
 

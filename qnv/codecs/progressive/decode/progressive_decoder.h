@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/codecs/lossless/decode/exact_surface.h"
 #include "qnv/codecs/lossless/decode/shaded_mesh.h"
 #include "qnv/codecs/progressive/progressive.h"
 #include "qnv/codecs/shared/decoder.h"
@@ -10,14 +11,14 @@
 
 namespace gs::qnv {
 
-/// Decoder of the progressive payload.
+/// Decoder of the progressive payload, which an exact mesh may follow.
 class ProgressiveDecoder final : public Decoder {
  public:
   ProgressiveDecoder(const StreamHeader& header, std::size_t most_vectors);
 
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override;
-  [[nodiscard]] DecodeCount count() const override { return count_; }
-  [[nodiscard]] std::size_t vectors() const override { return mesh_.begun() ? shown().positions.size() : 0; }
+  [[nodiscard]] DecodeCount count() const override;
+  [[nodiscard]] std::size_t vectors() const override;
   void append(Cloud& cloud) const override;
   [[nodiscard]] MeshProgress mesh() const override;
 
@@ -30,6 +31,7 @@ class ProgressiveDecoder final : public Decoder {
   progressive::ProgressiveMesh mesh_;
   DecodeCount count_;
   mutable std::optional<ShadedVertices> shown_;
+  ExactSurface exact_;  // replaces the growing mesh once received
 };
 
 }  // namespace gs::qnv
