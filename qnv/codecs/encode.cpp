@@ -9,14 +9,14 @@
 namespace gs::qnv {
 namespace {
 
-struct Candidate {
+struct PayloadChoice {
   const PayloadRow* row;
   Suitability suits;
 };
 
 // Returns the payloads to try, in order: the requested one, then those that suit the source.
-std::vector<Candidate> candidates(const EncodeSource& source, const EncodeRequest& request) {
-  std::vector<Candidate> all;
+std::vector<PayloadChoice> choices(const EncodeSource& source, const EncodeRequest& request) {
+  std::vector<PayloadChoice> all;
   for (const PayloadRow& row : payload_rows())
     if (!row.choose) {
       continue;
@@ -25,7 +25,7 @@ std::vector<Candidate> candidates(const EncodeSource& source, const EncodeReques
     } else if (const Suitability suits = row.choose(source, request); suits.rank > 0) {
       all.push_back({&row, suits});
     }
-  std::ranges::stable_sort(all, std::ranges::greater{}, [](const Candidate& one) { return one.suits.rank; });
+  std::ranges::stable_sort(all, std::ranges::greater{}, [](const PayloadChoice& one) { return one.suits.rank; });
   return all;
 }
 
@@ -37,7 +37,7 @@ std::variant<Encoding, EncodeError> encode(const EncodeSource& source, EncodeReq
   if (wanted != Payload::displaced) options.exact_bits = 0;
   options.only_if_suited = !request.payload && options.exact_bits <= 0;
   EncodeError unsuited{"no payload suits this source"};
-  for (const auto& [row, suits] : candidates(source, request)) {
+  for (const auto& [row, suits] : choices(source, request)) {
     auto encoded = row->encode(source, options, progress);
     if (auto* stream = std::get_if<EncodedStream>(&encoded)) {
       const PayloadRow& chosen = row_of(stream->header);

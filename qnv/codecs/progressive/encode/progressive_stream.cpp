@@ -16,12 +16,12 @@ namespace gs::qnv {
 namespace {
 
 // Parity relative to the data pieces, plus additional pieces. At 30 % loss, one mesh in a hundred is lost.
-constexpr double kParity = 0.75;
-constexpr std::size_t kParityBesides = 3;
+constexpr double kSplitParity = 0.75;
+constexpr std::size_t kSplitParityBesides = 3;
 // Piece size near the start of the stream, and the length of that start.
 constexpr std::size_t kSmallPieceBytes = 480, kSmallPiecesUntil = 3000;
 // Maximum number of triangles; a stream of more would begin too coarse.
-constexpr std::size_t kMostTriangles = 100'000;
+constexpr std::size_t kMostGrowingTriangles = 100'000;
 
 /// Returns the segments of a progressive mesh, in pieces with parity, so that losses do not stop it.
 std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, const Box& box) {
@@ -31,8 +31,8 @@ std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, 
     bytes += mesh.segments[few].size();
   const std::span<const std::vector<std::byte>> all(mesh.segments);
   CutGroup front, rest;
-  if (few > 0) front = cut_group(kGroupsOfSplits, all.first(few), kParity, kParityBesides, kSmallPieceBytes);
-  if (few < all.size()) rest = cut_group(kGroupsOfSplits + 1, all.subspan(few), kParity, kParityBesides);
+  if (few > 0) front = cut_group(kGroupsOfSplits, all.first(few), kSplitParity, kSplitParityBesides, kSmallPieceBytes);
+  if (few < all.size()) rest = cut_group(kGroupsOfSplits + 1, all.subspan(few), kSplitParity, kSplitParityBesides);
   std::vector<OutgoingChunk> chunks;
   const std::size_t data = front.data.size() + rest.data.size();
   for (auto* pieces : {&front.data, &rest.data, &front.parity, &rest.parity})
@@ -68,12 +68,12 @@ std::variant<EncodedStream, EncodeError> encode_progressive(const TriangleSource
   const bool read = source([&](std::span<const Triangle> triangles) {
     s.add(triangles);
     builder.add(triangles);
-    return s.triangles <= kMostTriangles && !cancelled();
+    return s.triangles <= kMostGrowingTriangles && !cancelled();
   });
-  if (s.triangles > kMostTriangles)
-    return EncodeError{
-        "the surface has too many triangles to grow by splits; expected at most " + std::to_string(kMostTriangles),
-        true};
+  if (s.triangles > kMostGrowingTriangles)
+    return EncodeError{"the surface has too many triangles to grow by splits; expected at most " +
+                           std::to_string(kMostGrowingTriangles),
+                       true};
   if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   const exact::ExactMesh mesh = exact_mesh_of(builder, displaced::Frame(s.box), s.colored, kProgressiveBits);
