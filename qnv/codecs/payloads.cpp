@@ -1,13 +1,13 @@
 #include "qnv/codecs/payloads.h"
-#include "qnv/codecs/displaced/encode/encode_displaced.h"
-#include "qnv/codecs/octree/encode/encode_surface.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
 
 #include "qnv/codecs/displaced/decode/displaced_decoder.h"
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
 #include "qnv/codecs/octree/decode/octree_decoder.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/progressive/decode/progressive_decoder.h"
 #include "qnv/codecs/progressive/encode/progressive_stream.h"
 #include "qnv/codecs/records/decode/records_decoder.h"
+#include "qnv/codecs/records/encode/encode_cloud.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/records/records_payload.h"
 #include "qnv/codecs/voxels/decode/voxels_decoder.h"
@@ -83,7 +83,7 @@ Encoded encode_base_and_displacements(const EncodeSource& source, EncodeOptions 
 
 Encoded encode_growing(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const TriangleSource* triangles = triangles_of(source);
-  if (!triangles) return EncodeError{"a progressive stream is made of a surface; expected triangles"};
+  if (!triangles) return EncodeError{"a progressive stream needs a surface; expected triangles"};
   return encode_progressive(*triangles, options, progress);
 }
 

@@ -29,6 +29,7 @@ class ClusterForest {
     /// Returns the number of vectors of voxels `first` to `first + count` - 1.
     std::uint32_t (*vectors_of)(const Cluster& cluster, std::size_t first, std::size_t count);
   };
+
   explicit ClusterForest(const Codec& codec) : codec_(codec) {}
 
   /// Adds a cluster. `decode(payload, parent)` returns the cluster or an error. At most `most_vectors` are shown at a

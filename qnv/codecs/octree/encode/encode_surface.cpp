@@ -1,10 +1,10 @@
 #include "qnv/codecs/octree/encode/encode_surface.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
-#include "qnv/codecs/shared/encode_options.h"
 
 #include "qnv/base/voxels.h"
 #include "qnv/codecs/lossless/encode/surface_tail.h"
 #include "qnv/codecs/octree/packed.h"
+#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/shared/encode_options.h"
 #include "qnv/codecs/shared/stream_writer.h"
 #include "qnv/codecs/shared/surface_header.h"
 #include "qnv/mesh/survey.h"

@@ -1,4 +1,5 @@
 #include "qnv/codecs/records/encode/encode_cloud.h"
+
 #include "qnv/base/finite.h"
 #include "qnv/base/palette.h"
 #include "qnv/codecs/records/records_payload.h"
