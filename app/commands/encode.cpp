@@ -4,7 +4,7 @@
 #include "app/base/fact.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
-#include "app/commands/vectors_of.h"
+#include "app/commands/common/vectors_of.h"
 #include "net/files/file.h"
 #include "qnv/container/container.h"
 

@@ -3,7 +3,7 @@
 #include "app/base/console.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
-#include "app/commands/vectors_of.h"
+#include "app/commands/common/vectors_of.h"
 #include "app/formats/export/export.h"
 #include "app/formats/export/outline_text.h"
 #include "net/base/url.h"

@@ -3,7 +3,7 @@
 #include "app/base/console.h"
 #include "app/base/fact.h"
 #include "app/commands/common/shared.h"
-#include "app/commands/vectors_of.h"
+#include "app/commands/common/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"

@@ -1,7 +1,7 @@
 // encode and info, as a user runs them.
 #include "tests/app/commands/vector_commands.h"
 #include "app/commands/encode.h"
-#include "app/commands/vectors_of.h"
+#include "app/commands/common/vectors_of.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "app/commands/vectors_of.h"
+#include "app/commands/common/vectors_of.h"
 
 #include "app/base/console.h"
 #include "app/base/local_file.h"
