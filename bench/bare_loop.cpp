@@ -64,7 +64,7 @@ std::size_t BareLoop::run(std::string_view text) {
     } else {
       at = fast_float::from_chars(at + (*at == '+'), end, reals_[reals++]).ptr;
     }
-    if (at == start) ++at;                                  // a sign or point with nothing behind it
+    if (at == start) ++at;                                  // a sign or point without digits after it
     while (at != end && class_of(*at) != kSeparator) ++at;  // "3px"
   }
   return reals + integers;

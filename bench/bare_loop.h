@@ -12,10 +12,10 @@ namespace gs::bench {
 /// ends in "Index".
 class BareLoop {
  public:
-  /// Makes room for the numbers of any text of up to `bytes`, and touches it.
+  /// Allocates and touches memory for the numbers of any text of up to `bytes`.
   explicit BareLoop(std::size_t bytes);
 
-  /// Returns how many numbers were read.
+  /// Returns the number of numbers read.
   std::size_t run(std::string_view text);
 
  private:
@@ -24,7 +24,7 @@ class BareLoop {
   std::unique_ptr<std::int32_t[]> integers_;
 };
 
-/// The sum of all 8-byte words: how fast memory can be read at all.
+/// Returns the sum of all 8-byte words, which measures the speed of memory.
 [[nodiscard]] std::uint64_t sum_words(std::string_view text);
 
 }  // namespace gs::bench

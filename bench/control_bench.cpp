@@ -1,6 +1,6 @@
-// control_bench [NODES] [FRAMES]: what it costs a program to be controlled: milliseconds a frame for events of so many
-// Transforms, read and applied, and with the list of what is drawn; microseconds until an event is answered, over a
-// Unix socket and over a WebSocket.
+// control_bench [NODES] [FRAMES]: measures a controlled program. Prints milliseconds per frame for events of NODES
+// Transforms, read and applied, and with the render list; and microseconds until an event is answered, over a Unix
+// socket and over a WebSocket.
 
 #include "app/control/control.h"
 #include "app/session/session.h"
@@ -60,7 +60,7 @@ class Server final : public ControlChannel {
   std::unique_ptr<net::ControlServer> server;
 };
 
-/// A session of one world, controlled through a channel.
+/// Session of one world, controlled through a channel.
 struct Controlled {
   Controlled(ControlChannel& channel, const std::string& text, const std::function<void()>& wake)
       : session({{}, {}, {}, true}, {}, [] {}), control(channel, wake) {
@@ -92,7 +92,7 @@ std::string world_of(int nodes) {
   return text;
 }
 
-/// A call that moves all nodes, by number or by name.
+/// Returns a call that moves all nodes, by number or by name.
 std::string frame_of(int nodes, int frame, bool by_name, bool one_each) {
   std::string text = one_each ? "[" : "{\"jsonrpc\":\"2.0\",\"method\":\"setValues\",\"params\":{\"events\":[";
   for (int i = 0; i < nodes; ++i) {

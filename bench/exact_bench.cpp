@@ -1,11 +1,11 @@
-// The mesh itself at the end of a stream, beside Draco's file of as many bits.
+// Compares the mesh at the end of a stream with Draco's file of as many bits.
 //
 //   exact_bench MODEL... [--bits N]
 //
-// Prints a Markdown table, a row a model: bytes of what stands before the tail, of the tail, of the whole and of
-// Draco's file (level 10), times in seconds of the processor, and PSNR (dB) of the header alone, of what stands before
-// the tail, of the whole, and of Draco's, against pictures of the full model from six sides, 800x600, headlight. Needs
-// draco_encoder and draco_decoder in the PATH.
+// Prints a Markdown table with a row per model: bytes before the tail, of the tail, in total, and of Draco's file
+// (level 10); processor times in seconds; and PSNR (dB) of the header alone, of everything before the tail, of the
+// whole, and of Draco's, against pictures of the full model from six sides, 800x600, headlight. Needs draco_encoder and
+// draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/world/world_loader.h"
 #include "bench/mesh_files.h"

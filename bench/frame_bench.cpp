@@ -1,7 +1,7 @@
-// How long a frame takes that is drawn with software: `frame_bench [--frames N] FILE...` prints, for each world, the
-// triangles, items and draw calls of a frame of 1024 x 768 pixels with 4 samples, and the medians of its time as a
-// picture and as a window has it: at rest, and while the viewer goes to the side by a thousandth of what he sees.
-// Milliseconds of the clock, and of the processor (all threads).
+// Measures frames of software rendering: `frame_bench [--frames N] FILE...` prints, for each world, triangles, items
+// and draw calls of a frame of 1024 x 768 pixels with 4 samples, and median times as a picture and as a window: at
+// rest, and while the viewer moves sideways by a thousandth of the view. Milliseconds elapsed, and of the processor
+// (all threads).
 #include "bench/world_file.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
@@ -31,7 +31,7 @@ double processor_milliseconds() {
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-/// Medians of what `draw` takes.
+/// Returns median times of `draw`.
 template <class Draw>
 std::string measured(int frames, const Draw& draw) {
   std::vector<double> clock, processor;

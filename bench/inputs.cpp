@@ -1,7 +1,7 @@
-// bench_inputs DIR: writes the worlds that benchmarks read. The same bytes on every run.
+// bench_inputs DIR: writes the worlds that benchmarks read, with the same bytes in every run.
 //
-// Three height fields (long arrays of numbers) and four worlds of many small things, which cost a browser in
-// quite different places: names, nodes, sharing, PROTO instances, ROUTEs.
+// Three height fields (long arrays of numbers), and four worlds of many small objects that load different parts of a
+// browser: names, nodes, sharing, PROTO instances, ROUTEs.
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace {
 
-/// Text on its way into a file. Remembers a failure instead of throwing.
+/// Writer of a text file. Remembers a failure instead of throwing.
 class Writer {
  public:
   explicit Writer(const std::filesystem::path& path) : file_(std::fopen(path.c_str(), "wb"), &std::fclose) {}
@@ -30,7 +30,7 @@ class Writer {
     const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
     return text({digits.data(), end});
   }
-  /// `decimals` digits behind the point.
+  /// Writes a number with `decimals` digits after the point.
   Writer& number(double value, int decimals) {
     std::array<char, 64> digits;
     const auto end =
@@ -40,7 +40,7 @@ class Writer {
   Writer& triple(double x, double y, double z, int decimals) {
     return number(x, decimals).text(" ").number(y, decimals).text(" ").number(z, decimals);
   }
-  /// False when anything was not written.
+  /// Returns false if anything was not written.
   [[nodiscard]] bool finish() {
     flush();
     return good_ && std::fflush(file_.get()) == 0;
@@ -63,7 +63,7 @@ void write_head(Writer& out, std::string_view sky, std::string_view viewpoint) {
   out.text(" ] }\nViewpoint { ").text(viewpoint).text(" description \"Front\" }\n");
 }
 
-/// Rolling hills over 16 m x 16 m: a sum of waves, each given by its height and its frequencies along x and z.
+/// Rolling hills over 16 m x 16 m: a sum of waves with heights and frequencies along x and z.
 struct Hills {
   struct Wave {
     double height, along_x, along_z, phase;
@@ -86,7 +86,7 @@ struct Hills {
   }
 };
 
-/// n x n vertices, 2 (n - 1)^2 triangles in one IndexedFaceSet with normals and colours per vertex.
+/// Writes n x n vertices, 2 (n - 1)^2 triangles in one IndexedFaceSet with normals and colours per vertex.
 bool write_height_field(const std::filesystem::path& path, int n) {
   Writer out(path);
   write_head(out, "0.2 0.3 0.5", "position 0 9 13 orientation 1 0 0 -0.61");
@@ -130,7 +130,7 @@ bool write_height_field(const std::filesystem::path& path, int n) {
   return out.finish();
 }
 
-/// 20,000 `Transform { Shape }`, each with a DEF name; 4 geometries and 8 appearances shared by USE.
+/// Writes 20,000 `Transform { Shape }` with DEF names; USE shares 4 geometries and 8 appearances.
 bool write_small_nodes(const std::filesystem::path& path) {
   static constexpr std::array<std::string_view, 8> kColors{"0.9 0.2 0.2", "0.2 0.8 0.3", "0.2 0.4 0.9", "0.9 0.8 0.1",
                                                            "0.8 0.3 0.8", "0.3 0.8 0.8", "0.9 0.5 0.2", "0.7 0.7 0.7"};
@@ -167,7 +167,7 @@ bool write_small_nodes(const std::filesystem::path& path) {
   return out.finish();
 }
 
-/// 5,000 instances of one PROTO of 6 fields and 2 Shapes.
+/// Writes 5,000 instances of one PROTO of 6 fields and 2 Shapes.
 bool write_prototypes(const std::filesystem::path& path) {
   Writer out(path);
   write_head(out, "0.1 0.05 0.05", "position 0 0 60");
@@ -212,7 +212,7 @@ Group { children [
   return out.finish();
 }
 
-/// 10,000 ROUTEs: one clock to 5,000 PositionInterpolators, each to its Transform.
+/// Writes 10,000 ROUTEs: from one clock to 5,000 PositionInterpolators, and to their Transforms.
 bool write_routes(const std::filesystem::path& path) {
   constexpr int kObjects = 5000;
   Writer out(path);
@@ -239,7 +239,7 @@ bool write_routes(const std::filesystem::path& path) {
   return out.finish();
 }
 
-/// 10,000 labels, all of them in view, each with a string of its own.
+/// Writes 10,000 labels in view, with different strings.
 bool write_labels(const std::filesystem::path& path) {
   constexpr std::array kWords = {"north", "Gate",  "valve", "pump",   "T-104",   "reactor", "temperature", "Level",
                                  "inlet", "depot", "Quai",  "bridge", "harbour", "mast",    "22.4 m",      "river"};

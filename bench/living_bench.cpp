@@ -1,7 +1,7 @@
-// How long a frame of a world that lives takes: `living_bench [--draw] FILE...` prints, for each world, the ROUTEs, the
-// time to connect them and to gather everything, and of 600 frames of 1/60 s the median and the longest time of the
-// events, the median time in which the render list follows them, and, drawn in software at 1024 x 768, of the whole.
-// In milliseconds of one core; drawing takes what there are.
+// Measures frames of a running world: `living_bench [--draw] FILE...` prints, for each world, the ROUTEs, the time to
+// connect them, and the time of a full collection. Of 600 frames of 1/60 s it prints median and longest time of the
+// events, and median times of updating the render list and, with software rendering at 1024 x 768, of the whole.
+// Milliseconds of one core; drawing uses all cores.
 #include "bench/world_file.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"

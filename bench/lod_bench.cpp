@@ -1,9 +1,10 @@
-// lod_bench [--vectors N] [--budget B] [--frames F] [--folder DIR]: level of detail of a stream larger than memory.
+// lod_bench [--vectors N] [--budget B] [--frames F] [--folder DIR]: measures levels of detail of a stream larger than
+// memory.
 //
-// Makes a packed stream of about N million vectors (50) of a closed, bumpy surface in DIR (a temporary folder that goes
-// afterwards; one that is named keeps the file for the next time), opens it where it lies and flies F frames (200)
-// around it and towards it, 1920x1080, with a budget of B million discs (2). For each setting a process of its own:
-// what a cut takes, how much it decodes, how many pieces it has, how much is kept. A Markdown table.
+// Makes an octree stream of about N million vectors (50) of a closed, bumpy surface in DIR (by default a temporary
+// folder; a named one keeps the file). Opens it in place and flies F frames (200) around and towards it, 1920x1080,
+// with a budget of B million splats (2). Each setting runs in its own process. Prints a Markdown table: the time of a
+// cut, decoded vectors, pieces, and kept memory.
 
 #include "app/formats/qnv/cloud_reader.h"
 #include "net/files/file.h"
@@ -43,7 +44,7 @@ double peak_megabytes() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-/// How far the surface lies from the middle: bumps on bumps, each half as large and half as high.
+/// Returns the distance of the surface from the centre: bumps on bumps, each half as large and high.
 float radius_in(const glm::vec3& direction) {
   float radius = 1, height = 0.12f, scale = 3;
   for (int octave = 0; octave < 7; ++octave, height *= 0.5f, scale *= 2)
@@ -57,7 +58,7 @@ glm::vec3 surface_in(const glm::vec3& direction, float width) {
   return {p.x, p.y * width, p.z * width};
 }
 
-/// Six grids of n by n quadrilaterals, as on a cube, pushed out to the surface.
+/// Visits six grids of n by n quadrilaterals, as on a cube, moved to the surface.
 bool for_each_triangle(int n, float width, const qnv::TriangleSink& sink) {
   const auto at = [&](int side, int i, int j) {
     const double u = std::tan((2.0 * i / n - 1) * 0.785398163397448),
@@ -85,7 +86,7 @@ bool for_each_triangle(int n, float width, const qnv::TriangleSink& sink) {
   return true;
 }
 
-// Faces of the cube around the surface that it is as large as.
+// Returns the area in faces of the surrounding cube.
 double faces_of(int n, float width) {
   qnv::Box box;
   double area = 0;
@@ -101,11 +102,11 @@ double faces_of(int n, float width) {
   return area / (edge * edge);
 }
 
-/// So wide that a whole level of the octree has about so many voxels: nothing is made in vain.
+/// Returns the width at which a level of the octree has about this many voxels, so that all are used.
 float width_for(double vectors) {
   constexpr double kVoxelsPerArea = 1.5;  // as the encoder counts
   constexpr int kCoarse = 200;
-  constexpr double kSpare = 1.15;  // voxels that are only touched are left out
+  constexpr double kSpare = 1.15;  // omits voxels that are only touched
   const auto voxels = [&](float width, int level) {
     return kVoxelsPerArea * faces_of(kCoarse, width) * std::pow(4.0, level);
   };
@@ -144,7 +145,8 @@ int make_stream(const std::string& path, double vectors) {
   return 0;
 }
 
-/// From far away to close above the ground, around the object once and a half, looking at what lies below and ahead.
+/// Returns a view on the flight from far away to close above the ground, one and a half times around, looking down and
+/// ahead.
 qnv::LodView view_at(double t, const qnv::Box& box) {
   const float width = box.size().y / box.size().x;
   const double angle = 9.4 * t;
@@ -231,7 +233,7 @@ int fly(const std::string& path, const Setting& setting, std::size_t budget, int
   return stream.problems().empty() ? 0 : 1;
 }
 
-// In a process of its own, so that the memory that it took is its own.
+// Runs a function in its own process, to measure its memory.
 int apart(const std::function<int()>& work) {
   std::fflush(stdout);
   const pid_t child = ::fork();

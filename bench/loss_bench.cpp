@@ -2,9 +2,9 @@
 //
 //   loss_bench MODEL... [--seeds N]
 //
-// Prints a Markdown table, a row a model: bytes, PSNR (dB) of the whole stream against pictures of the full model from
-// six sides, 800x600, headlight, and by how much less it is, the mean and the worst of N seeds (8), where 10 and 30 %
-// of all packets are lost, behind the first 16 kB, and nothing is sent again.
+// Prints a Markdown table with a row per model: bytes, PSNR (dB) of the whole stream against pictures of the full model
+// from six sides, 800x600, headlight, and its mean and worst decrease over N seeds (8) after the loss of 10 and 30 % of
+// all packets beyond the first 16 kB, without retransmission.
 #include "app/encode/surface_triangles.h"
 #include "app/world/world_loader.h"
 #include "bench/picture_error.h"
@@ -40,7 +40,7 @@ bool measure(Studio& studio, const std::string& file, unsigned seeds) {
   qnv::EncodeOptions options;
   options.two_sided = app::summarize_surface(full).two_sided;
   const qnv::TriangleSource source = [&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); };
-  // As the program encodes what it is told nothing of; what it would make an octree of is displaced all the same.
+  // Encodes with default options, but displaced even where an octree suits better.
   options.only_if_suited = true;
   options.exact_bits = qnv::kExactWherePays;
   auto made = qnv::encode_displaced(source, options);

@@ -14,16 +14,16 @@ struct Mesh {
   std::vector<unsigned> indices;
 };
 
-/// All triangles of a list, world space; corners at the same place become one.
+/// Returns all triangles of a list in world space, with corners merged by position.
 [[nodiscard]] Mesh welded(const render::RenderList& list);
-/// False when it could not be written. Positions with nine digits: every float as it is.
+/// Writes positions with nine digits, which keep every float. Returns false on failure.
 [[nodiscard]] bool write_obj(const Mesh& mesh, const std::string& path);
-/// One IndexedFaceSet with this creaseAngle, VRML97, with six digits a number.
+/// Returns one VRML97 IndexedFaceSet with this creaseAngle and six digits per number.
 [[nodiscard]] std::string vrml_text(const Mesh& mesh, float crease_angle = 3.14f);
-/// As `gzip -9` makes it, without a name.
+/// Compresses like `gzip -9`, without a name.
 [[nodiscard]] std::string gzipped(const std::string& text);
-/// Encodes MESH.obj as MESH.drc and that back as MESH.out.obj, by the programs draco_encoder and draco_decoder; a level
-/// of 10. False where they are missing or fail. `base`: the path without its ending.
+/// Encodes MESH.obj as MESH.drc and decodes it to MESH.out.obj with draco_encoder and draco_decoder, at a level of 10.
+/// Returns false if they are missing or fail. `base` is the path without extension.
 [[nodiscard]] bool make_draco(const std::string& base, int bits);
 
 }  // namespace gs::bench

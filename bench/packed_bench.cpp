@@ -1,10 +1,10 @@
-// The packed payload measured: encoding and decoding speed, bits a vector, and what the progressive order costs.
+// Measures the octree payload: speed of encoding and decoding, bits per vector, and the cost of progressive order.
 //
 //   packed_bench MODEL...
 //
-// Prints a Markdown table. "At once" is the same set of finest voxels coded without any coarser picture: the octree's
-// occupancy at its empirical entropy a level, normals and offsets as differences from the voxel before in Morton order,
-// with the same static models and clusters of the same size.
+// Prints a Markdown table. "At once" codes the same finest voxels without coarser pictures: the octree's occupancy at
+// its empirical entropy per level, and normals and offsets as differences from the previous voxel in Morton order, with
+// the same static models and cluster sizes.
 #include "app/encode/surface_triangles.h"
 #include "app/world/world_loader.h"
 #include "qnv/codecs/octree/encode/packed_quantize.h"
@@ -50,7 +50,7 @@ double residual_bits(const std::vector<std::pair<int, int>>& values) {  // conte
   return sum;
 }
 
-// Bits of the same finest voxels without any coarser ones.
+// Returns the bits of the finest voxels without coarser ones.
 double bits_at_once(std::vector<Finest> finest, int level, int normal_shift, int offset_shift) {
   std::sort(finest.begin(), finest.end(), [](const Finest& a, const Finest& b) { return a.key < b.key; });
   double bits = 0;

@@ -1,8 +1,8 @@
-// parse_bench [--runs N] [--markdown] FILE...: GhostSpace's parser beside what the same bytes in memory allow.
+// parse_bench [--runs N] [--markdown] FILE...: compares GhostSpace's parser with the limit of memory.
 //
-// In each of N rounds, one after the other: reading memory, the bare number loop, the parser given the whole text, the
-// parser given 64 KiB at a time; medians are reported. Peak memory is that of child processes that only parse: `peak`
-// reads the file into memory and parses it whole, `streamed` reads and parses it 64 KiB at a time.
+// Each of N rounds runs in sequence: reading memory, the bare number loop, the parser with the whole text, and the
+// parser with 64 KiB at a time. Prints medians. Peak memory is that of child processes that only parse: `peak` reads
+// the file into memory and parses it whole, `streamed` reads and parses 64 KiB at a time.
 
 #include "bench/bare_loop.h"
 #include "vrml/scene/diagnostic.h"
@@ -35,7 +35,7 @@ namespace {
 constexpr std::size_t kPiece = 64 * 1024;
 constexpr double kMega = 1e6;
 
-/// Keeps a result from being optimised away.
+/// Prevents the removal of a result by optimisation.
 volatile std::uint64_t sink;
 
 std::optional<std::string> read_file(const std::string& path) {
@@ -70,7 +70,7 @@ Parsed parse_pieces(std::string_view text) {
   return parsed;
 }
 
-/// Parses a file without ever holding all of its text.
+/// Parses a file without holding its whole text.
 Parsed parse_streamed(const std::string& path) {
   Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
   vrml::Diagnostics diagnostics;
@@ -84,8 +84,7 @@ Parsed parse_streamed(const std::string& path) {
   return parsed;
 }
 
-/// The bytes of all multiple-valued fields of a scene, storage that several fields share counted once: the least
-/// that the scene can take.
+/// Returns the bytes of all multiple-valued fields of a scene, with shared storage counted once: the scene's minimum.
 std::size_t array_bytes(const vrml::SceneGraph& scene) {
   std::unordered_set<const void*> seen;
   std::size_t bytes = 0;
@@ -104,7 +103,7 @@ std::size_t array_bytes(const vrml::SceneGraph& scene) {
   return bytes;
 }
 
-/// Peak resident bytes of a child process that does `work`; 0 when there was none.
+/// Returns the peak resident bytes of a child process that runs `work`, or 0 on failure.
 template <class Work>
 std::size_t peak_of_child(Work&& work) {
   std::fflush(nullptr);
@@ -140,7 +139,7 @@ struct Result {
   double read = 0, bare = 0, whole = 0, pieces = 0;  // seconds
 };
 
-/// The memory figures, taken while this process is still small: a child starts with its parent's resident size.
+/// Measures memory while this process is still small, since a child starts with its parent's resident size.
 Result measure_memory(const std::string& path) {
   Result result;
   result.name = path.substr(path.find_last_of('/') + 1);
@@ -162,7 +161,7 @@ bool measure_times(const std::string& path, int runs, Result& result) {
     read.push_back(seconds([&] { sink = sum_words(*text); }));
     number.push_back(seconds([&] { result.numbers = bare.run(*text); }));
     const auto parse = [&](bool in_pieces) {
-      malloc_trim(0);  // memory as it is for a world that is opened first: not there yet
+      malloc_trim(0);  // releases memory, as before a first world
       Parsed parsed;
       const double time = seconds([&] { parsed = in_pieces ? parse_pieces(*text) : parse_whole(*text); });
       (in_pieces ? pieces : whole).push_back(time);

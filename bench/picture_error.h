@@ -9,7 +9,7 @@
 
 namespace gs::bench {
 
-/// How far pictures are from their references, over all of them together.
+/// Error of pictures against their references, over all of them.
 struct PictureError {
   double psnr = 0;  // dB, over all components
   double ssim = 0;  // mean over windows of 8 x 8 pixels of the luma (Wang et al. 2004), 4 apart
@@ -38,7 +38,7 @@ inline double structural_similarity(const render::Image& a, const render::Image&
           sab += la * lb;
         }
       constexpr double kCount = kWindow * kWindow;
-      // Windows where both are background say nothing about the object.
+      // Windows with only background are skipped.
       if (saa == 0 && sbb == 0) continue;
       const double ma = sa / kCount, mb = sb / kCount;
       const double va = saa / kCount - ma * ma, vb = sbb / kCount - mb * mb, cov = sab / kCount - ma * mb;

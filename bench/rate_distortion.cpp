@@ -1,10 +1,10 @@
-// Bytes against picture error: QNV (displaced as the program encodes it when told nothing, without the mesh at its end,
-// packed, records) beside quadric-simplified meshes as Draco and as gzip'd VRML97.
+// Compares bytes with picture errors: QNV (displaced with default options and without the exact mesh, octree, records)
+// and quadric-simplified meshes as Draco and as gzip'd VRML97.
 //
 //   rate_distortion MODEL... [--svg PLOT.svg] [--displaced-alone]
 //
-// Prints a Markdown table a model: for every budget PSNR (dB) and SSIM against pictures of the full model from six
-// sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file; a mesh needs a file of its own for each,
+// Prints a Markdown table per model: for every budget PSNR (dB) and SSIM against pictures of the full model from six
+// sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file. A mesh needs its own file per budget,
 // the best of several simplifications and quantisations. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/world/world_loader.h"
@@ -83,7 +83,7 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
   options.max_bytes = kBudgets.back();
   options.exact_bits = exact_bits;
   const qnv::TriangleSource source = [&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); };
-  // As the program encodes what it is told nothing of; what it would make an octree of is displaced all the same.
+  // Encodes with default options, but displaced even where an octree suits better.
   options.only_if_suited = payload == qnv::Payload::displaced && exact_bits <= 0;
   auto encoded = qnv::row_of(payload).encode(std::cref(source), options, nullptr);
   if (std::exchange(options.only_if_suited, false) && std::holds_alternative<qnv::EncodeError>(encoded))
@@ -106,7 +106,7 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
   return curve;
 }
 
-// The best pictures and the best surfaces are not always of the same file.
+// The best picture and the best surface can come from different files.
 void keep_best(Curve& curve, std::size_t bytes, const PictureError& error, const SurfaceDistance& distance) {
   for (const std::size_t budget : kBudgets) {
     if (bytes > budget) continue;
@@ -178,7 +178,7 @@ void plot(const std::string& path, const std::vector<std::pair<std::string, Curv
   out << "</svg>\n";
 }
 
-/// Of displaced streams, with the mesh at their end and without it, and of Draco's files.
+/// Prints distances of displaced streams, with and without the exact mesh, and of Draco's files.
 void print_distances(const Curves& curves) {
   std::printf(
       "\n| budget, bytes | displaced: geometric PSNR | mean, 1e-4 | Hausdorff, 1e-4 | without mesh: geometric PSNR | "

@@ -1,8 +1,8 @@
-// record_bench [--vectors N] [--runs R] [--markdown]: unpacking and packing 8-byte records beside memcpy.
+// record_bench [--vectors N] [--runs R] [--markdown]: compares unpacking and packing of 8-byte records with memcpy.
 //
-// One core. In each of R rounds, one after the other: memcpy of as many bytes as unpacking moves, every path of
-// unpacking, packing; medians are reported. Bytes are those read plus those written: 8 + 29 a vector (12 position,
-// 12 normal, 4 weight, 1 colour), and for memcpy each byte twice. The memory is there (touched) before the clock runs.
+// Uses one core. Each of R rounds runs in sequence: memcpy of as many bytes as unpacking moves, every path of
+// unpacking, and packing. Prints medians. Bytes are those read plus those written: 8 + 29 per vector (12 position, 12
+// normal, 4 weight, 1 colour), and twice each byte for memcpy. Memory is touched before the clock starts.
 
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/records/record_paths.h"
@@ -26,7 +26,7 @@ namespace {
 
 namespace paths = qnv::record_paths;
 
-constexpr std::size_t kMovedBytes = 8 + 29;  // a vector, read and written
+constexpr std::size_t kMovedBytes = 8 + 29;  // per vector, read and written
 
 struct Arrays {
   explicit Arrays(std::size_t count)

@@ -1,5 +1,5 @@
-// script_bench [SCRIPTS] [STEPS]: what Scripts cost that each answer an event a step: milliseconds to begin,
-// milliseconds a step, and KiB a Script.
+// script_bench [SCRIPTS] [STEPS]: measures Scripts that answer an event per step: milliseconds to begin, milliseconds
+// per step, and KiB per Script.
 
 #include "app/script/script_runner.h"
 #include "vrml/syntax/parser.h"

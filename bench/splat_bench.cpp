@@ -1,11 +1,10 @@
-// splat_bench [--discs N] [--runs R] [--backend NAME]: surface splatting on the processor and with OpenGL.
+// splat_bench [--discs N] [--runs R] [--backend NAME]: measures splatting of surfaces on the processor and with OpenGL.
 //
-// N small discs that make up a bumpy sphere, 1024x768, one and four samples a pixel; no shading. In each of R rounds,
-// one after the other: the processor with one thread and with two, with each of its sets of vector instructions; a
-// plain sum over the arrays of the same discs, which no splatter can do without; OpenGL with the discs in its memory,
-// and OpenGL with 8-byte records that the vertex shader unpacks, each until the picture is done (glFinish). Medians and
-// minima, as a Markdown table: discs a second of all discs, and of those that lie in view. One round before is not
-// counted: it uploads, and compiles the programs.
+// Draws N small splats of a bumpy sphere at 1024x768 with one and four samples per pixel, unshaded. Each of R rounds
+// runs in sequence: the processor with one and two threads and with each vector instruction set; a plain sum over the
+// same arrays, the minimum for any splatter; OpenGL with splats in its memory, and with 8-byte records that the vertex
+// shader unpacks, each until glFinish. Prints medians and minima as a Markdown table: splats per second, of all and of
+// those in view. A first round, which uploads and compiles, is not counted.
 
 #include "qnv/base/parallel.h"
 #include "qnv/codecs/records/record.h"
@@ -65,7 +64,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Reads what a splatter must read of every disc: positions, normals and weights.
+/// Reads the positions, normals and weights that a splatter must read.
 float sum_of(const qnv::Cloud& cloud, unsigned threads) {
   constexpr std::size_t kPart = 16384, kLanes = 16;
   std::vector<float> sums((cloud.size() + kPart - 1) / kPart);
@@ -113,7 +112,7 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& clou
   };
   const std::string with = "OpenGL (" + gl.renderer + ")";
   std::vector<Row> rows;
-  volatile float kept = 0;  // so that nothing is left out
+  volatile float kept = 0;  // prevents optimisation
   for (const unsigned threads : {1u, 2u}) {
     const std::string on = threads == 1 ? ", 1 thread" : ", 2 threads";
     for (const render::SplatKernel& kernel : render::splat_kernels())

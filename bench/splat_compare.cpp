@@ -1,10 +1,10 @@
-// splat_compare [--width W] [--height H] [--runs R] [--backend NAME]: the ways to draw QNV beside the exact ray caster.
+// splat_compare [--width W] [--height H] [--runs R] [--backend NAME]: compares the ways to draw QNV with the exact ray
+// caster.
 //
-// Small clouds, one sample a pixel: surfaces in the viewer's light (diffuse, white where the cloud has no colours),
-// drawn on the processor, with OpenGL and by render/raycast; a volume by the renderer, with the light it has for one.
-// PSNR over all components of all pixels, in 0..1 before rounding for surfaces and of 8 bits for the volume. Discs a
-// second: all of the cloud, in view or not, over the median time of R runs; of the oracle, one run. Prints a
-// Markdown table.
+// Draws small point sets with one sample per pixel: surfaces with a headlight (diffuse, white without colours) on the
+// processor, with OpenGL and by render/raycast; a volume by the renderer with its lighting. PSNR covers all components
+// of all pixels, in 0..1 before rounding for surfaces, and in 8 bits for the volume. Splats per second count the whole
+// point set over the median of R runs; the ray caster runs once. Prints a Markdown table.
 
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
@@ -56,7 +56,7 @@ void add(qnv::Cloud& cloud, const glm::vec3& position, const glm::vec3& normal, 
   cloud.description.box.add(position);
 }
 
-/// 1 + bumps about the sphere of radius 1, in direction n, and what is outward there, of any length.
+/// Returns 1 + bumps of the sphere in direction n, and an outward vector of any length.
 float bumpy_radius(const glm::vec3& n) {
   return 1 + 0.02f * (std::sin(20 * n.x) + std::sin(20 * n.y) + std::sin(20 * n.z));
 }
@@ -81,7 +81,7 @@ std::shared_ptr<qnv::Cloud> bumpy_sphere(std::size_t count) {
 std::shared_ptr<qnv::Cloud> colored_torus(std::size_t count) {
   constexpr float kAround = 0.8f, kTube = 0.35f;
   auto cloud = std::make_shared<qnv::Cloud>();
-  // Evenly over the area, which is larger outside than inside.
+  // Evenly over the area, which grows outwards.
   std::mt19937 random(3);
   std::uniform_real_distribution<float> part(0, 1);
   const float area = 4 * kPi * kPi * kAround * kTube / static_cast<float>(count);
@@ -97,7 +97,7 @@ std::shared_ptr<qnv::Cloud> colored_torus(std::size_t count) {
   return cloud;
 }
 
-/// The bumpy sphere as triangles, packed, and what a view of it takes of that stream.
+/// Encodes triangles of the bumpy sphere as an octree, and returns a view's cut of that stream.
 std::shared_ptr<const qnv::Cloud> packed_stream(std::size_t vectors) {
   constexpr int kRows = 200;
   std::vector<qnv::Triangle> triangles;
@@ -132,7 +132,7 @@ std::shared_ptr<const qnv::Cloud> packed_stream(std::size_t vectors) {
   return cloud;
 }
 
-/// A thick shell of vectors of all magnitudes and classes.
+/// Returns a thick shell of vectors of all magnitudes and classes.
 std::shared_ptr<qnv::Cloud> volume(std::size_t count) {
   std::mt19937 random(7);
   std::normal_distribution<float> normal;
@@ -229,7 +229,7 @@ render::SplatView view_of(const Settings& settings) {
   return view;
 }
 
-/// All pieces copied together, for the oracle.
+/// Copies all pieces together for the ray caster.
 qnv::Cloud together(std::span<const render::SharedSplatPiece> pieces) {
   qnv::Cloud all;
   if (!pieces.empty()) all.description = pieces.front().cloud->description;
@@ -248,7 +248,7 @@ qnv::Cloud together(std::span<const render::SharedSplatPiece> pieces) {
   return all;
 }
 
-/// `by_opengl` draws what `pieces` are.
+/// Compares the ways to draw a surface. OpenGL draws `pieces`.
 bool compare_surface(const std::string& name, const std::vector<render::SharedSplatPiece>& shared,
                      render::SplatGl& splats, const std::function<std::optional<render::SplatTextures>()>& by_opengl,
                      const render::Gl& gl, const Settings& settings) {
@@ -282,7 +282,7 @@ bool compare_surface(const std::string& name, const std::vector<render::SharedSp
 
 bool compare_records(const std::shared_ptr<const qnv::Cloud>& cloud, render::SplatGl& splats, const render::Gl& gl,
                      const Settings& settings) {
-  // A palette of 256 of the cloud's colours.
+  // Palette of 256 of the point set's colours.
   std::vector<qnv::Rgb8> palette;
   std::vector<std::uint8_t> indices;
   for (std::size_t i = 0; i < 256; ++i) palette.push_back(cloud->colors[i * cloud->size() / 256]);
@@ -338,7 +338,7 @@ bool compare_volume(const std::shared_ptr<const qnv::Cloud>& cloud, render::GlCo
     const double time = seconds(
         [&] {
           auto drawn = (*renderer)->draw_to_image(list, camera, options, &statistics);
-          // Sorted for this view, not for the one before.
+          // Sorted for this view, not for the previous one.
           while (statistics.pending && std::holds_alternative<render::Image>(drawn))
             drawn = (*renderer)->draw_to_image(list, camera, options, &statistics);
           if (auto* got = std::get_if<render::Image>(&drawn)) image = std::move(*got);

@@ -12,20 +12,20 @@
 
 namespace gs::bench {
 
-/// From where a picture is taken, in degrees, as `--orbit` has it; the whole of the object is in view.
+/// Direction of a picture in degrees, as in `--orbit`, with the whole object in view.
 struct View {
   float azimuth = 0, elevation = 0;
 };
 
-/// Draws pictures that are compared: 800x600, headlight, black background. One thread.
+/// Studio for compared pictures: 800x600, headlight, black background. One thread.
 class Studio {
  public:
   static constexpr int kWidth = 800, kHeight = 600;
 
   Studio();
-  /// False where nothing can be drawn.
+  /// Returns false if no picture can be drawn.
   [[nodiscard]] bool good() const { return renderer_ != nullptr; }
-  /// One picture a view, of an object with these bounds; fewer where drawing failed.
+  /// Returns one picture per view of an object with these bounds, or fewer if drawing failed.
   [[nodiscard]] std::vector<render::Image> pictures(const render::RenderList& list, const render::WorldBounds& bounds,
                                                     std::span<const View> views);
 
@@ -34,7 +34,7 @@ class Studio {
   std::unique_ptr<render::Renderer> renderer_;
 };
 
-/// A list that shows a cloud in its own colours.
+/// Returns a list that shows a point set in its own colours.
 [[nodiscard]] render::RenderList list_of(qnv::Cloud cloud);
 
 }  // namespace gs::bench

@@ -1,5 +1,5 @@
-// surface_bench STREAM.qnv [OCTREE.qnv] [--frames N] [--detail D]... [--only TEXT]: what a picture of a displaced
-// surface costs.
+// surface_bench STREAM.qnv [OCTREE.qnv] [--frames N] [--detail D]... [--only TEXT]: measures pictures of a displaced
+// surface.
 //
 // Decodes STREAM (payload displaced) and draws it at 1024x768 from N directions (12) around it, with cuts of edges of 1
 // / D pixels (1, 2 and everything). Measures the cut, the processor's triangles alone, its splats alone and a whole
@@ -59,7 +59,7 @@ Times now() {
 struct Row {
   std::string what;
   Times spent;          // of all frames
-  double least = 1e30;  // of the fastest frame, by the clock
+  double least = 1e30;  // elapsed time of the fastest frame
   double vertices = 0, triangles = 0;
 };
 

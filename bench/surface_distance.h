@@ -5,18 +5,18 @@
 
 namespace gs::bench {
 
-/// How far two surfaces are from one another, as parts of the diagonal of the box of the first; places are spread over
-/// both by area, and of the two directions the larger figure counts (as P. Cignoni et al., "Metro", 1998, has it).
+/// Distance between two surfaces, relative to the diagonal of the first one's box. Points are spread over both by area,
+/// and the larger figure of the two directions counts (P. Cignoni et al., "Metro", 1998).
 struct SurfaceDistance {
   double root_mean_square = 0, mean = 0, most = 0;
-  /// 20 log10 of the diagonal over the root mean square, dB: what papers on compression of geometry give.
+  /// Returns 20 log10 of the diagonal over the root mean square in dB, as in papers on geometry compression.
   [[nodiscard]] double psnr() const;
 };
 
 /// Deterministic; both must have triangles.
 [[nodiscard]] SurfaceDistance surface_distance(const Mesh& original, const Mesh& other);
 
-/// The triangles of a decoded surface.
+/// Returns the triangles of a decoded surface.
 [[nodiscard]] Mesh mesh_of(const qnv::Cloud& cloud);
 
 }  // namespace gs::bench

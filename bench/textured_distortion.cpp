@@ -1,12 +1,12 @@
-// Bytes against picture error of textured models: QNV (as `encode` makes it when told nothing, displaced, packed)
-// beside a simplified mesh with texture coordinates in Draco and its texture, made smaller, as JPEG.
+// Compares bytes with picture errors of textured models: QNV (`encode` with default options, displaced, octree) and a
+// simplified mesh with texture coordinates in Draco with its reduced texture as JPEG.
 //
 //   textured_distortion [--streams-alone] MODEL...
 //
-// Prints a Markdown table a model: for every budget PSNR (dB) and SSIM against pictures of the full model from six
-// sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file; mesh and picture need files of their own
-// for each, the best of several simplifications, quantisations, sizes and qualities, with normals and without. A model
-// has one Shape with one texture. Needs draco_encoder and draco_decoder in the PATH.
+// Prints a Markdown table per model: for every budget PSNR (dB) and SSIM against pictures of the full model from six
+// sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file. Mesh and texture need their own files
+// per budget, the best of several simplifications, quantisations, sizes and qualities, with and without normals. A
+// model has one Shape with one texture. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
 #include "app/world/world_loader.h"
@@ -53,7 +53,7 @@ struct Measured {
 };
 using Curve = std::map<std::size_t, Measured>;  // by budget
 
-/// Vertices as a textured mesh has them: place, texture coordinates, normal.
+/// Vertices of a textured mesh: position, texture coordinates, normal.
 struct TexturedMesh {
   std::vector<std::array<float, 8>> vertices;
   std::vector<unsigned> indices;
@@ -115,7 +115,7 @@ void write_obj(const TexturedMesh& mesh, bool normals, const std::string& path) 
   }
 }
 
-/// Means of squares of pixels.
+/// Returns the means of squares of pixels.
 render::Image smaller(const render::Image& image, std::uint32_t by) {
   render::Image out;
   out.components = 3;
@@ -192,7 +192,7 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
   return curve;
 }
 
-/// A mesh, or a texture, of some bytes.
+/// Mesh or texture with its size in bytes.
 template <class Content>
 struct Candidate {
   std::size_t bytes = 0;
@@ -200,7 +200,7 @@ struct Candidate {
   double psnr = 0;
 };
 
-/// Of candidates only those that none of fewer bytes is better than.
+/// Keeps candidates that no smaller one surpasses.
 template <class Content>
 void keep_efficient(std::vector<Candidate<Content>>& all) {
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.bytes < b.bytes; });
@@ -255,7 +255,7 @@ class DracoAndJpeg {
       for (const int bits : {7, 9, 11})
         for (const bool normals : {false, true}) {
           write_obj(small, normals, base + ".obj");
-          // One texel of 512 or 1024 is enough for coordinates, and an eighth of a degree for what normals are seen.
+          // One texel of 512 or 1024 suffices for coordinates, and an eighth of a degree for visible normals.
           const std::string command = "draco_encoder -i " + base + ".obj -o " + base + ".drc -cl 10 -qp " +
                                       std::to_string(bits) + " -qt " + std::to_string(std::min(bits + 1, 10)) +
                                       " -qn 7 >/dev/null 2>&1 && draco_decoder -i " + base + ".drc -o " + base +

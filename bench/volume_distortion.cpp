@@ -1,12 +1,13 @@
-// Bytes against picture error for volumes: QNV (voxels, records) beside zfp, gzip'd slices and JPEG XL slices.
+// Compares bytes with picture errors of volumes: QNV (volume payload, records) and zfp, gzip'd slices and JPEG XL
+// slices.
 //
 //   volume_distortion VOLUME... [--pictures FOLDER] [--streams-alone]
 //
-// Prints a Markdown table a volume: for every budget PSNR (dB) and SSIM against pictures of all records (the longest 9
-// % of the gradients) from three sides, 800x600, headlight, as render/volume draws them. A budget of a QNV stream is a
-// prefix of one stream; the others need a file of their own for each, the best of several pyramid levels, steps and
+// Prints a Markdown table per volume: for every budget PSNR (dB) and SSIM against pictures of all records (the longest
+// 9 % of the gradients) from three sides, 800x600, headlight, drawn by render/volume. A budget of a QNV stream is a
+// prefix of one stream. Other formats need their own file per budget, the best of several pyramid levels, steps and
 // parts of the gradients. Needs zfp, cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; without them their columns
-// are empty. `--pictures` writes what prefixes of 4, 15, 60 and 600 kB look like.
+// are empty. `--pictures` writes pictures of prefixes of 4, 15, 60 and 600 kB.
 #include "app/formats/volume/volume.h"
 #include "bench/picture_error.h"
 #include "qnv/codecs/payloads.h"
@@ -79,7 +80,7 @@ Grid read_grid(const qnv::VolumeSource& source) {
   return grid;
 }
 
-/// Means of two voxels along each axis.
+/// Averages two voxels along each axis.
 Grid halved(const Grid& fine) {
   Grid grid{fine.layout, {}};
   const auto& n = fine.layout.dimensions;
@@ -141,7 +142,7 @@ class Painter {
   [[nodiscard]] PictureError error(const qnv::Cloud& cloud) const {
     return bench::picture_error(pictures(cloud), reference_);
   }
-  /// The best of several parts of a grid's gradients, in the colours of the reference.
+  /// Returns the smallest error over several parts of a grid's gradients, in the colours of the reference.
   [[nodiscard]] PictureError error(const Grid& grid) const {
     PictureError best;
     for (const double fraction : {kFraction, 0.15, 0.22}) {
@@ -194,7 +195,7 @@ std::string read(const std::string& path) {
 }
 bool run(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
 
-// `tolerance` of the range.
+// Measures zfp. `tolerance` is relative to the range.
 void measure_zfp(const Painter& painter, const Grid& grid, const std::string& base, double tolerance, Curve& curve) {
   const auto [least, most] = grid.range();
   const auto& n = grid.layout.dimensions;
@@ -212,7 +213,7 @@ void measure_zfp(const Painter& painter, const Grid& grid, const std::string& ba
   keep_best(curve, bytes, painter.error(back));
 }
 
-// Slices of so many values, deflated; each value less the one before it, where that is smaller.
+// Measures deflated slices, with values or differences to the previous value, whichever is smaller.
 void measure_gzip(const Painter& painter, const Grid& grid, int values, Curve& curve) {
   const auto [least, most] = grid.range();
   const float step = (most - least) / static_cast<float>(values - 1);
@@ -234,7 +235,7 @@ void measure_gzip(const Painter& painter, const Grid& grid, int values, Curve& c
   if (of_use(bytes)) keep_best(curve, bytes, painter.error(back));
 }
 
-// All slices side by side as one picture of eight bits.
+// Measures all slices side by side as one picture of eight bits.
 void measure_jxl(const Painter& painter, const Grid& grid, const std::string& base, double distance, Curve& curve) {
   const auto [least, most] = grid.range();
   const auto& n = grid.layout.dimensions;

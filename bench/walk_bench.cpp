@@ -1,5 +1,5 @@
-// How long one step of a walk takes over a landscape of a million triangles, beside what a look for the triangle under
-// the pointer takes: prints median and longest times in microseconds.
+// Measures a step of a walk over a landscape of a million triangles, and a search for the triangle under the pointer.
+// Prints median and longest times in microseconds.
 
 #include "app/view/walking.h"
 #include "render/rays/item_bvh.h"

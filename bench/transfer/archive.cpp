@@ -12,7 +12,7 @@ namespace gs::bench {
 namespace {
 
 constexpr double kMegabits = 10, kRoundTrip = 0.1;
-constexpr std::uint64_t kEnough = 300'000;  // bytes, in which there is a first picture
+constexpr std::uint64_t kEnough = 300'000;  // bytes that contain a first picture
 
 vrml::Bounds bounds_of(const qnv::Box& box) {
   vrml::Bounds bounds;
@@ -41,7 +41,7 @@ std::optional<std::uint64_t> first_bytes(Studio& studio, std::span<const std::by
 
 struct First {
   double seconds = 0;
-  std::uint64_t bytes = 0;  // that had to come
+  std::uint64_t bytes = 0;  // required bytes
 };
 
 std::optional<First> first_of_cells(Studio& studio, const Recording& recording) {

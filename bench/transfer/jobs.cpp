@@ -12,7 +12,7 @@
 namespace gs::bench {
 namespace {
 
-// Of the machine, in parts of which there are `parallel`. TCP is slow at such loss, whatever the line can.
+// Returns the cost of a transfer in parts of the machine, which has `parallel`. TCP is slow at such loss on any line.
 unsigned cost_of(const TransferSpec& spec, unsigned parallel) {
   constexpr double kFast = 5e7, kMedium = 5e6, kMuchLoss = 0.1;
   if (spec.link.bits_per_second < kMedium || (!spec.cells && spec.link.loss >= kMuchLoss)) return 1;
@@ -27,7 +27,7 @@ class Schedule {
     // Transfers that run alone start first, or they would wait until nothing else is left.
     std::stable_sort(waiting_.begin(), waiting_.end(), [&](auto a, auto b) { return costs_[a] > costs_[b]; });
   }
-  /// The next one for which there is room; waits for it. Nothing when all are taken.
+  /// Returns the next transfer when there is room for it, or nullopt if all are taken.
   [[nodiscard]] std::optional<std::size_t> take() {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -43,7 +43,7 @@ class Schedule {
       changed_.wait(lock);
     }
   }
-  /// How many are done with it.
+  /// Returns the number of finished transfers.
   [[nodiscard]] std::size_t done(std::size_t job) {
     const std::lock_guard lock(mutex_);
     room_ += costs_[job];

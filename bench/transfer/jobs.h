@@ -6,8 +6,8 @@
 
 namespace gs::bench {
 
-/// Makes many transfers, several at once where the machine has room for them: those that are fast run alone. `parallel`
-/// slow ones at most. The recordings stand in the order of the specs. Says on stderr how far it is.
+/// Runs many transfers, up to `parallel` slow ones at a time and fast ones alone. Returns the recordings in the order
+/// of the specs. Prints progress on stderr.
 [[nodiscard]] std::vector<Recording> transfer_all(const std::vector<TransferSpec>& specs, const ServerSpec& server,
                                                   unsigned parallel);
 

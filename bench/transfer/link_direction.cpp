@@ -29,7 +29,7 @@ double LinkDirection::chance() {
 }
 
 void LinkDirection::offer(std::vector<std::byte> packet, Nanoseconds now) {
-  // Drawn for every packet, so that one seed loses the same ones of a sequence whatever the queue does.
+  // Drawn for every packet, so that a seed loses the same ones whatever the queue does.
   const bool lost = chance() < spec_.loss;
   const bool late = chance() < spec_.reordered;
   ++counts_.packets;
@@ -79,7 +79,7 @@ std::size_t number_of(const Packet& packet) {
   return number;
 }
 
-// 1250 bytes take 1 ms at 10 Mbit/s; one is offered every 2 ms, and comes out 1 ms + 10 ms later.
+// 1250 bytes take 1 ms at 10 Mbit/s. A packet offered every 2 ms arrives 1 ms + 10 ms later.
 std::optional<std::string> test_delay() {
   LinkDirection link({}, 1);
   for (int i = 0; i < 100; ++i) {
@@ -91,7 +91,7 @@ std::optional<std::string> test_delay() {
   return std::nullopt;
 }
 
-// A burst: of 100 packets of 1250 bytes a queue of 32 kB takes 25, the one on the line among them.
+// A queue of 32 kB accepts 25 of a burst of 100 packets of 1250 bytes, including the one on the line.
 std::optional<std::string> test_queue() {
   LinkDirection link({}, 1);
   for (std::size_t i = 0; i < 100; ++i) link.offer(numbered(i, 1250), 0);
@@ -103,7 +103,7 @@ std::optional<std::string> test_queue() {
   return link.due() ? std::optional<std::string>("a refused packet comes out") : std::nullopt;
 }
 
-// Of 100,000 packets 10 % are lost, within five standard deviations (95), and take up the line all the same.
+// 10 % of 100,000 packets are lost, within five standard deviations (95), and still occupy the line.
 std::optional<std::string> test_loss() {
   LinkSpec spec;
   spec.loss = 0.1;
@@ -121,7 +121,7 @@ std::optional<std::string> test_loss() {
   }
   const auto lost = static_cast<double>(link.counts().lost);
   if (link.counts().refused != 0 || std::abs(lost - 10'000) > 5 * 95) return "not as many are lost as should be";
-  // 4 ms later: behind the next four, unless those are lost too. 4,500 are expected.
+  // 4 ms late means after the next four, unless these are lost. 4,500 are expected.
   if (overtaken < 4'000 || overtaken > 5'000) return "not as many are reordered as should be";
   return std::nullopt;
 }

@@ -9,17 +9,17 @@
 
 namespace gs::bench {
 
-/// A link as it is emulated, the same in both directions.
+/// Properties of an emulated link, equal in both directions.
 struct LinkSpec {
-  double bits_per_second = 1e7;  // of whole IP packets
+  double bits_per_second = 1e7;  // for whole IP packets
   double round_trip = 0.02;      // seconds, without queue and serialization; each direction has half
   double loss = 0;               // share of the packets of each direction, data and acknowledgements alike
-  double reordered = 0;          // share of packets that come later than they should, and so behind others
-  double reorder_delay = 0.004;  // seconds, how much later
+  double reordered = 0;          // share of packets that are delayed, and overtaken by others
+  double reorder_delay = 0.004;  // seconds of this delay
   std::uint64_t seed = 1;        // for losses and reordering
 };
 
-/// How many bytes wait for the line at most: one bandwidth-delay product, and not less than 32 kB.
+/// Returns the size of the queue: a bandwidth-delay product, at least 32 kB.
 [[nodiscard]] std::size_t queue_bytes(const LinkSpec& spec);
 
 /// Counts of one direction of a link.
@@ -30,20 +30,19 @@ struct DirectionCounts {
   std::uint64_t delivered = 0;
 };
 
-/// One direction of a link, over a time that its owner tells: a drop-tail queue, a line that takes its time for every
-/// packet, chance, and a delay. Packets that are lost by chance take up the line like all others. Pure: no clock, no
-/// I/O.
+/// One direction of a link in simulated time: a drop-tail queue, a line with serialization time, random loss, and a
+/// delay. Lost packets occupy the line, too. Uses no clock and no I/O.
 class LinkDirection {
  public:
   using Nanoseconds = std::int64_t;
 
   LinkDirection(const LinkSpec& spec, std::uint64_t seed);
 
-  /// A packet comes to the queue. `now` does not go back.
+  /// Adds a packet to the queue. `now` never decreases.
   void offer(std::vector<std::byte> packet, Nanoseconds now);
-  /// When the next packet comes out; nothing while none is under way.
+  /// Returns the time of the next delivery, or nullopt without packets.
   [[nodiscard]] std::optional<Nanoseconds> due() const;
-  /// A packet that is due by now.
+  /// Returns a packet that is due.
   [[nodiscard]] std::optional<std::vector<std::byte>> take(Nanoseconds now);
   [[nodiscard]] const DirectionCounts& counts() const { return counts_; }
 
@@ -54,11 +53,11 @@ class LinkDirection {
   std::size_t queue_bytes_;
   std::uint64_t random_;
   double line_free_ = 0;                                          // nanoseconds
-  std::multimap<Nanoseconds, std::vector<std::byte>> under_way_;  // by the time when they come out
+  std::multimap<Nanoseconds, std::vector<std::byte>> under_way_;  // by delivery time
   DirectionCounts counts_;
 };
 
-/// Checks rate, queue, delay, loss and order over virtual time; what is wrong, or nothing.
+/// Checks rate, queue, delay, loss and order in simulated time. Returns the first error, or nullopt.
 [[nodiscard]] std::optional<std::string> test_link_direction();
 
 }  // namespace gs::bench

@@ -32,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kMtu = 1500;
 constexpr int kNetworkBits = 24;
 constexpr const char* kDevice = "link0";
-// So that a burst waits in our queue and not before it.
+// Keeps bursts in our queue, not before it.
 constexpr std::uint32_t kDeviceQueue = 10'000;  // packets
 constexpr int kReadAtOnce = 64;
 constexpr std::int64_t kLate = 1'000'000;  // nanoseconds
@@ -56,7 +56,7 @@ class Descriptor {
   int number_;
 };
 
-/// A thread that does what it is given, one after the other.
+/// Thread that runs tasks in sequence.
 class HostThread {
  public:
   HostThread() : thread_([this](const std::stop_token& stop) { serve(stop); }) {}
@@ -83,7 +83,7 @@ class HostThread {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   const std::function<void()>* work_ = nullptr;
-  std::jthread thread_;  // last: joined before what it uses goes
+  std::jthread thread_;  // last: joins before the members that it uses are destroyed
 };
 
 std::string failed(const char* what) { return std::string(what) + ": " + std::strerror(errno); }
@@ -108,7 +108,7 @@ ifreq device_named(const char* name) {
   return request;
 }
 
-/// A message of rtnetlink(7), attribute by attribute.
+/// Message of rtnetlink(7), built attribute by attribute.
 class RouteMessage {
  public:
   template <class Body>
@@ -123,7 +123,7 @@ class RouteMessage {
     put(&head, sizeof head);
     put(data, size);
   }
-  /// False with errno set.
+  /// Returns false with errno set.
   [[nodiscard]] bool send() {
     const Descriptor socket(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
     header_.nlmsg_len = static_cast<std::uint32_t>(sizeof header_ + body_.size());
@@ -153,7 +153,7 @@ class RouteMessage {
   std::vector<std::byte> body_;
 };
 
-// By the route, and not by the namespace's sysctl: that may only name what the whole machine allows everyone.
+// Sets it by the route, since the namespace's sysctl only allows values that the whole machine permits.
 bool set_congestion_control(const char* device, const char* address, const std::string& name) {
   rtmsg route{};
   route.rtm_family = AF_INET;
@@ -178,7 +178,7 @@ bool set_congestion_control(const char* device, const char* address, const std::
   return message.send();
 }
 
-// The ioctl for it is for root of the whole machine only.
+// Uses rtnetlink, since only root of the whole machine may use the ioctl.
 bool set_device_queue(const char* device, std::uint32_t packets) {
   ifinfomsg link{};
   link.ifi_family = AF_UNSPEC;
@@ -188,7 +188,7 @@ bool set_device_queue(const char* device, std::uint32_t packets) {
   return message.send();
 }
 
-// A network namespace for the calling thread, with a TUN device and a route to the other host.
+// Makes a network namespace for the calling thread, with a TUN device and a route to the other host.
 std::variant<Descriptor, std::string> enter_host(const char* address, const std::string& congestion_control) {
   if (::unshare(CLONE_NEWNET) != 0)
     return failed("no network namespace of its own (it needs root, or to be started by `unshare -r`)");
@@ -205,7 +205,7 @@ std::variant<Descriptor, std::string> enter_host(const char* address, const std:
   device.ifr_mtu = kMtu;
   if (::ioctl(socket.get(), SIOCSIFMTU, &device) != 0) return failed("the TUN device takes no MTU");
   if (!set_device_queue(kDevice, kDeviceQueue)) return failed("the TUN device takes no queue length");
-  // The route to the other host comes with the device's network.
+  // The device's network includes the route to the other host.
   if (!set_up(socket.get(), device_named("lo")) || !set_up(socket.get(), device_named(kDevice)))
     return failed("a network device does not come up");
   if (!set_congestion_control(kDevice, address, congestion_control))
@@ -236,7 +236,7 @@ struct EmulatedLink::State {
   LinkDirection to_client, to_server;
   std::int64_t first = 0, worst = 0;
   std::uint64_t late = 0, not_carried = 0;
-  std::jthread carrier;  // last: joined before what it uses goes
+  std::jthread carrier;  // last: joins before the members that it uses are destroyed
 };
 
 void EmulatedLink::State::read(int device, LinkDirection& direction) {
@@ -244,7 +244,7 @@ void EmulatedLink::State::read(int device, LinkDirection& direction) {
   for (int i = 0; i < kReadAtOnce; ++i) {
     const ssize_t size = ::read(device, buffer.data(), buffer.size());
     if (size <= 0) return;
-    // IPv6 has no addresses here but would look for neighbours.
+    // IPv6 has no addresses here, but looks for neighbours.
     if (std::to_integer<int>(buffer[0]) >> 4 != 4) continue;
     direction.offer({buffer.begin(), buffer.begin() + size}, now());
   }
@@ -267,7 +267,7 @@ void EmulatedLink::State::set_timer() const {
   if (const auto other = to_server.due(); other && (!next || *other < *next)) next = other;
   itimerspec spec{};
   if (next) {
-    // Zero would switch it off.
+    // Zero would disable the timer.
     const std::int64_t at = std::max<std::int64_t>(*next, 1);
     spec.it_value.tv_sec = at / 1'000'000'000;
     spec.it_value.tv_nsec = at % 1'000'000'000;

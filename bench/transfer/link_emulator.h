@@ -14,33 +14,33 @@ namespace gs::bench {
 /// Counts of a link since its creation.
 struct LinkCounts {
   DirectionCounts to_client, to_server;
-  double worst_delay = 0;         // seconds that a packet came out later than it should have
-  std::uint64_t late = 0;         // packets of which it was more than a millisecond
-  std::uint64_t not_carried = 0;  // that the system did not take
+  double worst_delay = 0;         // largest delay of a packet beyond its due time, in seconds
+  std::uint64_t late = 0;         // packets over a millisecond late
+  std::uint64_t not_carried = 0;  // rejected by the system
 };
 
-/// Two hosts and the link between them: each a network namespace of this process with a TUN device (MTU 1500), so that
-/// TCP and UDP are the kernel's own, and a thread that carries the IPv4 packets from one to the other as a LinkSpec
-/// says. Needs the right to make network namespaces: root, or `unshare -r`. Packets are as large as on a line: the
-/// devices offer the kernel no offloads.
+/// Two hosts with a link: two network namespaces of this process with TUN devices (MTU 1500), so that TCP and UDP are
+/// the kernel's, and a thread that carries IPv4 packets as a LinkSpec defines. Needs root or `unshare -r` to make
+/// namespaces. The devices offer no offloads, so packets have the size of the line.
 class EmulatedLink {
  public:
   static constexpr const char *kServerAddress = "10.77.0.1", *kClientAddress = "10.77.0.2";
 
-  /// `congestion_control`: TCP's of both hosts, such as cubic. The error says what the system did not allow.
+  /// Makes a link. `congestion_control` is TCP's on both hosts, such as cubic. The error names the system call that
+  /// failed.
   [[nodiscard]] static std::variant<std::unique_ptr<EmulatedLink>, std::string> create(
       const LinkSpec& spec, const std::string& congestion_control);
   ~EmulatedLink();
   EmulatedLink(const EmulatedLink&) = delete;
   EmulatedLink& operator=(const EmulatedLink&) = delete;
 
-  /// Runs something on the thread of a host, and waits for it: sockets, threads and processes that it makes belong to
-  /// that host. The threads live as long as the link. One caller at a time.
+  /// Runs a function on the thread of a host, and waits. Its sockets, threads and processes belong to that host. The
+  /// threads live as long as the link. One caller at a time.
   void on_server(const std::function<void()>& work);
   void on_client(const std::function<void()>& work);
 
-  /// When the first packet reached the client: of TCP the SYN with its acknowledgement, so it is when the connection
-  /// stands there. Any thread.
+  /// Returns the arrival time of the first packet at the client. For TCP that is the SYN with its acknowledgement, so
+  /// the client is connected. Any thread.
   [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> first_at_client() const;
   /// Any thread.
   [[nodiscard]] LinkCounts counts() const;

@@ -42,7 +42,7 @@ std::uint64_t Model::size(const Format& format) const {
   return error ? 0 : bytes;
 }
 
-// The world that is sent, and its gzip'd form.
+// Makes the world to send, and its gzip'd form.
 std::optional<std::string> Model::make_world() {
   const std::string path = folder() + "/model.wrl";
   std::string text;
@@ -76,7 +76,7 @@ void Model::take_draco(const std::string& base) {
 std::optional<std::string> Model::make_streams(const render::RenderList& full) {
   const app::SurfaceSummary summary = app::summarize_surface(full);
   triangles_ = summary.triangles;
-  // Draco is only wanted: without its programs it has no row.
+  // Draco is optional: without its programs it has no row.
   const std::string base = options_.folder + "/model";
   if (write_obj(welded(full), base + ".obj") && make_draco(base, options_.draco_bits)) take_draco(base);
   constexpr std::size_t kWithoutDraco = 200'000;

@@ -14,24 +14,24 @@
 
 namespace gs::bench {
 
-/// How a part of a transfer becomes a picture.
+/// Way to make a picture of a part of a transfer.
 enum class Prefix : std::uint8_t {
   stream,  // the first bytes of a QNV stream
   world,   // the first bytes of a world
   none     // only the whole file can be drawn
 };
 
-/// One way to send the model.
+/// Format in which the model is sent.
 struct Format {
   std::string_view name;   // on the command line
   std::string_view title;  // in tables
-  std::string_view file;   // that is sent
+  std::string_view file;   // sent file
   Prefix prefix = Prefix::none;
-  bool cells = false;      // by cells over UDP; else by HTTP
-  bool one_range = false;  // asked for as one range of bytes, so that the server does not compress it on the way
+  bool cells = false;      // over UDP; otherwise HTTP
+  bool one_range = false;  // requested as one range, so that the server does not compress it
 };
 
-/// All ways, in the order of the tables. Another one is a row here, and its file in Model::make.
+/// Formats in the order of the tables. A new one needs a row here, and its file in Model::make.
 inline constexpr std::array<Format, 9> kFormats{{
     {"records", "QNV records, HTTP", "records.qnv", Prefix::stream},
     {"packed", "QNV packed, HTTP", "packed.qnv", Prefix::stream},
@@ -44,47 +44,47 @@ inline constexpr std::array<Format, 9> kFormats{{
     {"cells-outlines", "Outline groups, cells", "outlines.qnv", Prefix::world, true},
 }};
 
-/// Of kFormats; null for a name that is none.
+/// Returns the row of a name, or null for an unknown one.
 [[nodiscard]] constexpr const Format* format_named(std::string_view name) {
   for (const Format& format : kFormats)
     if (format.name == name) return &format;
   return nullptr;
 }
 
-/// The SSIM of a usable picture.
+/// Minimum SSIM of a usable picture.
 inline constexpr double kUsable = 0.9;
 
 struct ModelOptions {
   std::string file;              // of any type that opens as polygons; VRML97 is sent as it is
   std::string folder;            // for all generated files; exists and is empty
   View view;                     // of all pictures
-  int draco_bits = 11;           // of a coordinate
-  std::size_t packed_bytes = 0;  // 0: twice of what Draco's file has
+  int draco_bits = 11;           // per coordinate
+  std::size_t packed_bytes = 0;  // 0 means twice the size of Draco's file
   std::size_t record_vectors = 125'000;
-  double tolerance = 0.005;  // of outline groups, of the model's diagonal
+  double tolerance = 0.005;  // for outline groups, relative to the model's diagonal
 };
 
 /// Visible result of a part of a transfer.
 struct Shown {
-  bool anything = false;  // one pixel that is no background
-  PictureError error;     // beside the mesh itself
+  bool anything = false;  // at least one pixel that is not background
+  PictureError error;     // relative to the mesh itself
 };
 
-/// How many bytes of a file it takes.
+/// Bytes of a file that a picture needs.
 struct Thresholds {
   std::uint64_t size = 0;
-  std::optional<std::uint64_t> first, usable;  // to anything at all; to SSIM 0.9
+  std::optional<std::uint64_t> first, usable;  // for any picture; for SSIM 0.9
   PictureError end;
 };
 
-/// A model in all formats, in a folder that can be served, and its picture. Keeps the studio. One thread.
+/// Model in all formats in a folder that can be served, with its picture. Keeps the studio. One thread.
 class Model {
  public:
   [[nodiscard]] static std::variant<std::unique_ptr<Model>, std::string> make(const ModelOptions& options,
                                                                               Studio& studio);
-  /// To be served.
+  /// Returns the folder to serve.
   [[nodiscard]] std::string folder() const { return options_.folder + "/served"; }
-  /// 0 where there is none: Draco's programs are missing.
+  /// Returns 0 for missing formats, as without Draco's programs.
   [[nodiscard]] std::uint64_t size(const Format& format) const;
   [[nodiscard]] std::size_t triangles() const { return triangles_; }
   /// Of the QNV streams.
@@ -94,7 +94,7 @@ class Model {
   [[nodiscard]] std::size_t outline_groups() const { return outline_groups_; }
 
   [[nodiscard]] Shown show(const render::RenderList& list) { return compare(list); }
-  /// The first bytes of the format's file. Nothing where it cannot be drawn.
+  /// Decodes the first bytes of a format's file. Returns nullopt if they cannot be drawn.
   [[nodiscard]] std::optional<Shown> show(const Format& format, std::uint64_t bytes);
   [[nodiscard]] Thresholds thresholds(const Format& format);
 
@@ -115,8 +115,7 @@ class Model {
   std::size_t triangles_ = 0, packed_vectors_ = 0, record_vectors_ = 0, outline_groups_ = 0;
 };
 
-/// The least number from `low` to `high` of which something is true that is true of all larger ones, or up to `step`
-/// more. It is true of `high`.
+/// Returns the smallest number from `low` to `high` with a monotonic property, within `step`. `high` must have it.
 template <class Holds>
 [[nodiscard]] std::uint64_t least(std::uint64_t low, std::uint64_t high, std::uint64_t step, const Holds& holds) {
   while (low < high && high - low >= step) {

@@ -15,8 +15,8 @@ namespace {
 
 /// Decoded result of a chunk of records.
 struct RecordsCame {
-  std::vector<std::byte> payload;  // the 48 bytes of its header, and the records as far as they reach
-  net::RangeSet came;              // of payload
+  std::vector<std::byte> payload;  // the 48 bytes of its header, and the received records
+  net::RangeSet came;              // received ranges of payload
 };
 
 void put(const net::CellEvent& event, RecordsCame& chunk) {

@@ -25,7 +25,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::uint16_t kHttpPort = 8080, kCellsPort = 6635;
 
-/// `ghostspace serve` as a child of the server's host, killed at the end.
+/// `ghostspace serve` as a child on the server's host, killed at the end.
 class ServerProcess {
  public:
   ServerProcess() = default;
@@ -38,7 +38,7 @@ class ServerProcess {
     }
     if (messages_ >= 0) ::close(messages_);
   }
-  /// On the thread of the host. What is wrong, or nothing: then it listens.
+  /// Starts the server on the host's thread. Returns an error, or nullopt once it listens.
   [[nodiscard]] std::optional<std::string> start(const ServerSpec& spec);
 
  private:
@@ -49,8 +49,8 @@ class ServerProcess {
 };
 
 std::optional<std::string> ServerProcess::start(const ServerSpec& spec) {
-  // All interfaces: cells know only that, or this machine. No rate: HTTP is not limited, a client of cells to 50
-  // Mbit/s.
+  // Listens on all interfaces, since cells know only those or this machine. Without a rate, HTTP is unlimited, and
+  // cells send 50 Mbit/s per client.
   std::vector<std::string> words{spec.program, "serve", spec.folder, "--http", std::to_string(kHttpPort)};
   for (const char* word : {"--bind", "*", "--log", "/dev/null", "--cells"}) words.emplace_back(word);
   words.push_back(std::to_string(kCellsPort));
@@ -63,7 +63,7 @@ std::optional<std::string> ServerProcess::start(const ServerSpec& spec) {
   if (::pipe2(ends, O_CLOEXEC) != 0) return "no pipe for the server";
   child_ = ::fork();
   if (child_ == 0) {
-    // Other threads run in the parent: system calls only. It must not outlive us, however we end.
+    // Other threads run in the parent, so only system calls are safe here. The child must not outlive the parent.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     ::dup2(ends[1], STDERR_FILENO);
     ::execv(spec.program.c_str(), arguments.data());
@@ -74,7 +74,7 @@ std::optional<std::string> ServerProcess::start(const ServerSpec& spec) {
   return child_ > 0 ? wait_for_word() : "no process for the server";
 }
 
-// It says on stderr where it listens, cells last.
+// Reads the listening messages on stderr, with cells last.
 std::optional<std::string> ServerProcess::wait_for_word() const {
   constexpr auto kPatience = std::chrono::seconds(20);
   const auto until = Clock::now() + kPatience;
@@ -91,7 +91,7 @@ std::optional<std::string> ServerProcess::wait_for_word() const {
   return std::nullopt;
 }
 
-/// Something another thread rings for.
+/// Signal from another thread.
 class Wake {
  public:
   void ring() {
@@ -119,7 +119,7 @@ Clock::time_point limit_of(Clock::time_point start, double seconds) {
   return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-// One event of a loader; true when there is no more to wait for.
+// Handles an event of a loader. Returns true when the transfer has ended.
 bool take_load(const net::LoadEvent& event, double seconds, const TransferSpec& spec, Recording& recording) {
   if (const auto* data = std::get_if<net::LoadData>(&event.what)) {
     recording.arrivals.push_back({seconds, data->offset + data->bytes.size()});
@@ -159,7 +159,7 @@ Clock::time_point fetch_http(const TransferSpec& spec, Recording& recording) {
   return start;
 }
 
-// One event of a client of cells; true when there is no more to wait for.
+// Handles an event of a cell client. Returns true when the transfer has ended.
 bool take_cells(net::CellEvent event, double seconds, const TransferSpec& spec, std::uint64_t& bytes,
                 Recording& recording) {
   using EventKind = net::CellEvent::Kind;
@@ -176,7 +176,7 @@ bool take_cells(net::CellEvent event, double seconds, const TransferSpec& spec, 
 }
 
 Clock::time_point fetch_cells(const TransferSpec& spec, Recording& recording) {
-  // So that headers of UDP and IP fit beside what is granted.
+  // Leaves room for UDP and IP headers beside the grant.
   constexpr double kOfLine = 0.95;
   Wake wake;
   net::CellClientOptions options;
@@ -225,7 +225,7 @@ Recording transfer(const TransferSpec& spec, const ServerSpec& server) {
     return recording;
   }
   EmulatedLink& link = *std::get<std::unique_ptr<EmulatedLink>>(made);
-  ServerProcess process;  // goes before its host
+  ServerProcess process;  // destroyed before its host
   link.on_server([&] {
     if (const auto problem = process.start(server)) recording.problem = *problem;
   });

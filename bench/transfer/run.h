@@ -13,33 +13,33 @@
 
 namespace gs::bench {
 
-/// The server that is measured: `ghostspace serve`, a process on the server's host.
+/// Measured server: `ghostspace serve`, a process on the server's host.
 struct ServerSpec {
-  std::string program;                 // ghostspace
-  std::string folder;                  // that is served
-  std::string scratch;                 // a folder of its own, for its cache
-  std::vector<std::string> arguments;  // more of them
+  std::string program;                 // path of ghostspace
+  std::string folder;                  // served folder
+  std::string scratch;                 // own folder for its cache
+  std::vector<std::string> arguments;  // further arguments
 };
 
 /// One transfer of one file.
 struct TransferSpec {
   LinkSpec link;
-  std::string congestion_control = "cubic";  // TCP's
+  std::string congestion_control = "cubic";  // for TCP
   std::string file;                          // in the served folder
-  std::uint64_t size = 0;                    // of it
-  bool cells = false;                        // else HTTP
-  bool one_range = false;                    // asked for as one range of bytes
-  double limit = 60;                         // seconds; what has not come by then never comes
-  std::uint64_t enough = 0;                  // bytes; stops when so many have come; 0: everything
+  std::uint64_t size = 0;                    // in bytes
+  bool cells = false;                        // otherwise HTTP
+  bool one_range = false;                    // requested as one range
+  double limit = 60;                         // seconds; later data count as missing
+  std::uint64_t enough = 0;                  // stops after this number of bytes; 0 means all
 };
 
-/// So many bytes from the start of the file had come.
+/// Number of bytes received from the start of the file, with its time.
 struct Arrival {
   double seconds = 0;
   std::uint64_t bytes = 0;
 };
 
-/// A base or a piece of a chunk came.
+/// Receipt of a base or of a piece of a chunk.
 struct CellArrival {
   double seconds = 0;
   net::CellEvent event;
@@ -47,30 +47,30 @@ struct CellArrival {
 
 /// Received data with their times, in seconds since the request, before there was a connection.
 struct Recording {
-  std::string problem;              // why nothing was measured
-  std::string failure;              // why the loader, or the client of cells, gave up; the time goes on to the limit
-  bool complete = false;            // all that was wanted has come; cells: the server has sent all
-  std::optional<double> connected;  // the server's first packet reached the client
-  std::vector<Arrival> arrivals;    // of HTTP
+  std::string problem;              // reason for a missing measurement
+  std::string failure;              // reason why the client gave up; the time continues to the limit
+  bool complete = false;            // everything is received; cells: the server has sent everything
+  std::optional<double> connected;  // arrival of the server's first packet
+  std::vector<Arrival> arrivals;    // over HTTP
   std::vector<CellArrival> cells;
   net::CellClientStatistics cell_counts;
   LinkCounts link;
 
-  /// When the last byte came.
+  /// Returns the time of the last byte.
   [[nodiscard]] double last() const;
-  /// When the first so many bytes of the file were there, of HTTP.
+  /// Returns the time at which the first `bytes` of the file were complete, over HTTP.
   [[nodiscard]] std::optional<double> when(std::uint64_t bytes) const;
 };
 
-/// Makes a link and a server of its own, and fetches the file. Any thread; several at once.
+/// Makes a link and a server, and fetches the file. Any thread; several at once.
 [[nodiscard]] Recording transfer(const TransferSpec& spec, const ServerSpec& server);
 
-/// Whether `ghostspace serve` has an option.
+/// Reports whether `ghostspace serve` has an option.
 [[nodiscard]] bool serve_has_option(const std::string& program, const std::string& option);
 
-/// The vectors of a stream of which these pieces came by cells; nothing before the base has come.
+/// Decodes a stream from pieces received as cells. Returns an empty point set before the base.
 [[nodiscard]] qnv::Cloud cloud_of(std::span<const CellArrival> arrivals);
-/// The same, or polygons where it is a stream of outlines.
+/// Draws the pieces as vectors, or as polygons for a stream of outlines.
 [[nodiscard]] render::RenderList list_of(std::span<const CellArrival> arrivals);
 
 }  // namespace gs::bench

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Seconds; kNever: everything came, and it was not enough; above the limit: it did not come in time.
+/// Seconds. kNever: all data did not suffice; over the limit: not received in time.
 struct Times {
   double first = kNever, usable = kNever, end = kNever;
 };
@@ -45,7 +45,7 @@ LinkSpec link_of(double megabits, double milliseconds, double percent, std::uint
   return link;
 }
 
-// The picture that a recording of cells gives after so many pieces.
+// Returns the picture of a recording of cells after this number of pieces.
 Shown shown_after(Model& model, const Recording& recording, std::uint64_t pieces) {
   return model.show(list_of(std::span(recording.cells).first(static_cast<std::size_t>(pieces))));
 }
@@ -102,7 +102,7 @@ std::string cell_text(const std::vector<Times>& runs, double limit) {
          seconds_text(median(end), limit);
 }
 
-/// All links' accuracy together.
+/// Accuracy of all links together.
 struct Accuracy {
   double worst = 0;
   std::uint64_t late = 0, delivered = 0, not_carried = 0;
@@ -188,7 +188,7 @@ std::vector<Place> places(const TransferOptions& options, const AllThresholds& t
   return all;
 }
 
-// One table: the fields of `results` from `at` on.
+// Prints one table, with the fields of `results` from `at` on.
 void print_table(const TransferOptions& options, const AllThresholds& thresholds, double rate, double round_trip,
                  const std::vector<std::vector<Times>>& results, std::size_t& at) {
   const double limit = limit_for(options, rate);
@@ -204,7 +204,7 @@ void print_table(const TransferOptions& options, const AllThresholds& thresholds
   std::printf("\n");
 }
 
-// How much sooner a usable picture is there than the VRML97 file, without loss.
+// Prints how much earlier a usable picture is complete than the VRML97 file, without loss.
 void print_parts(const TransferOptions& options, const AllThresholds& thresholds, const std::vector<Place>& all,
                  const std::vector<std::vector<Times>>& results) {
   const auto time_of = [&](const Format* format, double rate, double round_trip, double Times::*which) {

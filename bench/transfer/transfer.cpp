@@ -1,11 +1,11 @@
-// Time to the first picture, to a usable one and to the end, on links of given rate, delay and loss, for one model in
-// many formats, by HTTP and by cells.
+// Measures the time to the first picture, to a usable one and to the end, on links of given rate, delay and loss, for
+// one model in many formats, over HTTP and as cells.
 //
 //   transfer --model FILE [...]   (transfer_options.cpp has them all)
 //
-// The links are two network namespaces each and a thread that carries their packets (link_emulator.h); the server is
-// `ghostspace serve`, the client net::Loader or net::CellClientDriver, TCP the kernel's. Pictures are drawn after the
-// transfers, from what had come at each moment. Prints Markdown. Needs root, or `unshare -r`, and for Draco's row
+// Each link is two network namespaces with a thread that carries their packets (link_emulator.h). The server is
+// `ghostspace serve`, the client net::Loader or net::CellClientDriver, with the kernel's TCP. Pictures are drawn after
+// the transfers, from the data received at each time. Prints Markdown. Needs root or `unshare -r`, and for Draco's row
 // draco_encoder and draco_decoder in the PATH.
 #include "bench/transfer/jobs.h"
 #include "bench/transfer/model.h"
@@ -58,7 +58,7 @@ int main(int count, char** arguments) {
     return 2;
   }
   const auto& options = std::get<TransferOptions>(read);
-  // Before minutes of work: whether there can be a link.
+  // Checks that links are possible before minutes of work.
   auto link = EmulatedLink::create({}, options.tcp);
   if (const auto* problem = std::get_if<std::string>(&link)) {
     std::fprintf(stderr, "transfer: %s\n", problem->c_str());

@@ -17,7 +17,7 @@ using ImportCloud = gs::app::ImportedCloud (*)(std::span<const std::byte>, const
 inline float dot(const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline float length(const glm::vec3& v) { return std::sqrt(dot(v, v)); }
 
-/// Points spread evenly over a sphere, with outward normals, areas that add up to its area, and colours.
+/// Returns points spread evenly over a sphere, with outward normals, areas that sum to its area, and colours.
 inline Cloud sphere(std::size_t count, float radius = 1, glm::vec3 center = glm::vec3(0)) {
   Cloud cloud;
   const auto all = static_cast<float>(count);
@@ -55,7 +55,7 @@ inline void check_sound(const Cloud& cloud) {
   REQUIRE(cloud.description.two_sided);
 }
 
-/// The cloud, which must be there.
+/// Returns the imported point set, which must exist.
 inline Cloud cloud_of(ImportCloud import, const Bytes& bytes) {
   auto result = import(bytes, gs::app::own_budget());
   if (const auto* problem = std::get_if<std::string>(&result)) {
@@ -75,7 +75,7 @@ inline std::string metadata(const Cloud& cloud, std::string_view name) {
   return {};
 }
 
-/// An import of anything is a sound cloud or a message.
+/// Checks that an import of any bytes gives a valid point set or a message.
 inline void check_any(ImportCloud import, const Bytes& bytes) {
   const auto result = import(bytes, gs::app::own_budget());
   if (const auto* cloud = std::get_if<Cloud>(&result)) {
@@ -86,7 +86,7 @@ inline void check_any(ImportCloud import, const Bytes& bytes) {
   }
 }
 
-/// Every prefix (in memory of exactly its size), every byte changed, and rubbish behind the first bytes.
+/// Imports every prefix (in memory of exactly its size), every changed byte, and rubbish after the first bytes.
 inline void check_hostile(ImportCloud import, const Bytes& bytes, std::size_t step = 1) {
   for (std::size_t n = 0; n <= bytes.size(); n += n < 600 ? watched_step(3) : step)
     check_any(import, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)));

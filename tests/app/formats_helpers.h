@@ -63,7 +63,7 @@ void put_big(Bytes& to, T value) {
   for (std::size_t i = sizeof(T); i-- > 0;) to.push_back(raw[i]);
 }
 
-/// A scene and what the importer said.
+/// Imported scene with its diagnostics.
 struct Imported {
   std::unique_ptr<vrml::SceneGraph> scene = std::make_unique<vrml::SceneGraph>("test");
   vrml::Diagnostics diagnostics;
@@ -132,7 +132,7 @@ inline void check_sound(const Imported& result) {
       REQUIRE_EACH((c.r >= 0 && c.r <= 1 && c.g >= 0 && c.g <= 1 && c.b >= 0 && c.b <= 1));
 }
 
-/// Every prefix of a file, in memory of exactly its size, and every byte of it changed.
+/// Imports every prefix of a file, in memory of exactly its size, and every changed byte.
 inline void check_prefixes_and_flips(const Import& import, const Bytes& bytes) {
   for (std::size_t n = 0; n <= bytes.size(); ++n)
     check_sound(imported(import, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n))));
@@ -144,7 +144,7 @@ inline void check_prefixes_and_flips(const Import& import, const Bytes& bytes) {
     }
 }
 
-/// The folder of shared test data, or an empty path.
+/// Returns the folder of shared test data, or an empty path.
 inline std::filesystem::path shared_folder() {
   namespace fs = std::filesystem;
   if (const char* set = std::getenv("GHOSTSPACE_SHARED")) return fs::is_directory(set) ? fs::path(set) : fs::path();

@@ -10,8 +10,8 @@
 
 namespace gs::app {
 
-/// One gzip member that unpacks to `head` and then `unit` again and again, `bytes` of it and at most a unit more:
-/// packed as well as zlib can, but for that a piece of it is packed once and then repeated.
+/// Returns one gzip member that decompresses to `head` and then repeats `unit` for `bytes`, rounded up. Compresses as
+/// well as zlib, since one piece is compressed once and repeated.
 inline std::string gzip_bomb(std::string_view head, std::string_view unit, std::size_t bytes) {
   constexpr std::size_t kPiece = std::size_t{4} << 20;
   std::string piece;
@@ -20,7 +20,7 @@ inline std::string gzip_bomb(std::string_view head, std::string_view unit, std::
   std::string rest;
   while (rest.size() < bytes - pieces * piece.size()) rest += unit;
 
-  // Blocks that end at a whole byte and refer to nothing before them.
+  // Makes blocks that end at a whole byte and refer to nothing before.
   const auto blocks = [](std::string_view text, int flush) {
     z_stream stream{};
     REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) == Z_OK);

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-// Things of centimetres, a thousand to ten thousand kilometres from the origin: maps, surveys, planets.
+// Tests of objects of centimetres, a thousand to ten thousand kilometres from the origin: maps, surveys, planets.
 namespace gs::app::large_coordinates_test {
 namespace {
 
@@ -20,7 +20,7 @@ std::string vector(const glm::dvec3& v) { return number(v.x) + number(v.y) + num
 /// At these coordinates float32 has steps of 1, 0.5 and 0.25 metres, and represents them exactly.
 const glm::dvec3 kFar(10'000'000, -5'000'000, 3'000'000);
 
-/// A stair of boards of some millimetres and a lamp, seen from 30 cm: `to_place` is the way there, the rest is near its
+/// Returns boards of a few millimetres and a lamp, seen from 30 cm. `to_place` leads there; the rest is near its
 /// origin.
 std::string boards(const glm::dvec3& to_place, const glm::dvec3& viewer, const std::string& boards_text) {
   return "Transform { translation " + vector(to_place) +
@@ -65,8 +65,8 @@ TEST_CASE("draws a world of centimetres ten thousand kilometres away as at the o
 }
 
 TEST_CASE("keeps a mesh of large coordinates steady while the viewer moves") {
-  // The same squares of an eighth of a metre in coordinates about the origin and about (2^20, 2^19, 2^20), where
-  // float32 has steps of an eighth and a sixteenth, brought to the same place.
+  // Returns squares of an eighth of a metre in coordinates around the origin or around (2^20, 2^19, 2^20), where
+  // float32 has steps of an eighth and a sixteenth, moved to one position.
   const auto squares = [](const glm::dvec3& at, const glm::dvec3& viewer) {
     std::string points, indices;
     for (int i = 0; i < 6; ++i) {
@@ -97,7 +97,7 @@ TEST_CASE("keeps a mesh of large coordinates steady while the viewer moves") {
 
 TEST_CASE("separates two faces a centimetre apart in a world as large as a planet") {
   Studio studio;
-  // The sphere is behind the viewer, but the world's box reaches from the viewer's nose to behind the faces.
+  // The sphere is behind the viewer, but the world's box extends from the viewer to behind the faces.
   const auto seen = [&](double distance, const std::string& order) {
     const auto face = [&](double z, const std::string& color) {
       const std::string half = number(distance * 0.6);
@@ -143,7 +143,7 @@ TEST_CASE("moves by millimetres and points exactly far from the origin") {
   render::testing::add(list, item);
   pose.position = kFar;
   const glm::vec2 size(800, 600);
-  const float at = 300 * 0.05f / 0.3f / std::tan(0.5f);  // pixels from the middle
+  const float at = 300 * 0.05f / 0.3f / std::tan(0.5f);  // pixels from the centre
   const auto hit = pick(list, ray_through(pose, {400 + at, 300}, size), {});
   REQUIRE(hit);
   CHECK(glm::distance(hit->point - kFar, glm::dvec3(0.05, 0, -0.3)) < 1e-5);

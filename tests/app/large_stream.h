@@ -22,7 +22,7 @@
 
 namespace gs::app {
 
-/// The stream below, encoded.
+/// Returns the encoded stream.
 inline std::string encoded_large_stream() {
   constexpr int kSteps = 400;
   const auto at = [](int i, int j) {
@@ -45,9 +45,8 @@ inline std::string encoded_large_stream() {
   return std::string(reinterpret_cast<const char*>(all.data()), all.size());
 }
 
-/// A packed stream of a bumpy ball, of more than a megabyte: long enough to be read here and there. Every test is a
-/// process of its own; the first of them that needs the stream leaves it beside the program, for as long as that is the
-/// same.
+/// Returns an octree stream of a bumpy ball of over a megabyte, long enough for partial reads. Tests are separate
+/// processes, so the first one that needs the stream stores it beside the program until that changes.
 inline const std::string& large_stream() {
   static const std::string bytes = [] {
     namespace fs = std::filesystem;

@@ -28,7 +28,7 @@ inline Bytes bytes_of(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// A file of memory://a/. `rate`: bytes a second, 0 for all at once; `block`: how many come together then.
+/// Adds a file of memory://a/. `rate`: bytes per second, 0 for all at once; `block`: bytes per delivery.
 inline void put(LoadOptions& options, const std::string& name, Bytes bytes, std::uint64_t rate = 0,
                 std::size_t block = 64) {
   options.memory->put("memory://a/" + name,
@@ -45,7 +45,7 @@ inline void put(LoadOptions& options, const std::string& name, const std::string
   put(options, name, bytes_of(text));
 }
 
-/// The files of memory://a/.
+/// Files of memory://a/.
 struct Site {
   void put(const std::string& name, Bytes bytes, std::uint64_t rate = 0, std::size_t block = 64) {
     late_worlds::put(options, name, std::move(bytes), rate, block);
@@ -53,7 +53,7 @@ struct Site {
   void put(const std::string& name, const std::string& text, std::uint64_t rate = 0) {
     put(name, bytes_of(text), rate, 1);
   }
-  /// A server that never answers.
+  /// Adds a server that never answers.
   void never(const std::string& name) {
     options.memory->put("memory://a/" + name, [](const net::TransferRequest&, unsigned) {
       net::MemoryAnswer answer;
@@ -87,7 +87,7 @@ struct World {
   }
   vrml::SceneGraph& scene() { return *opened.scene; }
   vrml::NodeId root(std::size_t place) { return scene().roots()[place]; }
-  /// One url, or none.
+  /// Sets one url, or none.
   void set_url(vrml::NodeId node, const std::string& url) {
     vrml::MFString list;
     if (!url.empty()) list.push_back(url);
@@ -104,7 +104,7 @@ struct World {
     runtime->arrive(std::move(arrivals));
     runtime->step(time += 1);
   }
-  /// All that comes, with what that asks for.
+  /// Delivers all requested resources, and those that they request.
   void load() {
     do {
       loading.request(runtime->take_url_requests());
@@ -115,7 +115,7 @@ struct World {
       arrive(loading.take_arrivals());
     } while (requests_wait());
   }
-  /// So long.
+  /// Steps for a duration.
   void step_for(std::chrono::milliseconds span) {
     const auto end = std::chrono::steady_clock::now() + span;
     while (std::chrono::steady_clock::now() < end) (void)loading.step(std::chrono::milliseconds(5));

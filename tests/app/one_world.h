@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-// A session of one world, and what somebody does in it.
+// Session of one world, with input of a user.
 namespace gs::app::sessions {
 
 inline constexpr double kStart = 1000;
@@ -38,7 +38,7 @@ inline SessionInput input_of(std::vector<WindowEvent> events, bool over_interfac
   return input;
 }
 
-/// A session of one world, begun at kStart.
+/// Session of one world that begins at kStart.
 struct OneWorld {
   explicit OneWorld(const std::string& body, bool simulated = true)
       : document(hold_world(world_of(body))), session({{}, {}, {}, simulated}, {}, [] {}) {

@@ -1,4 +1,4 @@
-// Worlds that must look alike: small pictures of two texts, compared pixel by pixel.
+// Comparison of small pictures of two worlds, pixel by pixel.
 #pragma once
 
 #include "app/world/world_loading.h"
@@ -24,17 +24,17 @@
 
 namespace gs::app::pairs {
 
-/// A number as the text of a world has it, exactly.
+/// Returns the exact text of a number in a world.
 inline std::string number(double value) {
   std::array<char, 40> text{};
   std::snprintf(text.data(), text.size(), "%.9g ", value);
   return text.data();
 }
 
-/// Files by name, "main.wrl" the one that is shown.
+/// Files by name; "main.wrl" is shown.
 using Files = std::map<std::string, std::string>;
 
-/// Draws worlds of 64 x 64 pixels, as their first Viewpoint sees them.
+/// Studio that draws worlds of 64 x 64 pixels from their first Viewpoint.
 class Studio {
  public:
   [[nodiscard]] render::Image picture(const Files& files) {
@@ -69,7 +69,7 @@ class Studio {
 };
 
 struct PictureDifference {
-  std::size_t pixels = 0;  // that differ by more than the rounding of a colour
+  std::size_t pixels = 0;  // pixels that differ by more than rounding
   int most = 0;            // of 255
 };
 inline PictureDifference compare_pictures(const render::Image& a, const render::Image& b, int rounding = 2) {
@@ -85,7 +85,7 @@ inline PictureDifference compare_pictures(const render::Image& a, const render::
   return difference;
 }
 
-/// How many pixels are not black, the colour of an empty world.
+/// Counts pixels that are not black, the colour of an empty world.
 inline std::size_t shown_pixels(const render::Image& image) {
   std::size_t count = 0;
   for (std::size_t pixel = 0; pixel < image.pixels.size(); pixel += image.components)
@@ -93,7 +93,7 @@ inline std::size_t shown_pixels(const render::Image& image) {
   return count;
 }
 
-/// An IndexedFaceSet with the triangles, normals and texture coordinates of a mesh.
+/// Returns an IndexedFaceSet with the triangles, normals and texture coordinates of a mesh.
 inline std::string faces_of(const vrml::Mesh& mesh) {
   std::string text =
       "IndexedFaceSet { solid " + std::string(mesh.solid ? "TRUE" : "FALSE") + " coord Coordinate { point [ ";
@@ -108,7 +108,7 @@ inline std::string faces_of(const vrml::Mesh& mesh) {
   return text + "] }";
 }
 
-/// Two worlds that must look alike: but for some pixels at edges, of which rounding decides.
+/// Checks that two worlds look alike except for some pixels at edges, where rounding decides.
 inline void check_alike(Studio& studio, const std::string& what, const Files& a, const Files& b,
                         std::size_t edge_pixels = 12) {
   INFO(what);

@@ -1,4 +1,4 @@
-// Geometries and what they must look like: the IndexedFaceSet of the same faces, other ways to write the same.
+// Tests of geometries that must look alike: IndexedFaceSets of the same faces, and other notations.
 #include "tests/app/pairs.h"
 #include "vrml/syntax/parser.h"
 
@@ -12,7 +12,7 @@ using namespace pairs;
 
 namespace {
 
-/// Seen from above and the side, by a light of its own.
+/// Seen obliquely from above, with its own light.
 const std::string kScene =
     "NavigationInfo { headlight FALSE }\n"
     "Viewpoint { position 2.2 2.4 5 orientation -0.74 0.66 0.12 0.55 }\n"
@@ -33,7 +33,7 @@ std::string glowing(const std::string& color) {
   return "appearance Appearance { material Material { emissiveColor " + color + " } }";
 }
 
-/// The mesh of a geometry node, with so many segments around.
+/// Returns the mesh of a geometry node with this number of segments.
 vrml::Mesh mesh_of(const std::string& geometry, int segments) {
   vrml::SceneGraph scene("text.wrl");
   vrml::Diagnostics diagnostics;
@@ -84,7 +84,7 @@ TEST_CASE("draws equal shapes of different geometry nodes alike") {
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {
     check_alike(studio, what, kScene + a, kScene + b);
   };
-  // A Box is six faces, each with the whole texture, upright seen from outside (6.7).
+  // A Box has six faces with the whole texture each, upright seen from outside (6.7).
   alike("Box and its six faces", shape("Box { size 2 1 1.5 }"),
         shape("IndexedFaceSet { coord Coordinate { point [ -1 -0.5 0.75, 1 -0.5 0.75, 1 0.5 0.75, -1 0.5 0.75, "
               "-1 -0.5 -0.75, 1 -0.5 -0.75, 1 0.5 -0.75, -1 0.5 -0.75 ] } "
@@ -100,7 +100,7 @@ TEST_CASE("draws equal shapes of different geometry nodes alike") {
               "1.2 ] } "
               "coordIndex [ 0 3 4 1 -1 1 4 5 2 -1 ] texCoord TextureCoordinate { point [ 0 0, 0.5 0, 1 0, 0 1, 0.5 1, "
               "1 1 ] } }"));
-  // A tube, from the back counter-clockwise as the Cylinder's texture goes (6.14, 6.18).
+  // A tube with texture counter-clockwise from the back, like a Cylinder's (6.14, 6.18).
   check_alike_in_some_fineness(
       studio, "Cylinder and Extrusion", kScene + shape("Cylinder { radius 0.7 height 1.4 top FALSE bottom FALSE }"),
       [](int segments) {
@@ -155,7 +155,7 @@ TEST_CASE("draws faces alike, however they are listed (VRML97 6.23)") {
             "normal Normal { vector [ -0.6246950 0.7808688 0, 0 1 0, 0.6246950 0.7808688 0, -0.6246950 0.7808688 0, 0 "
             "1 0, "
             "0.6246950 0.7808688 0 ] }");
-  // S along the longest side of the box, X before Y before Z, T along the next; both by the longest.
+  // S along the longest side of the box (ties: X, Y, Z), T along the next one, both scaled by the longest.
   alike("default texture coordinates", roof + faces,
         roof + faces + "texCoord TextureCoordinate { point [ 0 1, 0.5 1, 1 1, 0 0, 0.5 0, 1 0 ] }");
   alike("seen from behind",

@@ -1,4 +1,4 @@
-// Lights, materials and textures that must look alike.
+// Tests of lights, materials and textures that must look alike.
 #include "tests/app/pairs.h"
 
 #include "render/image/image_codecs.h"
@@ -63,7 +63,7 @@ TEST_CASE("draws lights alike, wherever they are written (VRML97 4.6.6, 6.16, 6.
           with("color 0.5 0.25 0.1 ") + ball);
     alike(kind + ": twice", with("intensity 0.3 ") + with("intensity 0.3 ") + ball, with("intensity 0.6 ") + ball);
   }
-  // The distance that attenuation counts is the light's own, and so is the radius.
+  // Attenuation and radius use the light's own coordinate system.
   alike("scaled PointLight",
         "Transform { scale 2 2 2 children PointLight { location 0.5 1 1.5 attenuation 0 0.6 0 radius 10 } }" + ball,
         "PointLight { location 1 2 3 attenuation 0 0.3 0 radius 20 }" + ball);
@@ -99,7 +99,7 @@ TEST_CASE("takes colours from the sources of the lighting tables (VRML97 4.14, T
     return "Transform { translation 0 0 -2 children " + wall + " }" + text;
   };
   const std::string half = number(128.0 / 255), quarter = number(64.0 / 255), part = number(96.0 / 255);
-  // Unlit: no Material.
+  // Unlit without Material.
   const auto unlit = [&](const std::string& color, const std::string& more = "") {
     return shape(material("diffuseColor 0 0 0 ambientIntensity 0 emissiveColor " + color + more));
   };
@@ -171,7 +171,7 @@ TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.
     return text;
   };
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {
-    check_alike(studio, what, a, b, 40);  // texels end on whole pixels' edges
+    check_alike(studio, what, a, b, 40);  // texels end at pixel edges
   };
   alike("translation", transformed("translation 0.3 0.2"), textured("", by_formula({0, 0}, 0, {1, 1}, {0.3, 0.2})));
   alike("scale", transformed("scale 2 3"), textured("", by_formula({0, 0}, 0, {2, 3}, {0, 0})));
@@ -195,7 +195,7 @@ TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.
                    "0xffff40 }",
                    kSquare));
 
-  // The same pixels in a file.
+  // The same pixels in an image file.
   render::Image image{4, 2, 3, {}};
   for (const unsigned word : {0xff40ffu, 0x40ffffu, 0xffffffu, 0x808080u, 0xff4040u, 0x40ff40u, 0x4040ffu, 0xffff40u})
     for (const int shift : {16, 8, 0}) image.pixels.push_back(static_cast<std::uint8_t>(word >> shift));
@@ -232,7 +232,7 @@ TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a
   for (const std::string& other :
        {red + blue + green, green + red + blue, green + blue + red, blue + red + green, blue + green + red})
     check_alike(studio, "shapes", view + red + green + blue, view + other, 0);
-  // Three faces of one mesh, coloured by face.
+  // Three faces of one mesh, with a colour each.
   const auto faces = [&](const std::string& index, const std::string& colors) {
     return view +
            "Shape { appearance Appearance { material Material { transparency 0.5 } } geometry IndexedFaceSet { solid "
@@ -246,7 +246,7 @@ TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a
               in_order, 0);
   check_alike(studio, "faces, middle first", faces("4 5 6 7 -1 0 1 2 3 -1 8 9 10 11 -1", "0 1 0, 1 0 0, 0 0 1"),
               in_order, 0);
-  // In one mesh and in three.
+  // In one mesh, and in three.
   const std::string three = view + "DirectionalLight { }" + [&] {
     std::string text;
     for (const auto& [z, x, color] : {std::tuple{0.5, -0.3, "1 0 0"}, {0.0, 0.0, "0 1 0"}, {-0.5, 0.3, "0 0 1"}})
@@ -264,7 +264,7 @@ TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a
     CHECK(middle[1] == Approx(63.75).margin(1.5));
     CHECK(middle[2] == Approx(31.875).margin(1.5));
   }
-  // An alpha of a texture is sorted like one of a Material.
+  // A texture's alpha is sorted like a Material's.
   const auto pane = [&](double z, double x, const std::string& word) {
     return shape(
         "texture PixelTexture { image 1 1 4 " + word + " }",
@@ -272,7 +272,7 @@ TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a
   };
   const std::string a = pane(0.5, -0.3, "0xff000080"), b = pane(-0.5, 0.3, "0x0000ff80");
   check_alike(studio, "textures", view + a + b, view + b + a, 0);
-  // The one before the other, of which 127 / 255 of half are left.
+  // One in front of the other, of which 127 / 255 of half remain.
   const render::Image panes = studio.picture(view + a + b);
   const std::uint8_t* middle = panes.pixels.data() + (std::size_t{32} * panes.width + 32) * panes.components;
   CHECK(middle[0] == Approx(128).margin(1.5));

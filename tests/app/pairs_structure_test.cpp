@@ -1,4 +1,4 @@
-// Grouping, sharing and prototypes: ways to write one world that must look alike.
+// Tests of grouping, sharing and prototypes: different notations of one world that must look alike.
 #include "tests/app/pairs.h"
 
 #include <cmath>
@@ -84,7 +84,7 @@ TEST_CASE("draws joined and separate transformations alike (VRML97 6.52)") {
                         "Shape { appearance Appearance { material Material { } } geometry IndexedFaceSet { coord "
                         "Coordinate { point [ ",
                     faces = " ] } coordIndex [ 0 1 2 -1 0 3 1 -1 1 3 2 -1 2 3 0 -1 ] } }";
-  // Normals go with the surface, not with the scale.
+  // Normals follow the surface, not the scale.
   alike("scaled corners", moved("scale 1 3 0.5", wedge + "0 0 1, 1 0 0, 0 0.5 0, -0.4 -0.3 -0.5" + faces),
         wedge + "0 0 0.5, 1 0 0, 0 1.5 0, -0.4 -0.9 -0.25" + faces);
   alike("mirrored", moved("scale -1 1 1", wedge + "0 0 1, 1 0 0, 0 1 0, -0.4 -0.3 -0.5" + faces),
@@ -178,7 +178,7 @@ TEST_CASE("draws Inlines, PROTOs and EXTERNPROTOs like their content (VRML97 4.8
                                      "rotation 0 1 0 0.3 translation IS at children IS inside } } P { inside [ " +
                                      body + " ] }"}},
               pasted, 0);
-  // Values by IS, of nodes of every family.
+  // IS values of nodes of every kind.
   check_alike(studio, "values by IS",
               kView +
                   "PROTO P [ field SFColor c 1 1 1 field SFVec3f s 1 1 1 field SFVec2f t 0 0 field SFImage i 0 0 0 ] { "

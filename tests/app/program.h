@@ -5,7 +5,7 @@
 
 namespace gs::app {
 
-/// The path of the program that is tested as a whole.
+/// Returns the path of the tested program.
 inline const std::string& program() {
   static const std::string path = [] {
     const char* of_variant = std::getenv("GHOSTSPACE_PROGRAM");

@@ -13,15 +13,15 @@
 
 namespace gs::app {
 
-/// How a run of the program ended, and all that it printed.
+/// Exit status of a run, and its output.
 struct Run {
   int status;
   std::string output;  // stdout and stderr
 };
 
-/// Runs a line of the shell; what its parts print elsewhere is not told.
+/// Runs a shell line. Output that its parts redirect is not returned.
 inline Run run_shell(const std::string& line) {
-  // Under AddressSanitizer the program would tell at its end which known leaks it passed over.
+  // AddressSanitizer would print suppressed leaks at the end.
   FILE* pipe = popen(("export LSAN_OPTIONS=print_suppressions=0; { " + line + "; } 2>&1").c_str(), "r");
   REQUIRE(pipe);
   Run result{0, {}};
@@ -33,7 +33,7 @@ inline Run run_shell(const std::string& line) {
   return result;
 }
 
-/// Runs the program as a user does, through the shell.
+/// Runs the program through the shell.
 inline Run run(const std::string& arguments) { return run_shell(program() + " " + arguments); }
 
 inline std::string quoted(const std::string& path) { return "'" + path + "'"; }

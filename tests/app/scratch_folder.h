@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-/// A folder of a test's own, gone at its end.
+/// Temporary folder of one test.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -25,8 +25,8 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
-  /// Writes a new file in the place of one that may have been there: a file that is cut and written again is flushed to the
-  /// disk by ext4 at each round, milliseconds in a test of every prefix.
+  /// Writes a file as a new one. ext4 flushes files that are truncated and written again, which costs milliseconds per
+  /// round.
   std::string write(const std::string& name, std::string_view bytes) const {
     const std::filesystem::path path = path_ / name;
     std::filesystem::create_directories(path.parent_path());

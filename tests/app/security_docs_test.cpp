@@ -1,4 +1,4 @@
-// docs/security.md names the test of each sentence: those tests are there.
+// Checks that the tests exist that docs/security.md names.
 #include <catch2/catch.hpp>
 
 #include <filesystem>

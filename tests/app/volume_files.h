@@ -23,7 +23,7 @@ namespace gs::test {
 
 using qnv::VoxelType;
 
-/// A 3 x 2 x 2 volume of small numbers, some negative where the type has them.
+/// Values of a 3 x 2 x 2 volume, some negative if the type allows.
 inline constexpr std::array<int, 12> kValues = {0, 1, 2, 3, 40, 5, 6, 77, 8, 9, 100, 11};
 
 template <class T>
@@ -148,7 +148,7 @@ inline std::string fits(const std::vector<std::string>& cards, const Bytes& data
   return header + body;
 }
 
-struct Nifti1 {  // nifti1.h, the fields that matter here, each at its place
+struct Nifti1 {  // Fields of nifti1.h at their offsets
   bool big_endian = false;
   Bytes bytes = Bytes(352);
   template <class T>

@@ -6,7 +6,7 @@ namespace gs::app {
 
 using EventKind = WindowEvent::Kind;
 
-/// `pointer` in pixels, `time` in seconds.
+/// Returns an event. `pointer` is in pixels, `time` in seconds.
 inline WindowEvent event(EventKind kind, glm::vec2 pointer = {}, MouseButton button = MouseButton::left,
                          double time = 0) {
   WindowEvent result;

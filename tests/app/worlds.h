@@ -13,14 +13,14 @@
 
 namespace gs::app {
 
-/// All diagnostics of a world, a line each.
+/// Returns all diagnostics of a world, one per line.
 inline std::string said(const OpenedWorld& world) {
   std::string text;
   for (const auto& diagnostic : world.diagnostics.entries()) text += diagnostic.text() + "\n";
   return text;
 }
 
-/// A world of nodes of these types, side by side.
+/// Returns a world of nodes of these types.
 inline OpenedWorld world_with(std::initializer_list<const char*> types) {
   OpenedWorld world;
   world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");
@@ -31,7 +31,7 @@ inline OpenedWorld world_with(std::initializer_list<const char*> types) {
   return world;
 }
 
-/// A world of this text, without its header.
+/// Returns a world of this text, without its header.
 inline OpenedWorld world_of(const std::string& body) {
   OpenedWorld world;
   world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");

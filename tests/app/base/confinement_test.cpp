@@ -40,7 +40,7 @@ using namespace gs::app;
 
 namespace {
 
-// Whether it succeeds in a process that is confined so.
+// Reports whether a function succeeds in a confined process.
 bool succeeds_confined(const Confinement& confinement, const std::function<bool()>& attempt) {
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
@@ -148,7 +148,7 @@ TEST_CASE("reads files of the folder, writes files of OUT's folder, and no other
   CHECK(fails([&] { return ::chmod(scratch.path("secret").c_str(), 0777); }));
   CHECK(fails([&] { return ::utimensat(AT_FDCWD, in.c_str(), nullptr, 0); }));
   CHECK(scratch.read("in/deep/a.wrl") == "inside");
-  // Nowhere to write.
+  // No folder to write to.
   CHECK_FALSE(succeeds_confined({scratch.path("in"), ""}, [&] { return file_opens(out, O_WRONLY); }));
   CHECK(confine({scratch.path("nothing"), ""}).has_value());
 }
@@ -164,7 +164,7 @@ TEST_CASE("denies sockets, other processes and changes of the machine to a confi
   for (const int family : {AF_INET, AF_INET6, AF_UNIX, AF_NETLINK, AF_PACKET, AF_VSOCK, AF_BLUETOOTH, AF_ALG})
     for (const int type : {SOCK_STREAM, SOCK_DGRAM, SOCK_RAW})
       CHECK_FALSE(can([&] { return ::socket(family, type, 0) >= 0 || errno != EPERM; }));
-  // Not by one that was there before, either.
+  // Nor over a socket that was opened before.
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   REQUIRE(socket >= 0);
   sockaddr_in address{};
@@ -211,13 +211,13 @@ TEST_CASE("denies sockets, other processes and changes of the machine to a confi
     return memory != MAP_FAILED && sum == 1 && ::getrlimit(RLIMIT_CORE, &limit) == 0;
   }));
 #ifdef __x86_64__
-  // The same calls by the numbers of other architectures: refused, or the end of the process.
+  // The same calls by the numbers of other architectures are refused or end the process.
   CHECK_FALSE(can([] { return calls(0x40000000 + SYS_getpid) || errno != EPERM; }));
 #endif
 }
 
 TEST_CASE("hides the environment from a confined process") {
-  // The list of this process is put back at the end.
+  // Restores the environment of this process at the end.
   char secret[] = "GHOSTSPACE_TEST_SECRET=hunter2", language[] = "LANG=C.UTF-8";
   char* entries[] = {secret, language, nullptr};
   char** const own = environ;
@@ -232,7 +232,7 @@ TEST_CASE("hides the environment from a confined process") {
   environ = own;
   CHECK(hidden);
   CHECK(std::string(secret).ends_with("hunter2"));
-  // Linux shows the bytes that the process started with; a test runner passes HOME or PWD.
+  // Linux shows the initial environment of a process. A test runner passes HOME or PWD.
   const std::string before = file_text("/proc/self/environ");
   REQUIRE(has_other_variables(before));
   CHECK(succeeds_confined(here, [] { return !has_other_variables(file_text("/proc/self/environ")); }));
@@ -290,7 +290,7 @@ TEST_CASE("runs commands under --confine without reading or writing anything els
 }
 
 TEST_CASE("limits the memory and file size of a child, and passes it no descriptors") {
-  if (watched()) return;  // it takes terabytes of addresses
+  if (watched()) return;  // AddressSanitizer reserves terabytes of addresses
   const ScratchFolder scratch;
   std::stop_source stop;
   ChildLimits limits;
@@ -304,7 +304,7 @@ TEST_CASE("limits the memory and file size of a child, and passes it no descript
   const auto descriptors = run_child("/bin/sh", {"-c", "echo /proc/self/fd/* >&2; exit 1"}, {}, stop.get_token());
   ::close(open);
   REQUIRE(descriptors);
-  // The shell's own three, and what it reads the folder by.
+  // The shell's own three, and the one that reads the folder.
   CHECK(descriptors->message.find("/proc/self/fd/4") == std::string::npos);
   const std::string world = scratch.write("box.wrl", kConfinedWorld);
   limits = {};

@@ -24,7 +24,7 @@ using namespace gs::app;
 namespace {
 
 const std::string kPrintedWorld = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
-// Clears the screen, sets the title, rings, and writes "red"; the same by C1 alone; deletes; turns what follows.
+// Clears the screen, sets the title, rings, and writes "red"; again by C1 controls; deletes; reverses the text.
 const std::string kEvil =
     "\x1b[2J\x1b]0;title\x07\x1b[31mred\xc2\x9b"
     "2J\x7f\xe2\x80\xae\r\xff\xc0\xaf";
@@ -54,7 +54,7 @@ std::string on_terminal(const std::string& line) {
     output.append(buffer.data(), static_cast<std::size_t>(got));
   ::close(terminal);
   REQUIRE(::waitpid(child, nullptr, 0) == child);
-  // Terminals put one in front of each line end.
+  // Terminals add a carriage return to each line end.
   std::erase(output, '\r');
   return output;
 }
@@ -69,7 +69,7 @@ TEST_CASE("escapes controls and invalid UTF-8, and keeps printable text") {
   CHECK(printable(std::string("\0\x01\x1b\x7f", 4)) == "\\x00\\x01\\x1b\\x7f");
   CHECK(printable("\xc2\x80\xc2\x9b\xc2\x9f\xc2\xa0") == "\\u0080\\u009b\\u009f\xc2\xa0");
   CHECK(printable("\xe2\x80\xae\xe2\x80\xa8\xe2\x81\xa6\xd8\x9c\xe2\x80\x8f") == "\\u202e\\u2028\\u2066\\u061c\\u200f");
-  // No UTF-8: alone, cut, overlong, surrogates, too large.
+  // Invalid UTF-8: single bytes, truncated, overlong, surrogates, too large.
   CHECK(printable("\x80") == "\\x80");
   CHECK(printable("\x9b[2J") == "\\x9b[2J");
   CHECK(printable("\xe2\x82") == "\\xe2\\x82");
@@ -114,7 +114,7 @@ TEST_CASE("keeps terminal controls out of file names, contents and URLs that it 
     CHECK_FALSE(result.output.empty());
     CHECK(is_plain(result.output));
   }
-  // A pipe gets the text of a world as it is.
+  // A pipe receives the text of a world unchanged.
   const std::string title = folder.write("title.wrl", "#VRML V2.0 utf8\nWorldInfo { title \"\x1b[2J\" }\n");
   CHECK(run("print " + quoted(title)).output.find("\"\x1b[2J\"") != std::string::npos);
   for (const std::string command : {"print ", "info ", "check "}) {
@@ -145,7 +145,7 @@ TEST_CASE("reports in every command that its output could not be written, and fa
     CHECK(closed.status != kDone);
     CHECK(closed.output.find("cannot write standard output") != std::string::npos);
   }
-  // Nothing to say, nothing that could fail.
+  // Prints nothing, so nothing can fail.
   CHECK(run_shell(program() + " check " + world + " > /dev/full").status == kDone);
   CHECK(run_shell(program() + " check " + bad + " 2>&- >&- <&-").status == kFailed);
 }
@@ -153,7 +153,7 @@ TEST_CASE("reports in every command that its output could not be written, and fa
 TEST_CASE("reports a full disk for every kind of output, and leaves no file") {
   const ScratchFolder folder;
   const std::string world = quoted(folder.write("box.wrl", kPrintedWorld));
-  // A file may have no byte: as on a full disk, with another reason.
+  // A file size limit of 0 acts like a full disk, with another reason.
   const std::string picture = "--backend osmesa --samples 1 --size 32x24 --snapshot ";
   for (const std::string& arguments :
        {"encode --vectors 1000 " + world + " " + quoted(folder.path("o.qnv")),
@@ -172,7 +172,7 @@ TEST_CASE("reports a full disk for every kind of output, and leaves no file") {
 }
 
 TEST_CASE("ends with one line and a status if memory is too small, never with a crash") {
-  if (gs::watched()) return;  // it takes terabytes of addresses
+  if (gs::watched()) return;  // AddressSanitizer reserves terabytes of addresses
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 120; ++i) text += "Shape { geometry Sphere { radius " + std::to_string(i) + " } }\n";
@@ -187,14 +187,14 @@ TEST_CASE("ends with one line and a status if memory is too small, never with a 
         "export --dims 24x24x24 --isovalue 127 " + volume + " " + quoted(folder.path("o.ply"))})
     for (int megabytes = 100; megabytes <= 400; megabytes += megabytes / 2) {
       const Run result = run_shell("ulimit -v " + std::to_string(megabytes) + "000; " + program() + " " + arguments);
-      // The loader of libraries has its own words.
+      // The dynamic loader prints its own message.
       if (result.status == 127 || result.output.find("error while loading shared libraries") != std::string::npos)
         continue;
       INFO(megabytes << " MB: " << arguments << "\n" << result.output);
       CHECK((result.status == kDone || result.status == kFailed));
       if (result.status == kFailed) CHECK(result.output.find("memory") != std::string::npos);
       ++(result.status == kFailed ? failed : done);
-      if (result.status == kDone) break;  // and with more memory, too
+      if (result.status == kDone) break;  // larger limits succeed, too
     }
   CHECK(failed > 0);
   CHECK(done > 0);

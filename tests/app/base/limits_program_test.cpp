@@ -12,8 +12,8 @@
 #include <string>
 
 namespace gs::limits_program_test {
-// The program itself on files that ask for far more than they are, with the limits as they are by default: what it
-// holds at its most. Sanitizers hold more, so only the answer counts with them.
+// Runs the program on files that request far more memory than their size, with default limits, and measures the peak.
+// Sanitizers need more memory, so with them only the answer counts.
 namespace {
 
 using namespace app;
@@ -21,7 +21,7 @@ using namespace app;
 constexpr std::uint64_t kMost = std::uint64_t{2} << 30;
 const std::string kHeader = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
 
-/// Runs a command that writes measurements, and looks at them.
+/// Runs a command that writes measurements, and reads them.
 Run measured(const ScratchFolder& folder, const std::string& command, const std::string& file) {
   const std::string stats = folder.path("stats.json");
   std::filesystem::remove(stats);
@@ -78,7 +78,7 @@ TEST_CASE("prints deep scenes without a text larger than they are") {
   const Run result = run("print " + quoted(folder.write("deep.wrl", text + end)));
   CHECK(result.status == 0);
   CHECK(result.output.size() < 1'000'000);
-  // It reads back the same.
+  // It prints the same again.
   const Run again = run("print " + quoted(folder.write("again.wrl", result.output)));
   CHECK(again.output == result.output);
 }

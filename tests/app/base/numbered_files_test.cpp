@@ -32,14 +32,14 @@ TEST_CASE("sorts the files of a series by their numbers") {
   CHECK(file_series(folder.path("none.%d.vti"))->empty());
   CHECK_FALSE(file_series(folder.path("run.9.vti")));
   folder.write("50%d.vti", "");
-  CHECK_FALSE(file_series(folder.path("50%d.vti")));  // a file that is called so
+  CHECK_FALSE(file_series(folder.path("50%d.vti")));  // a file of that very name
   CHECK_FALSE(file_series("http://host/run.%d.vti"));
 }
 
 TEST_CASE("shows the file of a series that began last, and keeps the final one") {
   CHECK(series_place(0, 10, 5) == 0);
   CHECK(series_place(0.1, 10, 5) == 1);
-  CHECK(series_place(0.3, 10, 5) == 3);  // 0.3 * 10 is less than 3, rounded
+  CHECK(series_place(0.3, 10, 5) == 3);  // 0.3 * 10 is below 3 after rounding
   CHECK(series_place(0.39, 10, 5) == 3);
   CHECK(series_place(100, 10, 5) == 4);
   CHECK(series_place(-1, 10, 5) == 0);

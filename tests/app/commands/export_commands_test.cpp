@@ -1,4 +1,4 @@
-// export, and pictures of streams, as a user runs them.
+// Tests of export, and of pictures of streams, as a user runs them.
 #include "app/formats/export/export.h"
 #include "tests/app/commands/vector_commands.h"
 
@@ -17,7 +17,7 @@ TEST_CASE("export: writes every format of the table, and reads it back") {
     INFO(result.output);
     REQUIRE(result.status == kDone);
     CHECK(result.output.starts_with(out + ": 1000 vectors, "));
-    // Again over its own kind.
+    // Again over a file of its own kind.
     CHECK(run("export --vectors 1000 " + quoted(stream) + " " + quoted(out)).status == kDone);
     CHECK(info(out)["bytes"] > 1000);
   }
@@ -26,7 +26,7 @@ TEST_CASE("export: writes every format of the table, and reads it back") {
   CHECK(points["area"] == Approx(kBallArea).epsilon(0.02));
   CHECK(splats["vectors"] == 1000);
   CHECK(splats["area"] == Approx(kBallArea).epsilon(0.1));
-  // A mesh is encoded on the way; a world for any browser names the stream for ours.
+  // Encodes a mesh before exporting. A world for any browser names the stream for GhostSpace.
   CHECK(run("export --vectors 500 " + quoted(world) + " " + quoted(folder.path("mesh.ply"))).status == kDone);
   CHECK(info(folder.path("mesh.ply"))["vectors"] == 500);
   REQUIRE(run("export --vrml97 " + quoted(stream) + " " + quoted(folder.path("world.wrl"))).status == kDone);
@@ -60,7 +60,7 @@ TEST_CASE("encode and export overwrite only files of their own kind") {
   CHECK(folder.read("mesh.ply") == "ply\nformat ascii 1.0\n");
   CHECK(folder.read("ball.wrl") == kBall);
   CHECK(folder.read("ball.qnv") == bytes);
-  // A stream that was cut is less, not nothing.
+  // A truncated stream shows less, not nothing.
   const std::string cut = folder.write("half.qnv", bytes.substr(0, bytes.size() * 2 / 3));
   CHECK(run("export " + quoted(cut) + " " + quoted(folder.path("half.ply"))).status == kDone);
   CHECK(info(folder.path("half.ply"))["vectors"] > 0);
@@ -86,7 +86,7 @@ TEST_CASE("snapshot: draws with budgets, losses and prefixes of a stream, on bot
   CHECK(whole["splats"] == "cpu");
   CHECK(whole["colors"] > 10);
   CHECK(snapshot("--splats gl")["splats"] == "gl");
-  // Of a ball about half of the discs face the viewer.
+  // About half of a ball's splats face the viewer.
   const nlohmann::json few = snapshot("--budget 800");
   CHECK(few["vectors"] > 100);
   CHECK(few["vectors"] <= 800);

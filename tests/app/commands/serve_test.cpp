@@ -47,7 +47,7 @@ ArchiveOptions options_for(const ScratchFolder& folder, const ScratchFolder& cac
   return options;
 }
 
-// Asks until it is made.
+// Requests a file until it is made.
 Got fetch_made(std::uint16_t port, const std::string& target) {
   for (;;) {
     Got got = fetch(port, target);
@@ -124,7 +124,7 @@ TEST_CASE("searches and sorts an index on the server, without scripts") {
   const std::string page = archive_index(listing, {false, "search=%22%3E%3Cb%3E&sort=%22%3E%3Cb%3E", {}}, true).body;
   CHECK(page.find("\"><b>") == std::string::npos);
   CHECK(page.find("<a href=\"../\">a b</a> / <a href=\"./\">c</a>") != std::string::npos);
-  // A click opens the stream of a mesh and a world itself.
+  // A click opens the stream of a mesh, and a world itself.
   CHECK(page.find("Tower.wrl.gslink") == std::string::npos);
   const std::string whole = archive_index(listing, {}, true).body;
   CHECK(whole.find("href=\"./Tower.wrl.gslink\"") != std::string::npos);
@@ -184,7 +184,7 @@ TEST_CASE("serve: lists a folder with generated thumbnails and streams") {
   CHECK(bad.status == 422);
   CHECK(bad.body.find("bad.stl") != std::string::npos);
   CHECK(bad.body.find(folder.path("")) == std::string::npos);
-  // A link is by the name that the client knows the server by.
+  // A link uses the server name of the client.
   const std::string host = "localhost:" + std::to_string(port);
   const Got link = fetch(port, "/ball.wrl.gslink", {"Host: " + host});
   CHECK(link.status == 200);
@@ -192,7 +192,7 @@ TEST_CASE("serve: lists a folder with generated thumbnails and streams") {
   CHECK(link.body == "[GhostSpace link]\nURL=http://" + host + "/ball.wrl\n");
   CHECK(fetch(port, "/nothing.gslink").status == 404);
   CHECK(fetch(port, "/?search=bad&sort=size").body.find("ball.wrl") == std::string::npos);
-  // Not for pages of other sites, nor by other names.
+  // Not for pages of other sites, nor under other names.
   CHECK(stream.headers.count("access-control-allow-origin") == 0);
   CHECK(fetch(port, "/ball.wrl", {"Host: evil.example"}).status == 421);
   archive->stop(std::chrono::seconds(1));
@@ -248,7 +248,7 @@ TEST_CASE("serve: reads the whole served folder for a generated file") {
   const Got up = fetch_made(port, "/deep/up.wrl.qnv");
   INFO(up.body.substr(0, 200));
   CHECK(up.status == 200);
-  // A world without any surface is nothing that can be encoded.
+  // A world without a surface cannot be encoded.
   CHECK(fetch_made(port, "/deep/none.wrl.qnv").status == 422);
   CHECK(fetch_made(port, "/deep/out.wrl.qnv").status == 422);
 }
@@ -257,7 +257,7 @@ TEST_CASE("serve: generates a file again after the disk was full") {
   const ScratchFolder folder, cache;
   folder.write("ball.wrl", kWorld);
   ArchiveOptions options = options_for(folder, cache);
-  // As our program ends when there is no room for what it made.
+  // Simulates the program on a full disk.
   const std::string full = cache.write("full", "");
   options.program = cache.write("program", "#!/bin/sh\n[ -e '" + full + "' ] && echo 'cannot write " + full +
                                                "' >&2 && exit 3\nexec '" + program() + "' \"$@\"\n");
@@ -270,7 +270,7 @@ TEST_CASE("serve: generates a file again after the disk was full") {
   CHECK(none.body.find('/') == std::string::npos);
   std::filesystem::remove(full);
   CHECK(fetch_made(port, "/ball.wrl.qnv").status == 200);
-  // Nothing is left of either attempt.
+  // Neither attempt leaves a file.
   for (const auto& entry : std::filesystem::directory_iterator(cache.path("")))
     CHECK_FALSE(entry.path().filename().string().starts_with("making"));
 }
@@ -325,7 +325,7 @@ TEST_CASE("serve: sends streams as cells, as octrees and as records") {
     CHECK(std::get<std::shared_ptr<net::CellSource>>(library->open("/" + name)).get() == &source);
     REQUIRE(source.streams() == 1);
     CHECK(source.records(0) == (name == "records.qnv"));
-    // Base and chunks together are the file up to its directory.
+    // Base and chunks together equal the file up to its directory.
     std::string all = string_of(source.base());
     for (std::uint32_t i = 0; i < source.chunks(0); ++i) {
       const auto chunk = source.chunk(0, i);
@@ -345,7 +345,7 @@ TEST_CASE("serve: sends streams as cells, as octrees and as records") {
   }
   for (const char* bad : {"", "..", "../x", "ball.wrl", "nothing.qnv", "/"})
     CHECK(std::holds_alternative<std::string>(library->open(bad)));
-  // Over the wire.
+  // Over UDP.
   auto client = net::CellClientDriver::start({}, "127.0.0.1", *archive->cells_port(), {});
   auto& driver = *std::get<std::unique_ptr<net::CellClientDriver>>(client);
   net::CellWish wish;

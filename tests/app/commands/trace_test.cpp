@@ -35,7 +35,7 @@ Transform { translation 0 5 -1 children [ Shape { geometry Cylinder { radius 2 }
 DEF A Anchor { url "x" children Transform { translation 0 -5 0 children Shape { geometry Box { } } } }
 )";
 
-// The lines of a trace after the first two, which bind the Viewpoint.
+// Returns the lines of a trace after the first two, which bind the Viewpoint.
 std::string pointed(const std::string& world, const std::string& arguments, const std::string& rows) {
   const ScratchFolder folder;
   const std::string file = folder.write("world.wrl", world), input = folder.write("in.jsonl", rows);
@@ -157,18 +157,18 @@ TEST_CASE("trace clicks on a TouchSensor by pixels (6.51)") {
       "946684800.3 T.touchTime 946684800.3\n946684800.4 T.isOver FALSE\n";
   CHECK(pointed(kSensors, "--size 100x100", rows) == lines);
   CHECK(pointed(kSensors, "--size 100x100", rows) == lines);
-  // The same pixels of another picture; the wider one shows more to the sides, where the box of the Anchor is not.
+  // The same pixels of another picture size. The wider picture shows more at the sides, without the Anchor's box.
   CHECK(pointed(kSensors, "--size 300x100", "{\"t\":0,\"move\":[150,50]}\n{\"t\":1,\"move\":[50,50]}") ==
         "946684800 T.isOver TRUE\n946684800 T.hitPoint_changed 0 0 0\n946684800 T.hitNormal_changed 0 0 1\n"
         "946684800 T.hitTexCoord_changed 0.5 0.5\n946684801 T.isOver FALSE\n");
-  // Pressed and released at once, it takes two timestamps.
+  // A press and release at once take two timestamps.
   CHECK(pointed(kSensors, "--size 100x100", "{\"t\":0.5,\"press\":[50,50]}\n{\"t\":0.5,\"release\":[50,50]}")
             .find("946684800.5 T.isActive TRUE\n946684800.5166667 T.isActive FALSE\n946684800.5166667 T.touchTime") !=
         std::string::npos);
 }
 
 TEST_CASE("gives the pointer only to the geometry nearest to the viewer (4.6.7.3)") {
-  // The sensor's box lies behind another one, and beside it on the right.
+  // The sensor's box is behind another one, and visible on its right.
   const std::string world = R"(#VRML V2.0 utf8
 Viewpoint { }
 Group { children [ Transform { translation 2 0 -2 children Shape { geometry Box { size 6 2 2 } } } DEF T TouchSensor { } ] }
@@ -206,13 +206,13 @@ Transform { translation 0 0 30 children [ Shape { geometry Box { } } PlaneSensor
 Group { children [ Shape { geometry IndexedLineSet { coord Coordinate { point [ 0 0 0, 1 1 0 ] } coordIndex [ 0 1 ] } }
   DEF L TouchSensor { } ] }
 DEF G Group { })";
-  // Its box is behind another one, where no pixel shows it.
+  // No pixel shows its box, which is behind another one.
   CHECK(pointed(world, "", "{\"t\":0.1,\"press\":[512,384]}\n{\"t\":0.2,\"release\":[512,384]}\n").empty());
   CHECK(pointed(world, "", "{\"t\":0.1,\"press\":\"T\"}\n{\"t\":0.2,\"release\":true}\n") ==
         "946684800.1 T.isOver TRUE\n946684800.1 T.hitPoint_changed 0 0 1\n946684800.1 T.hitNormal_changed 0 0 1\n"
         "946684800.1 T.hitTexCoord_changed 0.5 0.5\n946684800.1 T.isActive TRUE\n946684800.2 T.isActive FALSE\n"
         "946684800.2 T.touchTime 946684800.2\n");
-  // Dragged off it, nothing was touched.
+  // A drag off the sensor sends no touchTime.
   const std::string left =
       pointed(world, "", "{\"t\":0.1,\"press\":\"T\"}\n{\"t\":0.2,\"drag\":[300,0]}\n{\"t\":0.3,\"release\":true}\n");
   CHECK(left.find("946684800.2 T.isOver FALSE\n946684800.3 T.isActive FALSE\n") != std::string::npos);
@@ -226,7 +226,7 @@ DEF G Group { })";
   REQUIRE(moved != std::string::npos);
   CHECK(dragged.find(" 0.", moved + 52) < dragged.find('\n', moved));
   CHECK(dragged.find("PlaneSensor#1.offset_changed 0.") != std::string::npos);
-  // Lines cannot be met.
+  // Lines are not picked.
   CHECK(pointed(world, "", "{\"t\":0.1,\"press\":\"L\"}\n")
             .find("in.jsonl:1:10: warning: no visible object is sensed by 'L', or it is disabled; not pressed\n") !=
         std::string::npos);
@@ -279,7 +279,7 @@ TEST_CASE("frames the whole world for the pointer like --snapshot if there is no
                                     "{\"t\":0.1,\"press\":[32,32]}\n{\"t\":0.2,\"move\":[48,32]}\n"
                                     "{\"t\":0.3,\"move\":[32,32]}\n{\"t\":0.4,\"release\":[32,32]}");
   CHECK(lines.starts_with("946684800.1 T.isActive TRUE\n946684800.2 T.trackPoint_changed "));
-  // The picture stays where it is while the sphere goes.
+  // The Background stays while the sphere moves.
   CHECK(lines.find("946684800.3 T.translation_changed 0 0 0\n") != std::string::npos);
 }
 
@@ -334,7 +334,7 @@ TEST_CASE("animates the demo world, with its gate and lantern after a click") {
 
   const Run still = run("trace " + world + " --until 1");
   CHECK(still.status == kDone);
-  // Among others the lighthouse, the boat, its pennant in another file, and the gulls in instances of a PROTO.
+  // For example the lighthouse, the boat, its pennant in another file, and the gulls in PROTO instances.
   for (const char* moved : {" Rays.rotation_changed ", " Boat.translation_changed ", " Boat.rotation_changed ",
                             " Pennant.point_changed ", " Circle.rotation_changed ", " Wing.rotation_changed "}) {
     INFO(moved);
@@ -386,7 +386,7 @@ TEST_CASE("starts a trace at the Viewpoint that the fragment of the world's URL 
   };
   CHECK_FALSE(bound(file));
   CHECK(bound(file + "#V2"));
-  CHECK_FALSE(bound(file + "#V3"));  // said, and no reason not to go on
+  CHECK_FALSE(bound(file + "#V3"));  // reported, but not fatal
 }
 
 }  // namespace gs::app::trace_test

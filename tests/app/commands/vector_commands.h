@@ -30,7 +30,7 @@ inline const std::string kBall =
     "Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } } geometry Sphere { radius 2 } }\n";
 inline constexpr double kBallArea = 50.2655;
 
-// A ball of 16 in a cube of 32: values fall from its middle to its surface.
+// Returns a ball of 16 in a cube of 32, with values that fall from its centre to its surface.
 inline std::string raw_ball() {
   std::string voxels;
   for (int z = -16; z < 16; ++z)

@@ -1,4 +1,4 @@
-// encode and info, as a user runs them.
+// Tests of encode and info, as a user runs them.
 #include "tests/app/commands/vector_commands.h"
 #include "app/commands/encode.h"
 #include "app/commands/common/vectors_of.h"
@@ -92,14 +92,14 @@ TEST_CASE("removes unfinished files of killed processes beside the output of a c
   leave();
   CHECK(run("encode --vectors 1000 " + quoted(world) + " " + quoted(folder.path("out/a.qnv"))).status == kDone);
   CHECK(removed());
-  leave();  // at the start, also if the run fails
+  leave();  // at the start, also after a failed run
   CHECK(run("encode " + quoted(broken) + " " + quoted(folder.path("out/b.qnv"))).status != kDone);
   CHECK(removed());
 }
 
 TEST_CASE("encode: adds the mesh itself with --exact, and export writes it") {
   const ScratchFolder folder;
-  // With 2^11 places along 2047 units every one of them is a whole number.
+  // With 2^11 positions along 2047 units, each one is an integer.
   const std::string mesh = folder.write(
       "mesh.obj", "v 0 0 0\nv 2047 0 0\nv 1000 2000 0\nv 500 700 1500\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
   const std::string stream = folder.path("mesh.qnv"), out = folder.path("out.ply");
@@ -216,7 +216,7 @@ TEST_CASE("encode: makes records or a smaller octree of points, in the orientati
   const std::string points = folder.write("wall.xyz", text), out = folder.path("wall.qnv");
   REQUIRE(run("encode " + quoted(points) + " " + quoted(out)).status == kDone);
   CHECK(info(out)["payload"] == "records");
-  CHECK(info(out)["metadata"]["up"] == "z");  // metres large, as what is surveyed
+  CHECK(info(out)["metadata"]["up"] == "z");  // metres, as in a survey
   const std::size_t records = folder.read("wall.qnv").size();
   REQUIRE(run("encode --packed " + quoted(points) + " " + quoted(out)).status == kDone);
   CHECK(info(out)["payload"] == "packed");

@@ -1,4 +1,4 @@
-// Files that clients name: read in the name of the world's own, by the loader's rules.
+// Tests of files that clients name, read on behalf of the world's file by the loader's rules.
 #include "controlled.h"
 
 #include "net/load/transport_memory.h"
@@ -20,7 +20,7 @@ const std::string kHeader = "#VRML V2.0 utf8\n";
 
 using late_worlds::put;
 
-/// A session in real time that reads memory://a/world.wrl, and a client.
+/// Session in real time that reads memory://a/world.wrl, with a client.
 struct Site {
   Site() : control(channel, [] {}) { load.memory = std::make_shared<net::MemoryNetwork>(); }
   void open(const std::string& file = "memory://a/world.wrl") {
@@ -103,7 +103,7 @@ TEST_CASE("loadURL of a client opens no file outside the world's folder without 
   folder.write("secret.wrl", kHeader + "DEF Secret Switch {}");
   const std::string secret = folder.path("secret.wrl");
   const auto ended = [](int id) { return [id](const Json& one) { return one.value("id", 0) == id; }; };
-  // A client may also let a Script of its own do it.
+  // A client may also use its own Script.
   const std::string script =
       "Script { url \"javascript: function initialize() { Browser.loadURL(new MFString('" + secret + "')); }\" }";
   const auto add_script = [&](Site& site) {
@@ -146,7 +146,7 @@ TEST_CASE("loadURL of a client opens no file outside the world's folder without 
              why.find("no such file") != std::string::npos));
     }
     add_script(site);
-    // The first place that may be opened is.
+    // The first URL that may be opened is opened.
     site.say({{"method", "loadURL"}, {"params", Json::array({Json::array({"../secret.wrl", "sub/next.wrl"})})}});
     const Json next = site.until([](const Json& one) {
       return one.value("method", "") == "browser" && one["params"]["event"] == "initialized";

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-// Calls that are wrong, clients that are slow or never stop, and what is said of them.
+// Tests of wrong calls, and of slow and endless clients.
 namespace gs::app::control_hostile_test {
 namespace {
 
@@ -15,7 +15,7 @@ using controlled::World;
 
 const std::string kBox = "DEF Box Transform { children Shape { geometry Box {} } } ";
 
-/// The only answer to a message.
+/// Returns the only answer to a message.
 Json only(World& world, const std::string& message) {
   world.say(message);
   const std::vector<Json> sent = world.take();
@@ -118,7 +118,7 @@ TEST_CASE("sends a slow client the last value of each eventOut, and the number t
 }
 
 TEST_CASE("sends the last value of each eventOut if a step has too many events to queue") {
-  // A thousand eventOuts, told of to forty clients.
+  // A thousand eventOuts with forty watching clients.
   std::string body = "DEF T TimeSensor { startTime 1000 cycleInterval 10 } ";
   for (int i = 0; i < 1000; ++i) {
     const std::string n = std::to_string(i);
@@ -173,7 +173,7 @@ TEST_CASE("cleans up after a client that disconnects at any time") {
   world.step(0.1);
   CHECK(world.take().empty());
   CHECK(world.call("getValue", {{"node", "Box"}, {"event", "translation"}}, 2) == Json{0, 0, 0});
-  world.leave(77);  // nobody
+  world.leave(77);  // an unknown client
 }
 
 TEST_CASE("lists in docs/control.md the services of the program") {

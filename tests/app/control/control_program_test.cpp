@@ -1,4 +1,4 @@
-// The program as others control it: the examples of docs/control.md, in a window's place without one.
+// Tests of the program under external control: the examples of docs/control.md, without a window.
 #include "tests/app/program.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
@@ -19,8 +19,8 @@ const std::string kExamples = GHOSTSPACE_TESTS "/../docs/examples/control/";
 
 bool has(const std::string& name) { return run_shell("command -v " + name).status == 0; }
 
-/// Runs a line of the shell while the program is there to be controlled, at ./socket with the token in ./token; what
-/// the line printed. The program is asked to end behind it, and its own output is in ./log.
+/// Runs a shell line while the program listens at ./socket with the token in ./token, and returns its output. Then ends
+/// the program, with its own output in ./log.
 Run with_program(const ScratchFolder& folder, const std::string& line, const std::string& arguments) {
   return run_shell(
       "cd " + quoted(folder.path("")) + "; " + program() + " --backend osmesa --control socket " +

@@ -158,7 +158,7 @@ TEST_CASE("gives each update its own timestamp, so that eventOuts send each time
   CHECK(told[0]["time"] < told[1]["time"]);
   CHECK(told[1]["time"] < told[2]["time"]);
   CHECK(told[2]["value"] == Json{3, 0, 0});
-  // The clock of the world goes on from there.
+  // The world's clock continues from there.
   world.step(1);
   CHECK(world.call("getBrowser")["time"] == 1001.0);
 }
@@ -346,7 +346,7 @@ TEST_CASE("controls a session in each viewport, and drops the nodes of a closed 
   CHECK(world.call("awaitWorld") == Json::object());
   const Json box = world.call("getNode", {{"node", "Box"}})["node"];
   world.call("advise", {{"node", "Box"}, {"event", "translation"}});
-  world.open("DEF Other Transform {}");  // the file is another one now
+  world.open("DEF Other Transform {}");  // the file is another one
   world.step(0);
   std::vector<std::string> events;
   for (const Json& one : world.told("browser")) events.push_back(one["event"]);

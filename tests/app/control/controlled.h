@@ -22,7 +22,7 @@ namespace gs::app::controlled {
 
 using Json = nlohmann::json;
 
-/// Keeps what it is sent.
+/// Channel that keeps the sent messages.
 class Channel final : public QueuedChannel {
  public:
   void send(std::uint64_t client, std::string message) override {
@@ -36,7 +36,7 @@ class Channel final : public QueuedChannel {
   std::set<std::uint64_t> behind;
 };
 
-/// A session of a world, which clients control, in simulated time.
+/// Session of a world in simulated time, controlled by clients.
 class World {
  public:
   static constexpr double kStart = 1000;
@@ -76,9 +76,9 @@ class World {
     channel.news.push_back({client, true, {}});
     step(0);
   }
-  /// All that a client was sent since the last time.
+  /// Returns all messages to a client since the last call.
   std::vector<Json> take(std::uint64_t client = 1) { return std::exchange(channel.sent[client], {}); }
-  /// The answer to a call; events that came before it wait for `events`.
+  /// Returns the answer to a call. Earlier events wait for `events`.
   Json answer(const std::string& method, const Json& parameters = Json::object(), std::uint64_t client = 1) {
     const int id = ++last_id;
     say(Json{{"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", parameters}}.dump(), client);

@@ -18,7 +18,7 @@ std::size_t wrong_at(std::string_view text) {
   return problem->place;
 }
 
-/// The same value, written anew from what a cursor reads.
+/// Writes the value again that a cursor reads.
 std::string again(JsonCursor& json) {
   std::string out, made;
   switch (json.kind()) {
@@ -69,7 +69,7 @@ TEST_CASE("parses JSON as RFC 8259 defines") {
   CHECK(again("7") == "7");
   CHECK(again(" \"\" ") == "\"\"");
   CHECK(again("-0") == "-0");
-  CHECK(again("\"\\ud800x\\udc00\"") == "\"\xef\xbf\xbdx\xef\xbf\xbd\"");  // halves of pairs
+  CHECK(again("\"\\ud800x\\udc00\"") == "\"\xef\xbf\xbdx\xef\xbf\xbd\"");  // unpaired surrogates
   CHECK(again("1e400") == "\"Infinity\"");
   CHECK(again("-1e400") == "\"-Infinity\"");
   CHECK(again("1e-400") == "0");

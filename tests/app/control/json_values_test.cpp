@@ -36,7 +36,7 @@ std::string written(const FieldValue& value) {
   return out;
 }
 
-/// Read and written again; empty where it is no such value.
+/// Reads and writes a value. Returns an empty text if it is invalid.
 std::string again(std::string_view text, FieldType type) {
   const auto value = read(text, type);
   if (!value) return {};

@@ -9,7 +9,7 @@
 
 namespace gs::app {
 
-/// Clients without sockets: news that is there already, for tests, fuzz targets and benchmarks.
+/// Channel without sockets, with prepared events, for tests, fuzz targets and benchmarks.
 class QueuedChannel : public ControlChannel {
  public:
   [[nodiscard]] std::optional<net::ControlNews> next() override {

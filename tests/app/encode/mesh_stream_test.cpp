@@ -68,7 +68,7 @@ void check_same_triangles(const MeshTriangles& one, const MeshTriangles& other) 
   }
 }
 
-/// `colors`: 0 none, 1 in each facet, 2 those of Magics.
+/// Returns a binary STL. `colors`: 0 none, 1 per facet, 2 as Magics writes them.
 std::string binary_stl(std::size_t facets, int colors) {
   std::string text(80, ' ');
   if (colors == 2) text.replace(10, 10, std::string("COLOR=\x80\x40\xff\xff", 10));
@@ -108,7 +108,7 @@ std::string binary_ply(bool big, bool wide, const std::string& more = {}) {
   };
   face({0, 1, 2, 3});
   face({0, 4, 1});
-  face({1, 4, 9});  // there is no such vertex
+  face({1, 4, 9});  // no such vertex
   face({2, 4, 3});
   return text;
 }
@@ -123,7 +123,7 @@ TEST_CASE("returns the triangles of a binary STL as in its world") {
   }
   const std::string text = binary_stl(200, 0);
   CHECK(open_mesh_stream(mesh_bytes(text))->faces == 200);
-  // Of a file that was cut those are read that are there.
+  // Of a truncated file, the complete triangles are read.
   const std::string cut = text.substr(0, 84 + 50 * 70 + 49);
   CHECK(open_mesh_stream(mesh_bytes(cut))->faces == 70);
   CHECK(triangles_of_stream(cut).size() == 70);
@@ -143,7 +143,7 @@ TEST_CASE("returns the triangles of a binary PLY as in its world") {
     const MeshTriangles world = triangles_of_world(
         text, [](auto bytes, auto& scene, auto& diagnostics) { import_ply(bytes, scene, diagnostics); });
     check_same_triangles(triangles, world);
-    // From a place nearby where the file has more digits than float32.
+    // Relative to a nearby origin if the file has more digits than float32.
     const std::string wide = binary_ply(big, true);
     const auto stream = open_mesh_stream(mesh_bytes(wide));
     REQUIRE(stream);

@@ -20,7 +20,7 @@
 namespace gs::app::surface_triangles_test {
 namespace {
 
-/// An octahedron of which every triangle has its own corners, and so its own part of a texture of 64 x 64 pixels.
+/// Returns an octahedron with separate corners, each triangle with its own part of a texture of 64 x 64 pixels.
 render::RenderList octahedron(const std::vector<glm::vec2>& texture_coordinates, bool round) {
   std::vector<glm::vec3> positions, normals;
   std::vector<std::uint32_t> indices;
@@ -70,7 +70,7 @@ double area_of(const std::vector<qnv::Triangle>& triangles) {
 }
 
 using EdgeEnd = std::array<float, 3>;
-/// Every edge has a triangle on each side, to the last bit of its ends.
+/// Checks that each edge has a triangle on both sides, with equal bits.
 void check_closed(const std::vector<qnv::Triangle>& triangles) {
   std::map<std::pair<EdgeEnd, EdgeEnd>, int> edges;
   for (const qnv::Triangle& t : triangles)
@@ -100,7 +100,7 @@ TEST_CASE("keeps a textured surface closed, whatever part of the texture its tri
   for (unsigned seed = 0; seed < 6; ++seed)
     for (const bool round : {false, true}) {
       std::vector<glm::vec2> coordinates = random_texture_coordinates(seed, 0.6f);
-      if (seed % 2 == 1)  // sides of a few pixels beside such of many, and of none
+      if (seed % 2 == 1)  // alternates sides of few, many and no pixels
         for (std::size_t i = 0; i < coordinates.size(); ++i) coordinates[i] *= static_cast<float>(i / 3 % 3) * 0.4f;
       const std::vector<qnv::Triangle> triangles = triangles_of(octahedron(coordinates, round));
       CHECK(triangles.size() > 100);
@@ -118,7 +118,7 @@ TEST_CASE("divides a flat face inside itself, and bends one by its normals") {
 }
 
 TEST_CASE("bends an edge if its normals turn by less than sixty degrees") {
-  // A quarter of a pipe, of four strips.
+  // A quarter of a pipe in four strips.
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::vec2> coordinates;
   std::vector<std::uint32_t> indices;
@@ -139,7 +139,7 @@ TEST_CASE("bends an edge if its normals turn by less than sixty degrees") {
   pipe->texture_coordinates = vrml::Array<glm::vec2>(std::span<const glm::vec2>(coordinates));
   pipe->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
   list.items[0].mesh = pipe;
-  // Lines would be up to 1 - cos(11.25 degrees) = 0.019 inside of the pipe.
+  // Straight lines would be up to 1 - cos(11.25 degrees) = 0.019 inside the pipe.
   std::size_t vertices = 0;
   for (const qnv::Triangle& t : triangles_of(list))
     for (const glm::vec3& p : t.positions) {

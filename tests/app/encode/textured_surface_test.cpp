@@ -20,7 +20,7 @@ namespace {
 
 using render::Image;
 
-/// A slow wave over all of it, in a colour of its own.
+/// Returns a slow wave in one colour.
 std::shared_ptr<Image> wave(std::uint32_t size, const glm::vec3& color, std::uint32_t components = 3) {
   auto image = std::make_shared<Image>();
   image->width = image->height = size;
@@ -37,7 +37,7 @@ std::shared_ptr<Image> wave(std::uint32_t size, const glm::vec3& color, std::uin
   return image;
 }
 
-/// A square of two triangles at a height, with its texture coordinates from `lower` to `upper`.
+/// Adds a square of two triangles at a height, with texture coordinates from `lower` to `upper`.
 render::DrawItem& add_square(render::RenderList& list, float z, std::shared_ptr<const Image> image,
                              const glm::vec2& lower = glm::vec2(0), const glm::vec2& upper = glm::vec2(1)) {
   const std::vector<glm::vec3> positions{{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}}, normals(4, glm::vec3(0, 0, 1));
@@ -59,7 +59,7 @@ Image decoded(const qnv::TexturedSurface& surface) {
   REQUIRE(std::holds_alternative<Image>(image));
   return std::get<Image>(std::move(image));
 }
-/// At s and t, as a renderer takes it without looking at the pixels beside.
+/// Returns the texel at s and t without filtering.
 glm::vec3 color_at(const Image& image, glm::vec2 at, bool repeat) {
   at = repeat ? at - glm::floor(at) : glm::clamp(at, 0.0f, 1.0f);
   const auto x = std::min(static_cast<std::uint32_t>(at.x * static_cast<float>(image.width)), image.width - 1);
@@ -94,7 +94,7 @@ TEST_CASE("keeps a single texture and its coordinates unchanged") {
   const auto off = render::compare(back, *image);
   REQUIRE(std::holds_alternative<render::ImageDifference>(off));
   CHECK(std::get<render::ImageDifference>(off).psnr > 38);
-  // A coarse file comes first, and what is enough of each can be decoded.
+  // A coarse file precedes the full one, and the sufficient part of each decodes.
   REQUIRE(surface->picture.size() == 2);
   CHECK(surface->picture[0].bytes.size() < surface->picture[1].bytes.size() / 2);
   for (const qnv::PictureFile& file : surface->picture) {
@@ -116,7 +116,7 @@ TEST_CASE("arranges several textures, and colours without one, side by side in o
   render::RenderList list;
   const auto red = wave(64, {1, 0.1f, 0.1f}), green = wave(96, {0.1f, 1, 0.1f}), grey = wave(32, glm::vec3(1), 1);
   add_square(list, 0, red);
-  add_square(list, 1, green, {3.25f, -2}, {5.25f, -1});  // twice, and further on
+  add_square(list, 1, green, {3.25f, -2}, {5.25f, -1});  // repeated, and shifted
   add_square(list, 2, nullptr).material.diffuse = {0.2f, 0.3f, 0.9f};
   add_square(list, 3, grey).material.diffuse = {0.5f, 1, 0.5f};
   add_square(list, 4, red);
@@ -153,7 +153,7 @@ TEST_CASE("arranges several textures, and colours without one, side by side in o
       }
       INFO("triangle " << t << " at " << w.x << " " << w.y);
       const glm::vec3 is = shown(*surface, all, t, w);
-      CHECK(glm::length(is - wanted) < 30);  // a pixel further on, after JPEG
+      CHECK(glm::length(is - wanted) < 30);  // shifted by a pixel, after JPEG
     }
 }
 

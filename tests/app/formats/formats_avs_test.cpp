@@ -14,7 +14,7 @@ using gs::app::import_avs_geometry;
 using gs::app::import_ucd;
 using gs::vrml::Color;
 
-// Of the least, the middle and the greatest value: viridis (matplotlib).
+// Colours of the minimum, middle and maximum: viridis (matplotlib).
 const Color kLow = gs::app::viridis_colors().front(), kMiddle = gs::app::viridis_colors()[2],
             kHigh = gs::app::viridis_colors().back();
 
@@ -23,7 +23,7 @@ Imported avs(std::string_view text) { return imported(import_avs_geometry, bytes
 
 constexpr const char* kCube = "1 0 0 1\n2 1 0 1\n3 1 1 1\n4 0 1 1\n5 0 0 0\n6 1 0 0\n7 1 1 0\n8 0 1 0\n";
 
-/// The signed volume that the faces enclose: positive where they look outwards.
+/// Returns the enclosed volume, positive if the faces look outwards.
 double signed_volume(const Imported& result) {
   const auto points = result.points();
   std::vector<std::int32_t> face;
@@ -49,11 +49,11 @@ TEST_CASE("shows the outer faces of UCD cells, facing outwards") {
   CHECK(hexahedron.messages().empty());
   CHECK(hexahedron.corners().size() == 6 * 5);
   CHECK(signed_volume(hexahedron) == Approx(1));
-  // Two prisms make the cube; the face between them is gone.
+  // Two prisms make the cube; the common face is dropped.
   const Imported prisms = ucd("8 2 0 0 0\n" + nodes + "1 1 prism 1 2 3 5 6 7\n2 1 prism 1 3 4 5 7 8\n");
   CHECK(prisms.corners().size() == 4 * 4 + 4 * 5);
   CHECK(signed_volume(prisms) == Approx(1));
-  // Three pyramids with their tops in one corner.
+  // Three pyramids with a common apex.
   const Imported pyramid = ucd("8 1 0 0 0\n" + nodes + "1 1 pyr 4 5 6 7 8\n");
   CHECK(pyramid.corners().size() == 4 * 4 + 5);
   CHECK(signed_volume(pyramid) == Approx(1.0 / 3));
@@ -61,13 +61,13 @@ TEST_CASE("shows the outer faces of UCD cells, facing outwards") {
   CHECK(tetrahedra.corners().size() == 6 * 4);
   CHECK(ucd("8 1 0 0 0\n" + nodes + "1 1 tet 4 5 6 8\n").corners().size() == 16);
   CHECK(signed_volume(ucd("8 1 0 0 0\n" + nodes + "1 1 tet 4 5 6 8\n")) == Approx(1.0 / 6));
-  // Both sides of a shell stay.
+  // A shell keeps both sides.
   CHECK(ucd("8 2 0 0 0\n" + nodes + "1 1 tri 1 2 3\n2 1 tri 3 2 1\n").corners().size() == 8);
 }
 
 TEST_CASE("maps UCD data to colours from blue to red") {
   const std::string nodes = "10 0 0 0\n7 1 0 0\n-3 1 1 0\n";
-  // A vector first: the first component of one number is shown. Rows name their nodes.
+  // A vector first, then scalars: the first scalar component is shown. Rows name their nodes.
   const Imported result = ucd("3 1 4 0 0\n" + nodes + "1 1 tri 10 7 -3\n2 3 1\nflow, m/s\nheat, K\n" +
                               "-3 9 9 9 30\n10 9 9 9 10\n7 9 9 9 20\n");
   CHECK(result.messages().empty());
@@ -79,7 +79,7 @@ TEST_CASE("maps UCD data to colours from blue to red") {
   CHECK(cells.messages().empty());
   CHECK(cells.colors() == std::vector<Color>{kLow, kHigh});
   CHECK_FALSE(cells.scene->get<bool>(cells.only("IndexedFaceSet"), "colorPerVertex"));
-  // The scene says what they stand for.
+  // The scene describes the meaning of the colours.
   const auto key = gs::app::color_key_of(*result.scene), of_cells = gs::app::color_key_of(*cells.scene);
   REQUIRE(key);
   REQUIRE(of_cells);
@@ -88,7 +88,7 @@ TEST_CASE("maps UCD data to colours from blue to red") {
   CHECK(key->high == 30);
   CHECK(of_cells->title == "stress (Pa)");
   CHECK_FALSE(gs::app::color_key_of(*ucd("3 1 0 0 0\n" + nodes + "1 1 tri 10 7 -3\n").scene));
-  // The same value everywhere, and none at all.
+  // Equal values everywhere, and no value.
   CHECK(ucd("3 1 1 0 0\n" + nodes + "1 1 tri 10 7 -3\n1 1\nt, K\n10 5\n7 5\n-3 nan\n").colors() ==
         std::vector<Color>{kMiddle, kMiddle, {0.5f, 0.5f, 0.5f}});
 }
@@ -111,7 +111,7 @@ TEST_CASE("reads UCD with steps and mid-edge nodes, and reports mistakes") {
   CHECK(ucd("4000000000000 1 0 0 0\n1 0 0 0\n").messages().find("too early") != std::string::npos);
 }
 
-/// Two triangles and a pyramid; the header in the byte order of `put_word`.
+/// Returns two triangles and a pyramid, with the header in the byte order of `put_word`.
 template <class Put>
 Bytes avs_binary(Put&& put_word) {
   Bytes bytes{std::byte{7}};
@@ -155,7 +155,7 @@ TEST_CASE("reads binary UCD of both byte orders") {
     REQUIRE(gs::app::color_key_of(*result.scene));
     CHECK(gs::app::color_key_of(*result.scene)->title == "heat (K)");
   }
-  // Every prefix and every changed byte of the mesh itself.
+  // Every prefix and every changed byte of the mesh.
   check_prefixes_and_flips(import_ucd, Bytes(little.begin(), little.begin() + 25 + 48 + 44 + 60));
   Bytes longer = big;
   longer.push_back(std::byte{0});
@@ -185,7 +185,7 @@ TEST_CASE("reads UCD files of other programs") {
     auto first = result->corners();
     first.resize(4);
     CHECK(first == std::vector<std::int32_t>{0, 4, 8, -1});
-    // Temperatures 1.5 at node 4 to 10.5 at node 12; 6 at node 0 is the middle.
+    // Temperatures from 1.5 at node 4 to 10.5 at node 12, with 6 at node 0.
     CHECK(result->colors()[4] == kLow);
     CHECK(result->colors()[12] == kHigh);
     CHECK(result->colors()[0] == kMiddle);

@@ -35,7 +35,7 @@ TEST_CASE("reads meshes of other programs completely") {
     return;
   }
   using namespace gs::app;
-  // PLY: as the headers of the files say; the others: as they were when the pictures were looked at.
+  // Counts of PLY come from the headers. Other counts were recorded when the pictures were checked.
   const File files[] = {
       {"cgal/building.ply", import_ply, 100000, 0},
       {"scans/bun_zipper.ply", import_ply, 35947, 69451},
@@ -96,7 +96,7 @@ TEST_CASE("survives truncated and damaged files of other programs") {
     std::uint32_t random = 1;
     for (int round = 0; round < 24; ++round) {
       Bytes damaged = whole;
-      // Near the front, where the structure is.
+      // Near the start, which holds the structure.
       for (int i = 0; i < 4; ++i) {
         random = random * 1664525u + 1013904223u;
         damaged[(random >> 8) % std::min<std::size_t>(damaged.size(), 20000)] = static_cast<std::byte>(random >> 24);

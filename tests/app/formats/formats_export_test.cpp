@@ -52,7 +52,7 @@ void check_same(const Cloud& a, const Cloud& b, const Tolerance& tolerance) {
   CHECK(b.description.total == Approx(a.description.total).epsilon(0.07));
 }
 
-/// A sphere that is not centred, with normals to both poles.
+/// Returns a sphere off the origin, with normals to both poles.
 Cloud model() {
   Cloud cloud = sphere(999, 2, {3, -1, 0.5f});
   cloud.normals[0] = {0, 0, 1};
@@ -133,8 +133,8 @@ TEST_CASE("restores SPZ within its quantisation steps") {
     const Bytes bytes = written(cloud, write);
     CHECK(is_splats_spz(bytes) == (write == export_spz));
     const Cloud back = cloud_of(import_splats_spz, bytes);
-    // The largest coordinate is 5: 20 bits behind the point. Two scales to 1/32 in their logarithm; quaternions
-    // to 1/723 a component; colours to 0.282 / 38.25 of 255 and a rounding.
+    // The largest coordinate is 5: 20 bits after the point. Two scales to 1/32 in their logarithm, quaternions to 1/723
+    // per component, colours to 0.282 / 38.25 of 255 plus rounding.
     check_same(cloud, back, {0.51f / (1 << 20), 2e-5f, 0.0626f, 2});
     CHECK(metadata(back, "splats not discs").empty());
     check_hostile(import_splats_spz, bytes, 211);
@@ -319,10 +319,10 @@ TEST_CASE("exports volumes as balls in the colours of their transfer function") 
   const Cloud points = cloud_of(import_points_ply, written(cloud, export_points_ply));
   REQUIRE(points.size() == 10);
   CHECK(points.colors[9].r == 255);
-  CHECK(points.colors[9].g == 249);  // class 252: half way from 0.5 to 1 by 0.9765
+  CHECK(points.colors[9].g == 249);  // class 252: between 0.5 and 1 by 0.9765
   CHECK(points.weights[0] == 0.0625f);
   CHECK(dot(points.normals[4], cloud.normals[4]) == Approx(-1));
-  // The first one cannot be seen.
+  // The first splat is invisible.
   const Cloud splats = cloud_of(import_splats_spz, written(cloud, export_spz));
   CHECK(splats.size() == 9);
   CHECK(metadata(splats, "splats not discs") == "9");

@@ -1,4 +1,4 @@
-// Clouds of a metre, thousands of kilometres from the origin of their files.
+// Tests of point sets of a metre, thousands of kilometres from the origin.
 #include "app/encode/surface_triangles.h"
 #include "app/formats/export/export.h"
 #include "app/formats/mesh/points.h"
@@ -22,7 +22,7 @@ using namespace gs::test;
 
 const glm::dvec3 kFarPlace{4'500'000.25, -4'500'000.5, 3'200'000.125};
 
-/// `count` places of a source within half a metre of `kFarPlace`.
+/// Returns `count` positions within half a metre of `kFarPlace`.
 std::vector<glm::dvec3> far_places(std::size_t count) {
   std::vector<glm::dvec3> places;
   const Cloud near = sphere(count, 0.5f);
@@ -30,7 +30,7 @@ std::vector<glm::dvec3> far_places(std::size_t count) {
   return places;
 }
 
-/// The farthest that places of the cloud are from these, which are in its order.
+/// Returns the largest distance of the point set's positions from given ones in equal order.
 double farthest(const Cloud& cloud, const std::vector<glm::dvec3>& places, const glm::dvec3& axes = glm::dvec3(1)) {
   REQUIRE(cloud.size() == places.size());
   double most = 0;
@@ -82,7 +82,7 @@ TEST_CASE("writes distant points as they were read") {
   const Cloud cloud = cloud_of(import_points_ply, far_points(places));
   CHECK(farthest(cloud_of(import_points_ply, exported(cloud, export_points_ply)), places) < 0.1 * kMicrometre);
   CHECK(farthest(cloud_of(import_splats_ply, exported(cloud, export_splats_ply)), places) < 0.1 * kMicrometre);
-  // glTF has doubles in its text only.
+  // glTF has doubles only in its text.
   const Bytes glb = exported(cloud, export_glb);
   const std::string text = string_of(glb);
   const std::size_t at = text.find("\"translation\":[");
@@ -90,11 +90,11 @@ TEST_CASE("writes distant points as they were read") {
   const auto translation = nlohmann::json::parse(text.substr(at + 14, text.find(']', at) - at - 13));
   for (int k = 0; k < 3; ++k)
     CHECK(translation[static_cast<std::size_t>(k)].get<double>() == cloud.description.origin[k]);
-  // VRML97 has float32, and a Transform.
+  // VRML97 has float32 and a Transform.
   const std::string world = string_of(exported(cloud, export_vrml97_points));
   CHECK(world.find("translation 4500000") != std::string::npos);
   CHECK(world.find("point [\n450") == std::string::npos);
-  // 24 bits a coordinate are too few.
+  // 24 bits per coordinate are too few.
   CHECK(std::holds_alternative<std::string>(export_spz(cloud, {})));
 }
 
@@ -108,7 +108,7 @@ TEST_CASE("keeps the positions of vectors in a stream of records") {
   decoder.finish();
   const Cloud read = decoder.cloud();
   REQUIRE(read.size() == places.size());
-  double most = 0;  // from any vector to the nearest of the source
+  double most = 0;  // largest distance of a vector from its nearest source
   for (const glm::vec3& p : read.positions) {
     double nearest = 1;
     for (const glm::dvec3& q : places) {
@@ -117,7 +117,7 @@ TEST_CASE("keeps the positions of vectors in a stream of records") {
     }
     most = std::max(most, nearest);
   }
-  CHECK(most < 0.6e-3);  // half a step of a record: of a box of a metre, 1/2048
+  CHECK(most < 0.6e-3);  // half a step of a record in a box of a metre: 1/2048
 }
 
 TEST_CASE("encodes distant triangles relative to an origin, and restores their positions") {
@@ -157,7 +157,7 @@ TEST_CASE("encodes distant triangles relative to an origin, and restores their p
     const Cloud cloud = decoder.cloud();
     CHECK(cloud.description.origin == middle);
     REQUIRE(cloud.size() > 7);
-    // A plate of a centimetre is one still.
+    // A plate of a centimetre stays one.
     gs::qnv::Box places;
     for (const glm::vec3& p : cloud.positions) places.add(p);
     CHECK(places.size().z < 0.02f);
@@ -183,7 +183,7 @@ TEST_CASE("reads the position of a distant volume in double precision") {
   REQUIRE(std::holds_alternative<Cloud>(found));
   const Cloud& cloud = std::get<Cloud>(found);
   CHECK(cloud.description.origin == source.layout.base);
-  // On the lattice to a thousandth of a voxel.
+  // On the lattice within a thousandth of a voxel.
   for (const glm::vec3& p : cloud.positions) {
     const glm::dvec3 at = (cloud.description.origin + glm::dvec3(p) - kFarPlace) / 0.01;
     for (int k = 0; k < 3; ++k) REQUIRE_EACH(std::abs(at[k] - std::round(at[k])) < 1e-3);

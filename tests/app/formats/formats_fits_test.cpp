@@ -7,7 +7,7 @@ namespace {
 
 using Cards = std::vector<std::string>;
 
-/// Cards of an image of 3 x 2 x 2 bytes; some are left out or said otherwise in `more`.
+/// Returns the cards of an image of 3 x 2 x 2 bytes, with some omitted or replaced by `more`.
 Cards byte_cube(const Cards& more = {}) {
   Cards cards = {"SIMPLE  = T", "BITPIX  = 8", "NAXIS   = 3", "NAXIS1  = 3", "NAXIS2  = 2", "NAXIS3  = 2"};
   for (const std::string& card : more) {
@@ -18,7 +18,7 @@ Cards byte_cube(const Cards& more = {}) {
   return cards;
 }
 
-/// An extension with 3 x 2 x 2 bytes.
+/// Returns an extension with 3 x 2 x 2 bytes.
 Cards extension(const std::string& type, const Cards& more = {}) {
   Cards cards = byte_cube(more);
   cards[0] = "XTENSION= '" + type + "'";
@@ -94,7 +94,7 @@ TEST_CASE("survives FITS headers without END and with invalid cards") {
                                    "NAXIS0  = 9", "NAXIS-1 = 9", "NAXIS1X = 9", "BZERO   = 'unterminated",
                                    "HIERARCH ESO DET = 4", std::string(80, '\xff'), std::string(80, '\0')});
   check_values(files.open(fits(strange, voxels<std::uint8_t>(true))));
-  // Of two the first counts.
+  // The first of two cards counts.
   Cards twice = byte_cube({"BSCALE  = 2"});
   twice.insert(twice.end(), {"BSCALE  = 3", "NAXIS1  = 300", "BITPIX  = 16"});
   check_values(files.open(fits(twice, voxels<std::uint8_t>(true))), 2);
@@ -132,7 +132,7 @@ TEST_CASE("reads unsigned and scaled FITS integers") {
     cards.insert(cards.end(), more.begin(), more.end());
     return values_of(files.open(fits(cards, data)));
   };
-  // 4.4.2.5, table 11: unsigned integers are stored with their highest bit changed.
+  // 4.4.2.5, table 11: unsigned integers are stored with the highest bit inverted.
   const auto stored = [](auto first, auto second) {
     Bytes data;
     put_big(data, first);
@@ -149,7 +149,7 @@ TEST_CASE("reads unsigned and scaled FITS integers") {
   CHECK((values[0] == 0 && values[1] == 9223372036854775808.0f));
   values = first_values(8, stored(std::uint8_t{0}, std::uint8_t{255}), {"BZERO   = -128"});
   CHECK((values[0] == -128 && values[1] == 127));
-  // BLANK is a stored value, before scaling, and of integers only.
+  // BLANK is a stored integer, before scaling.
   values = first_values(16, stored(std::int16_t{-9}, std::int16_t{9}), {"BLANK   = -9", "BZERO   = 5"});
   CHECK((std::isnan(values[0]) && values[1] == 14));
   values = first_values(-32, stored(-9.0f, 9.0f), {"BLANK   = -9"});
@@ -161,7 +161,7 @@ TEST_CASE("skips data before the first FITS image") {
   const Bytes data = voxels<std::uint8_t>(true);
   const std::string image = fits(extension("IMAGE   "), data);
   check_values(files.open(fits(kNoData, {}) + image));
-  // A table with a heap, of more than a block together (3.3, equation 2).
+  // A table with a heap, together over one block (3.3, equation 2).
   check_values(files.open(
       fits(kNoData, {}) +
       fits(extension("BINTABLE", {"NAXIS   = 2", "NAXIS1  = 30", "NAXIS2  = 100", "PCOUNT  = 2761", "TFIELDS = 999"}),
@@ -172,7 +172,7 @@ TEST_CASE("skips data before the first FITS image") {
   // Random groups: three of two parameters and 2 x 2 values of two bytes (6.1.1).
   const Cards groups = byte_cube({"BITPIX  = 16", "NAXIS1  = 0", "GROUPS  = T", "PCOUNT  = 2", "GCOUNT  = 3"});
   check_values(files.open(fits(groups, Bytes(36)) + image));
-  // An axis of length 0 means that there are no data (4.4.1.1); primary arrays have no groups otherwise.
+  // An axis of length 0 means no data (4.4.1.1). Primary arrays have no groups otherwise.
   check_values(files.open(fits(byte_cube({"NAXIS1  = 0", "PCOUNT  = 9"}), {}) + image));
   check_values(files.open(fits(byte_cube({"GCOUNT  = 7"}), data)));
 
@@ -194,7 +194,7 @@ TEST_CASE("ends on FITS units that lead nowhere") {
     INFO(problem);
     CHECK(problem.find(what) != std::string::npos);
   };
-  // Sizes that would lead back or round: they are not added up unchecked.
+  // Sizes that overflow or lead backwards are checked before they are added.
   for (const char* count : {"9223372036854775807", "-2880", "-1", "18446744073709548736", "1e3"}) {
     refused(none + fits(extension("BINTABLE", {std::string("PCOUNT  = ") + count}), {}) + none,
             count[0] == '9' ? "too long for a file" : "PCOUNT is");
@@ -207,7 +207,7 @@ TEST_CASE("ends on FITS units that lead nowhere") {
   std::string many = none;
   for (int i = 0; i < 1100; ++i) many += fits(extension("TABLE   ", {"NAXIS   = 0"}), {});
   refused(many, "no image among its first 1000 headers");
-  // Long headers, one behind the other.
+  // Long consecutive headers.
   Cards comments = extension("TABLE   ");
   comments.insert(comments.end(), 20000, "COMMENT");
   std::string longer = none;

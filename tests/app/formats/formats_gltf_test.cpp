@@ -32,7 +32,7 @@ Bytes bytes_of_values(std::initializer_list<T> values) {
   return bytes;
 }
 
-/// Collects data and writes the views and accessors that lead to them.
+/// Collects data with the views and accessors that refer to them.
 struct Asset {
   Bytes data;
   std::string views, accessors;
@@ -83,7 +83,7 @@ struct Asset {
 
 const Bytes kCorners = bytes_of_values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
 
-/// A square of four corners and two triangles: accessor 0 positions, 1 indices.
+/// Returns a square of four corners and two triangles: accessor 0 positions, 1 indices.
 Asset square_asset() {
   Asset asset;
   asset.accessor(kCorners, 5126, 4, "VEC3");
@@ -176,7 +176,7 @@ TEST_CASE("converts nodes to Transforms") {
   CHECK(matrix.angle == Approx(1.5707963));
   CHECK(result.scene->get<SFVec3f>(children[0], "scale").x == Approx(2));
   CHECK(result.scene->get<SFVec3f>(children[0], "translation") == glm::vec3(5, 6, 7));
-  // One mesh is one Shape, used twice.
+  // One mesh is one Shape at two instances.
   CHECK(result.all("Shape").size() == 1);
   CHECK(result.values<MFNode>(children[0], "children") == result.values<MFNode>(children[1], "children"));
 }
@@ -205,7 +205,7 @@ TEST_CASE("reads all modes of primitives") {
 
 TEST_CASE("reads normalised, strided and sparse accessors") {
   Asset asset = square_asset();
-  // Colours as bytes with an alpha, eight bytes apart.
+  // Byte colours with alpha, at a stride of eight bytes.
   const int colors =
       asset.accessor(bytes_of_values<std::uint8_t>({255, 0, 0, 255, 9,   9,   9, 9, 0, 255, 0,   0,   9,   9,
                                                     9,   9, 0, 0,   255, 255, 9, 9, 9, 9,   255, 255, 255, 255}),
@@ -227,7 +227,7 @@ TEST_CASE("reads normalised, strided and sparse accessors") {
   CHECK(result.colors() == std::vector<Color>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}});
   CHECK(with(zeros).points() == std::vector<glm::vec3>{{0, 0, 0}, {7, 8, 9}, {0, 0, 0}, {10, 11, 12}});
 
-  // Signed normalised shorts, as KHR_mesh_quantization has them.
+  // Signed normalised shorts as in KHR_mesh_quantization.
   const int shorts = asset.accessor(bytes_of_values<std::int16_t>({32767, -32767, -32768, 0, 0, 0, 16384, 0, 0, 0}),
                                     5122, 3, "VEC3", R"(,"normalized":true)");
   const auto points =
@@ -250,7 +250,7 @@ TEST_CASE("converts materials to the nearest ones of VRML97") {
   auto material = result.only("Material");
   const auto diffuse = result.scene->get<Color>(material, "diffuseColor");
   CHECK(diffuse.r == 1);
-  CHECK(diffuse.g == Approx(0.5).margin(1e-4));  // linear 0.214 is half of what a display shows
+  CHECK(diffuse.g == Approx(0.5).margin(1e-4));  // linear 0.214 displays as half
   CHECK(result.scene->get<float>(material, "transparency") == 0.75f);
   CHECK(result.scene->get<Color>(material, "emissiveColor") == Color{0, 0, 1});
   const auto specular = result.scene->get<Color>(material, "specularColor");
@@ -289,7 +289,7 @@ TEST_CASE("reads textures by name, from a data URL and from a buffer") {
   CHECK(url(named) == "tex/my%20wood.png");
   CHECK_FALSE(named.scene->get<bool>(named.only("ImageTexture"), "repeatS"));
   CHECK(named.scene->get<bool>(named.only("ImageTexture"), "repeatT"));
-  // t counts from below.
+  // t counts from the bottom.
   CHECK(named.values<gs::vrml::MFVec2f>(named.only("TextureCoordinate"), "point") ==
         std::vector<glm::vec2>{{0, 1}, {1, 1}, {1, 0.75f}, {0, 0}});
   CHECK(url(with(R"("uri":"data:image/png;base64,iVBORw==")")) == "data:image/png;base64,iVBORw==");

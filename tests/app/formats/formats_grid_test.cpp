@@ -1,4 +1,4 @@
-// Grids of VTK, XML and legacy: what is seen of their cells from outside.
+// Tests of the visible faces of VTK grids, XML and legacy.
 #include "app/formats/common/color_key.h"
 #include "app/formats/content_types.h"
 #include "app/formats/mesh/vtk_legacy.h"
@@ -87,7 +87,7 @@ std::vector<std::vector<std::int32_t>> faces_of(const Imported& result) {
   faces.pop_back();
   return faces;
 }
-// Six times the volume that the faces go round; positive where they are counter-clockwise from outside.
+// Returns six times the enclosed volume, positive if the faces are counter-clockwise from outside.
 double volume_within(const Imported& result) {
   const std::vector<glm::vec3> points = result.points();
   double sum = 0;
@@ -131,7 +131,7 @@ TEST_CASE("closes every solid VTK cell by faces that look outwards") {
               {{24, {0, 1, 3, 4, 0, 0, 0, 0, 0, 0}}, 4, 1},
               {{11, {0, 1, 3, 2, 4, 5, 7, 6}}, 6, 6},
               {{12, {0, 1, 2, 3, 4, 5, 6, 7}}, 6, 6},
-              {{13, {0, 3, 1, 4, 7, 5}}, 5, 3},  // its first triangle looks outwards
+              {{13, {0, 3, 1, 4, 7, 5}}, 5, 3},  // the first triangle looks outwards
               {{14, {0, 1, 2, 3, 4}}, 5, 2}};
   for (const auto& row : rows) {
     INFO(row.cell.type);
@@ -139,7 +139,7 @@ TEST_CASE("closes every solid VTK cell by faces that look outwards") {
     CHECK(result.messages().empty());
     CHECK(faces_of(result).size() == row.faces);
     CHECK(volume_within(result) == Approx(row.volume));
-    // Each edge is gone along once in each direction.
+    // Counts each directed edge, which must occur once.
     std::map<std::pair<int, int>, int> edges;
     for (const auto& face : faces_of(result))
       for (std::size_t i = 0; i < face.size(); ++i) ++edges[{face[i], face[(i + 1) % face.size()]}];
@@ -173,7 +173,7 @@ TEST_CASE("reads a grid of flat cells, lines and vertices in any order, with cel
 }
 
 TEST_CASE("joins the pieces of a grid, packed and appended, with cell data") {
-  // Raw and packed, as ParaView writes them.
+  // Raw and compressed, as ParaView writes them.
   std::string appended;
   const auto array = [&](const std::string& type, const std::string& name, const Bytes& values, int components = 1) {
     const Bytes packed = zlib_packed(values);
@@ -220,7 +220,7 @@ const std::vector<glm::vec3> kHousePoints = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0
 const std::vector<std::vector<std::vector<int>>> kHouse = {
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}},
     {{4, 7, 6, 5}, {4, 5, 9, 8}, {6, 7, 8, 9}, {5, 6, 9}, {7, 4, 8}}};
-// As legacy files have the faces of a cell, and the array `faces` of XML.
+// Returns the faces of a cell as in legacy files and in the array `faces` of XML.
 std::vector<int> stream_of(const std::vector<std::vector<int>>& faces) {
   std::vector<int> stream{static_cast<int>(faces.size())};
   for (const auto& face : faces) {
@@ -260,7 +260,7 @@ TEST_CASE("shows the outer faces of polyhedra as each version of VTK writes them
     CHECK(faces_of(result).size() == 13);  // 5 of the box, 4 of the roof, 4 of the tetrahedron
     CHECK(volume_within(result) == Approx(6 + 3 + 1));
   }
-  // In a second piece corners count anew.
+  // Each piece counts its corners from 0.
   const Imported two = imported(import_vtu, bytes_of(vtu(piece(kBoxPoints, kBoxes) + old)));
   CHECK(two.messages().empty());
   CHECK(volume_within(two) == Approx(12 + 10));

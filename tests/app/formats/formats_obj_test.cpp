@@ -173,7 +173,7 @@ TEST_CASE("survives every truncation and every changed byte of an OBJ") {
   check_prefixes_and_flips(import, bytes_of(kObjSquare));
   check_prefixes_and_flips(import, bytes_of("mtllib a.mtl\nv 1 2 3 1 0 0\nv 1e3 .5 -1\nv 0 0 1\no x\nusemtl m\ns 1\n"
                                             "f 1 2 3\nl 1 2\np -1\ng y\nf 3//  2 1 \\\n"));
-  // The library itself is as hostile as the file.
+  // The library is as hostile as the file.
   const std::string materials = "newmtl m\nKd 1 0 0\nKs .5\nmap_Kd -o 1 2 x.png\nTr 0.5\nd -halo .2\nNs 10\nillum 1\n";
   for (std::size_t n = 0; n <= materials.size(); ++n)
     check_sound(obj("mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n",

@@ -59,7 +59,7 @@ TEST_CASE("OFF: reports errors, and shows the rest") {
     INFO(bad);
     CHECK_FALSE(imported(import_off, bytes_of(bad)).messages().empty());
   }
-  // A corner that is not there.
+  // A missing corner.
   CHECK_FALSE(imported(import_off, bytes_of("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n3 0 1 2\n")).messages().empty());
   for (std::size_t length = 0; length < whole.size(); ++length)
     (void)imported(import_off, bytes_of(whole.substr(0, length)));

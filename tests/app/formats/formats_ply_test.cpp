@@ -51,7 +51,7 @@ TEST_CASE("converts vertex values of a PLY to colours, and stores their meaning"
     CHECK(gs::app::color_key_of(*one.scene)->title == name);
     CHECK(one.colors()[1] == viridis[2]);
   }
-  // Colours and pictures of its own come first; what scanners write beside the places is nothing to look at.
+  // Colours and textures of the file win. Other scanner values do not become colours.
   const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const Imported own =
       square("property float quality\n" + colors, "0 0 0 1 255 0 0\n1 0 0 2 255 0 0\n1 1 0 3 255 0 0\n");
@@ -136,7 +136,7 @@ TEST_CASE("reads rows of one size as a table") {
   CHECK(result.scene->get<gs::vrml::MFVec3f>(result.only("Coordinate"), "point")[1] == glm::vec3(1, 2, 3));
   CHECK(result.colors()[1].b == Approx(0.2f));
   CHECK(result.only("PointSet"));
-  // A PointSet has no normals (VRML97 6.36), and shows its emission where it has no colours.
+  // A PointSet has no normals (VRML97 6.36), and shows its emission without colours.
   CHECK(result.all("Normal").empty());
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("reads colours and texture coordinates of faces") {
           "property float red\nproperty float green\nproperty float blue\nend_header\n"
           "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
           "6 0 0 1 0 1 1 3 0 1 2 1 0 0\n6 0 0 1 0 1 1 3 0 1 9 0 1 0\n6 0 0 1 1 0 1 3 0 2 3 0 0 1\n");
-  // The second face uses a vertex that does not exist: it goes with its colour.
+  // The second face has an invalid vertex, so it is dropped with its colour.
   CHECK(result.corners() == std::vector<std::int32_t>{0, 1, 2, -1, 0, 2, 3, -1});
   CHECK(result.colors() == std::vector<Color>{{1, 0, 0}, {0, 0, 1}});
   const auto faces = result.only("IndexedFaceSet");

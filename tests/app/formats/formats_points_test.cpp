@@ -27,10 +27,10 @@ TEST_CASE("estimates the areas of points from their neighbours") {
   std::vector<glm::vec3> grid;
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 30; ++x) grid.emplace_back(0.5f * static_cast<float>(x), 0.5f * static_cast<float>(y), 2.0f);
-  // In the middle four neighbours are one step away, four sqrt(2), four two.
+  // A centre point has four neighbours at one step, four at sqrt(2), four at two.
   CHECK(point_areas(grid)[15 * 30 + 15] == Approx(kPi * 0.25f * (4 + 4 * 2 + 4 * 4) / 84));
 
-  // Against the neighbours found one by one.
+  // Compares with a search of all neighbours.
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(0, 1);
   std::vector<glm::vec3> points;
@@ -63,7 +63,7 @@ TEST_CASE("reads points with normals") {
   REQUIRE(cloud.size() == 2);
   CHECK(cloud.normals[0] == glm::vec3(0, 0, 1));
   CHECK(cloud.colors[0] == Rgb8{255, 0, 9});
-  CHECK(cloud.weights[0] == Approx(kPi / 1.5));  // a disc of radius 1 holds one point and a half
+  CHECK(cloud.weights[0] == Approx(kPi / 1.5));  // a disc of radius 1 contains one and a half points
   CHECK(metadata(cloud, "points doubled") == "1");
   CHECK(metadata(cloud, "points broken") == "1");
   check_hostile(import_points_ply, bytes_of(ply));
@@ -84,7 +84,7 @@ TEST_CASE("reads scanned points") {
   const Cloud kitten = cloud_of(import_points_xyz, file_bytes(folder / "kitten.xyz"));
   CHECK(kitten.size() == 5210);
   CHECK(near(kitten.normals[0], {0.340472f, 0.937712f, -0.0690972f}));
-  // The file states no area. An ellipsoid in its box of 0.65 x 1 x 0.59 has 1.7.
+  // The file has no area. An ellipsoid in its box of 0.65 x 1 x 0.59 has 1.7.
   CHECK(kitten.description.total == Approx(1.7).epsilon(0.15));
   const Bytes building = file_bytes(folder / "building.ply");
   CHECK(is_points_ply(building));

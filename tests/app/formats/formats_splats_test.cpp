@@ -43,11 +43,11 @@ TEST_CASE("converts a splat to the disc across its smallest axis") {
   CHECK(metadata(cloud, "splats not discs").empty());
   CHECK(metadata(cloud, "source") == "test");
 
-  // A quarter turn around x leads y to z: the disc across y looks along z.
+  // A quarter turn about x moves y to z, so the disc across y faces z.
   const float half = std::sqrt(0.5f);
   cloud = cloud_of_splats(one_splat({0, 0, 0}, {1, 0.01f, 1}, {half, 0, 0, half}));
   CHECK(near(cloud.normals[0] * cloud.normals[0], {0, 0, 1}));
-  // The same with another length of the quaternion, and with the axes of most files.
+  // A quaternion of another length, with the axes of most files, gives the same.
   model = one_splat({0, 5, 7}, {0.01f, 1, 1}, {0, 0, 3 * half, 3 * half});
   model.axes = kFromRightDownForward;
   cloud = cloud_of_splats(model);
@@ -105,7 +105,7 @@ TEST_CASE("names the opacity and the harmonics that splats lose") {
   SplatModel model = one_splat({1, 2, 3}, {2, 3, 0.02f}, kNoTurn);
   const auto drawn = [&] { return metadata(cloud_of_splats(model), kSplatsDrawnAs); };
   CHECK(drawn().empty());
-  model.opacities[0] = 252.0f / 255;  // of our exports
+  model.opacities[0] = 252.0f / 255;  // as in exports of GhostSpace
   CHECK(drawn().empty());
   model.harmonics = 3;
   CHECK(drawn() == "opaque surface splats, without their spherical harmonics up to degree 3");
@@ -113,7 +113,7 @@ TEST_CASE("names the opacity and the harmonics that splats lose") {
   CHECK(drawn() == "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
   model.harmonics = 0;
   CHECK(drawn() == "opaque surface splats, without their opacity");
-  // A splat that is left out loses nothing.
+  // A dropped splat loses nothing.
   model.resize(2);
   model.opacities = {1, 0.001f};
   model.scales[1] = model.scales[0];
@@ -136,7 +136,7 @@ TEST_CASE("reads 2DGS PLY") {
   REQUIRE(cloud.size() == 2);
   CHECK(metadata(cloud, "source") == "2DGS PLY");
   CHECK(cloud.positions[0] == glm::vec3(1, -2, -3));
-  CHECK(near(cloud.normals[0], {0, 0, -1}));  // +Z of the file is away from the viewer
+  CHECK(near(cloud.normals[0], {0, 0, -1}));  // +Z of the file faces away from the viewer
   CHECK(near(cloud.normals[1], {0, 0, 1}));   // half a turn around x
   CHECK(cloud.weights[0] == Approx(2 * kPi));
   CHECK(cloud.weights[1] == Approx(4 * kPi));  // ln 2
@@ -177,7 +177,7 @@ TEST_CASE("reads 3DGS PLY of a trained scene") {
   CHECK(metadata(cloud, "splats not discs") == "865");
   CHECK(metadata(cloud, kSplatsDrawnAs) ==
         "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
-  // Computed from the file by other means, in double precision.
+  // Computed from the file independently, in double precision.
   CHECK(cloud.description.total == Approx(12.003164223254227).epsilon(1e-5));
   CHECK(near(cloud.positions[500], {-3.191091775894165f, -0.17911396920681f, 1.1883732080459595f}));
   CHECK(near(cloud.normals[0], {0.9759472f, 0.2069927f, 0.0684179f}));
@@ -202,9 +202,9 @@ void put_antimatter(Bytes& to, glm::vec3 p, glm::vec3 s, std::initializer_list<i
 TEST_CASE("reads antimatter .splat, and every prefix as a scene") {
   Bytes bytes;
   put_antimatter(bytes, {1, 2, 3}, {0.5f, 0.25f, 0.001f}, {255, 0, 51, 255, 255, 128, 128, 128});
-  // (0, 1, 1, 0) as w x y z: half a turn around the diagonal leads z to -z; x and y change places.
+  // (0, 1, 1, 0) as w x y z: half a turn about the diagonal moves z to -z and swaps x and y.
   put_antimatter(bytes, {-1, 0, 0}, {0.001f, 1, 1}, {0, 255, 0, 128, 128, 218, 218, 128});
-  put_antimatter(bytes, {0, 0, 0}, {1, 1, 1}, {0, 0, 0, 0, 255, 128, 128, 128});  // not to be seen
+  put_antimatter(bytes, {0, 0, 0}, {1, 1, 1}, {0, 0, 0, 0, 255, 128, 128, 128});  // invisible
   const Cloud cloud = cloud_of(import_splats_antimatter, bytes);
   REQUIRE(cloud.size() == 2);
   CHECK(cloud.positions[0] == glm::vec3(1, -2, -3));
@@ -290,7 +290,7 @@ TEST_CASE("reads .ksplat with buckets") {
     made.full = 1;
     made.partial = {1, 1};
     made.centers = {{10, 0, 0}, {20, 0, 0}, {30, 0, 0}};
-    made.block = 2 * 32767;  // one unit a step
+    made.block = 2 * 32767;  // one unit per step
     for (int i = 0; i < 4; ++i) {
       for (const int c : {32767 + i, 32767, 32766}) put(made.splats, static_cast<std::uint16_t>(c));
       for (const int half : {0x3800, 0x3400, 0x0400})
@@ -326,7 +326,7 @@ Bytes gzip(const Bytes& data) {
   return result;
 }
 
-/// Two splats of an SPZ file as it is before it is packed.
+/// Returns two splats of an SPZ file before compression.
 Bytes spz(std::uint32_t version, int flags = 0) {
   Bytes data;
   put(data, std::uint32_t{0x5053474e});
@@ -348,7 +348,7 @@ Bytes spz(std::uint32_t version, int flags = 0) {
     if (version < 3) {
       for (const int b : {255, 127, 127}) data.push_back(static_cast<std::byte>(b));  // x = 1: half a turn
     } else {
-      // x, the component 0, is dropped; y, z and w, the lowest, are 0.
+      // Component 0, x, is dropped; y, z and the lowest, w, are 0.
       put(data, std::uint32_t{0});
     }
   }
@@ -360,7 +360,7 @@ Bytes spz(std::uint32_t version, int flags = 0) {
   return data;
 }
 
-/// In the space of the file.
+/// Returns the first position in the coordinates of the file.
 glm::vec3 first_place(const Cloud& cloud) {
   return glm::vec3(cloud.description.origin + glm::dvec3(cloud.positions[0]));
 }
@@ -382,7 +382,7 @@ TEST_CASE("reads SPZ versions 1 to 3") {
     CHECK(metadata(cloud_of(import_splats_spz, gzip(lossy)), kSplatsDrawnAs) ==
           "opaque surface splats, without their opacity and spherical harmonics up to degree 2");
     check_hostile(import_splats_spz, bytes);
-    // Rubbish that unpacks.
+    // Rubbish that decompresses.
     Bytes data = spz(version);
     for (std::size_t i = 0; i < data.size(); ++i) {
       Bytes changed = data;
@@ -431,8 +431,8 @@ TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
                       std::abs(a.colors[i].b - b.colors[i].b)});
     turned += std::abs(dot(a.normals[i], b.normals[i])) < 0.99f ? 1 : 0;
   }
-  // SPZ: positions to 1/4096, scales to 1/16 in their logarithm (two of them, half a step each), colours to
-  // 0.28 / (255 * 0.15); the PLY adds its own, smaller steps.
+  // SPZ: positions to 1/4096, two scales to half of 1/16 in their logarithm, colours to 0.28 / (255 * 0.15). The PLY
+  // adds smaller steps.
   CHECK(position < 0.0015f);
   CHECK(area < 0.08f);
   CHECK(color <= 3);

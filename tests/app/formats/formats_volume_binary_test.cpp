@@ -5,7 +5,7 @@ using namespace gs::test;
 
 namespace {
 
-/// All ways in which one array may stand in a file.
+/// Encodings of an array in a file.
 template <class Word>
 void check_vti(const ScratchFolder& folder, const Bytes& data, const char* type, bool big_endian,
                const char* word_name) {
@@ -26,7 +26,7 @@ void check_vti(const ScratchFolder& folder, const Bytes& data, const char* type,
   check_values(opened(folder.write("a.vti", vti(appended_array, appended("base64", base64(length + data)), order))));
   check_values(opened(folder.write("a.vti", vti(appended_array, appended("raw", string_of(length + data)), order))));
 
-  const std::size_t block = data.size() / 12 * 5;  // two whole blocks and a rest
+  const std::size_t block = data.size() / 12 * 5;  // two whole blocks and a remainder
   const auto part = [&](std::size_t i) {
     return Bytes(data.begin() + static_cast<std::ptrdiff_t>(i * block),
                  data.begin() + static_cast<std::ptrdiff_t>(std::min(data.size(), (i + 1) * block)));
@@ -115,7 +115,7 @@ TEST_CASE("takes NIfTI positions from the sform, else from the qform") {
   CHECK(placed.layout.axes[0] == glm::vec3(0, 3, 0));
   CHECK(placed.layout.axes[1] == glm::vec3(-2, 0, 0));
   CHECK(placed.layout.origin == glm::dvec3(10, 20, 30));
-  // A matrix that does not span space: the steps count.
+  // With a singular matrix, the steps count.
   for (std::size_t i = 0; i < 12; ++i) header.set<float>(280 + 4 * i, 0.0f);
   CHECK(opened(folder.write("s.nii", string_of(header.bytes + data))).layout.axes[1] == glm::vec3(0, 2.5f, 0));
 

@@ -4,7 +4,7 @@ namespace gs::app::slc_test {
 
 using namespace gs::test;
 
-// 3 x 2 x 2 voxels of kValues, and an icon of 2 x 1.
+// Returns 3 x 2 x 2 voxels of kValues, and an icon of 2 x 1.
 std::string slc(int compression, const std::string& slices) {
   return "11111\n3 2 2 8\n1.0 2.0 3.0\n2 5 0 " + std::to_string(compression) + "\n2 1 X" + "rgbrgb" + slices;
 }
@@ -13,7 +13,7 @@ std::string raw_slice(std::size_t z) {
   for (std::size_t i = 0; i < 6; ++i) bytes += static_cast<char>(kValues[6 * z + i]);
   return bytes;
 }
-// As bytes that follow, and the last two of them one by one as a run of one.
+// Literal bytes, with the last two as runs of one.
 std::string packed_slice(std::size_t z) {
   const std::string raw = raw_slice(z);
   std::string packed = std::string(1, static_cast<char>(128 | 4)) + raw.substr(0, 4);

@@ -32,7 +32,7 @@ TEST_CASE("opens NRRD files of every type, byte order and encoding") {
   });
   const std::string ascii = "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 2 2\nencoding: ascii\n\n";
   check_values(opened(folder.write("t.nrrd", ascii + "0 1 2\n3,40 5\n6 77 8 9 100 11\n")));
-  // Numbers of a text are of the type that the header says, as long as they can be.
+  // A text's numbers keep the type of the header if possible.
   CHECK(opened(folder.write("t.nrrd", ascii + "0 1 2\n3,40 5\n6 77 8 9 100 11\n")).layout.type == qnv::VoxelType::i16);
   for (const auto& [type, last, kept] :
        {std::tuple("uchar", "255", qnv::VoxelType::u8), std::tuple("uchar", "256", qnv::VoxelType::f64),

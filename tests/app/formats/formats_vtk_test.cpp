@@ -1,4 +1,4 @@
-// Surfaces of VTK: XML PolyData and legacy files.
+// Tests of VTK surfaces: XML PolyData and legacy files.
 #include "app/formats/common/color_key.h"
 #include "app/formats/content_types.h"
 #include "app/formats/mesh/vtk_legacy.h"
@@ -15,7 +15,7 @@ namespace gs::app::vtk_test {
 using namespace gs::test;
 using vrml::Color;
 
-/// Writes DataArrays in one of the ways that the format has.
+/// Writer of DataArrays in one encoding of the format.
 struct VtpWriter {
   enum class Way : std::uint8_t { ascii, base64_inside, appended_raw, appended_base64 };
   Way way = Way::ascii;
@@ -74,7 +74,7 @@ struct VtpWriter {
 
 const std::vector<float> kSquare = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
 
-// A polygon, a strip of two triangles, a line and a vertex over a square, with temperatures at its corners.
+// Returns a polygon, a strip of two triangles, a line and a vertex over a square, with temperatures at its corners.
 std::string square_piece(VtpWriter& writer, const std::string& data) {
   std::string text =
       "<Piece NumberOfPoints=\"4\" NumberOfVerts=\"1\" NumberOfLines=\"1\" NumberOfStrips=\"1\" "

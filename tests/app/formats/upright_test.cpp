@@ -41,7 +41,7 @@ TEST_CASE("assumes the up axis of the format if a file names none") {
   CHECK(up_of("a.stl") == UpRule::z);
   CHECK(up_of("a.ply") == UpRule::by_shape);
   CHECK(up_of("a.xyz") == UpRule::survey);
-  CHECK(up_of("a.splat") == UpRule::y);  // turned when it is read
+  CHECK(up_of("a.splat") == UpRule::y);  // rotated by its reader
   CHECK(up_of("a.spz") == UpRule::y);
   CHECK(up_of("a.nii.gz") == UpRule::patient_r);
   CHECK(up_of("a.mha") == UpRule::patient_s);

@@ -1,4 +1,4 @@
-// Files of vectors as worlds: what load_world makes of them, and of QNV nodes.
+// Tests of files of vectors as worlds, and of QNV nodes.
 #include "app/formats/content_types.h"
 #include "app/world/world_loader.h"
 #include "qnv/codecs/records/encode/encode_cloud.h"
@@ -34,7 +34,7 @@ double area(const qnv::Cloud& cloud) {
   return sum;
 }
 
-// The only cloud of a world.
+// Returns the only point set of a world.
 const qnv::Cloud& only_cloud(const OpenedWorld& world) {
   INFO(said(world));
   REQUIRE(world.clouds.size() == 1);
@@ -42,7 +42,7 @@ const qnv::Cloud& only_cloud(const OpenedWorld& world) {
   return *world.clouds.begin()->second;
 }
 
-// Two numbers of a QNV node's `vectors`.
+// Returns the two numbers of a QNV node's `vectors`.
 std::string words_of(const qnv::RecordFields& fields) {
   const std::uint64_t bits = qnv::join_fields(fields);
   return std::to_string(static_cast<std::int32_t>(bits & 0xffffffff)) + " " +
@@ -69,7 +69,7 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   const std::string packed = string_of(test::gzipped(std::vector<std::byte>(first, first + bytes.size())));
   CHECK(only_cloud(load_world(folder.write("packed.qnv", packed))).size() == 3000);
 
-  // Every cut is a smaller ball of the same area, and no error.
+  // Every prefix is a coarser ball of equal area, without errors.
   std::size_t before = 0;
   LoadOptions cut;
   for (cut.max_bytes = 3000; cut.max_bytes < bytes.size(); cut.max_bytes += 1500) {
@@ -82,7 +82,7 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
     before = only_cloud(part).size();
   }
   CHECK(before > 1500);
-  // A file that ends early says so; one without a header is refused.
+  // A truncated file is reported; one without a header is refused.
   const OpenedWorld early = load_world(folder.write("early.qnv", bytes.substr(0, bytes.size() / 2)));
   CHECK(early.diagnostics.errors() == 0);
   CHECK(said(early).find("early.qnv: warning: byte ") != std::string::npos);
@@ -137,7 +137,7 @@ TEST_CASE("replaces the fallback PROTO of a QNV node by its stream") {
   CHECK(only_cloud(world).size() == 500);
   const vrml::NodeId geometry = world.scene->get<vrml::SFNode>(world.scene->roots()[0], "geometry");
   CHECK(&world.scene->node(world.scene->resolve(geometry)) == world.clouds.begin()->first);
-  // Without the stream the fallback stays.
+  // Without the stream, the fallback remains.
   const ScratchFolder other;
   const OpenedWorld fallback = load_world(other.write("world.wrl", text));
   CHECK(fallback.clouds.empty());

@@ -13,7 +13,7 @@ struct Editor {
   OpenedWorld world = world_of("DEF A Group {} DEF B Group {}");
   vrml::NodeNames names{*world.scene};
 
-  // The value as it is, or what is wrong.
+  // Returns the valid value, or the error.
   std::variant<vrml::FieldValue, std::string> edit(const char* type, const char* event_in, const std::string& text) {
     const vrml::NodeType* const of = vrml::built_in_node_type(type);
     REQUIRE(of);
@@ -58,7 +58,7 @@ TEST_CASE("parses a text to a value of the field's type, or reports why not") {
   CHECK(editor.fine("Shape", "geometry", "NULL"));
 }
 
-// The ranges of VRML97 clause 6, as the interfaces print them.
+// The ranges of VRML97 clause 6, as printed in the interfaces.
 TEST_CASE("reports the expected range for a value outside it") {
   Editor editor;
   CHECK(editor.fine("Material", "transparency", "1"));
@@ -69,11 +69,11 @@ TEST_CASE("reports the expected range for a value outside it") {
   CHECK(editor.why("SpotLight", "beamWidth", "0") == "0 is out of range; expected more than 0 and at most pi/2");
   CHECK(editor.why("PointLight", "color", "1 2 0") == "2 is out of range; expected at least 0 and at most 1");
   CHECK(editor.why("Color", "color", "[ 0 0 0, 0 -1 0 ]").starts_with("element 2: -1 is out of range"));
-  // Of a field x beside its eventIn set_x.
+  // A field x with an eventIn set_x.
   CHECK(editor.fine("IndexedFaceSet", "set_coordIndex", "[ 0, 1, 2, -1 ]"));
   CHECK(editor.why("IndexedFaceSet", "set_coordIndex", "[ 0, -2 ]") ==
         "element 2: -2 is out of range; expected at least -1");
-  // Of a rotation the second one is that of the angle; an axis has a direction (5.8).
+  // The second range of a rotation is the angle's; an axis has a direction (5.8).
   CHECK(editor.fine("Transform", "rotation", "0 3 0 12"));
   CHECK(editor.why("Transform", "rotation", "0 0 0 1").find("not an axis") != std::string::npos);
   CHECK(editor.fine("Transform", "rotation", "0 0 0 0"));
@@ -89,7 +89,7 @@ TEST_CASE("refuses invalid numbers and values of other types") {
   CHECK_FALSE(why_not_valid(transform, translation, vrml::SFVec3f(1, 2, 3)));
 }
 
-// Each range of the node table is understood, so that none is passed over.
+// Parses each range of the node table, so that none is skipped.
 TEST_CASE("prints defaults within the ranges that it prints") {
   std::size_t ranges = 0;
   for (const auto& type : vrml::built_in_node_types())

@@ -16,12 +16,12 @@ struct Inspected : OneWorld {
   explicit Inspected(const std::string& body, const InspectionWants& shown = {true, true, true, true, false})
       : OneWorld(body), wants(shown) {
     session.add_extension(inspection);
-    for (int i = 0; i < 3; ++i) look();  // it is known what is drawn, which world that is, and what that holds
+    for (int i = 0; i < 3; ++i) look();  // lets the inspector learn the picture, the world and its nodes
   }
   ~Inspected() { session.remove_extension(inspection); }
   Inspected(const Inspected&) = delete;
   Inspected& operator=(const Inspected&) = delete;
-  // A step, and a picture.
+  // Runs a step, and draws a picture.
   void look(double seconds = 0) {
     now += seconds;
     frame = session.step(now, input_of({}));
@@ -99,7 +99,7 @@ TEST_CASE("rejects an invalid value, and reports why") {
   CHECK_FALSE(world.inspection.busy());
   world.look();
   CHECK(world.value<vrml::SFFloat>("transparency") == before);
-  // One of a list.
+  // A node of a list.
   world.choose("Bright");
   const vrml::FieldValue list = *world.inspection.value_of(world.interface("keyValue"));
   CHECK(world.inspection.send_element_text(world.interface("keyValue"), list, 1, "x"));
@@ -143,7 +143,7 @@ TEST_CASE("selects the Shape of a click, and opens the tree at it") {
 
 TEST_CASE("marks the selected node in the picture, and flies to it") {
   Inspected world(kLamp);
-  // A geometry node is where its Shape is.
+  // A geometry node has the position of its Shape.
   world.choose("Ball");
   const render::WorldBounds& bounds = world.inspection.selected_bounds();
   CHECK(bounds.lower.x == Approx(3).margin(0.1));
@@ -153,7 +153,7 @@ TEST_CASE("marks the selected node in the picture, and flies to it") {
   CHECK(world.inspection.fly_to_selected());
   world.look();
   world.look(1);
-  // In the middle of the picture then: the middle of the edges is.
+  // After that, the centre of its edges is the centre of the picture.
   glm::vec2 middle(0);
   for (const auto& [a, b] : world.inspection.marks()[0].lines) middle += (a + b) / 24.0f;
   CHECK(middle.x == Approx(100).margin(1));
@@ -229,7 +229,7 @@ TEST_CASE("clears the selection when its node is removed") {
   world.look(0.1);
   CHECK_FALSE(world.inspection.selected());
   CHECK(world.inspection.outline().size() == 1);
-  // And so with a world.
+  // The same with a world.
   const auto other = hold_world(world_of("Group {} Group {}"));
   begin_world(*other, world.now);
   world.session.show(other);

@@ -103,7 +103,7 @@ TEST_CASE("highlights ROUTEs for half a second after an event, and counts events
   (void)world.watch.take_news();
   CHECK(a_second(0) == Approx(10));
   CHECK(light(1) == Approx(0).margin(1e-6));
-  // A quiet second.
+  // A second without events.
   world.execution.step(1002);
   (void)world.watch.take_news();
   CHECK(a_second(0) == 0);

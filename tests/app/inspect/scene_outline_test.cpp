@@ -26,7 +26,7 @@ struct Tree {
     }
     outline.refresh();
   }
-  // Like "  children[1] Shape 'S'", with "+" what can be opened and "-" what is open.
+  // Returns a line like "  children[1] Shape 'S'", with "+" for closed and "-" for open ones.
   [[nodiscard]] std::string line(std::size_t i) const {
     const OutlineRow row = outline.row(i);
     std::string text(2 * row.depth, ' ');
@@ -75,14 +75,14 @@ TEST_CASE("lists fields with nodes and DEF names, and opens single lines") {
   CHECK(tree.lines() == Lines{"+[0] Group 'A'", " [1] Transform 'B'"});
 }
 
-// VRML97 4.6.2: USE makes another place of the same node.
+// VRML97 4.6.2: USE is another instance of the same node.
 TEST_CASE("marks a node that is used again, and never opens it below itself") {
   Tree tree("DEF A Group { children [ Group { children DEF X Shape { geometry Box {} } } USE X ] } USE A");
   tree.outline.set_open(0, true);
   tree.outline.set_open(1, true);
   CHECK(tree.lines() == Lines{"-[0] Group 'A'", "  -children[0] Group", "    +children[0] Shape 'X'",
                               "   children[1] USE Shape 'X'", " [1] USE Group 'A'"});
-  // By an event, a node may come to be below itself.
+  // An event can put a node below itself.
   const NodeAt group = tree.node("A");
   tree.world.scene->set<vrml::MFNode>(group.id, "children", vrml::MFNode{group.id});
   tree.outline.refresh();
@@ -94,7 +94,7 @@ TEST_CASE("lists fields and body of PROTO instances") {
       "PROTO Lamp [ field MFNode parts [] ] { Group { children IS parts } PointLight {} } "
       "DEF L Lamp { parts Group {} }");
   tree.outline.set_open(0, true);
-  // The body's Group uses what the field holds.
+  // The body's Group contains the nodes of the field.
   CHECK(tree.lines() == Lines{"-[0] Lamp 'L'", "   parts[0] Group", "  +body[0] Group", "   body[1] PointLight"});
   tree.outline.set_open(2, true);
   CHECK(tree.line(3) == "     children[0] USE Group");
@@ -130,7 +130,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   CHECK(tree.lines() == Lines{"-[0] Inline 'I'", "   content[0] Group 'In'"});
   tree.index.find("In");
   tree.learn();
-  REQUIRE(tree.index.matches() == 2);  // by its type, and by its name
+  REQUIRE(tree.index.matches() == 2);  // by its type and by its name
   CHECK(tree.index.match(1).scene == content.get());
   const NodeAt inside = tree.index.match(1);
   tree.execution.remove_content(*tree.world.scene, tree.node("I").id);
@@ -184,12 +184,12 @@ TEST_CASE("costs only the visible lines in a world of a million nodes") {
   outline.set_world(&execution, &index);
   outline.set_open(0, true);
   CHECK(outline.size() == count);
-  // A frame of fifty lines, somewhere, before anything was learned.
+  // Draws fifty lines anywhere before the index is built.
   const std::uint64_t before = outline.work_done();
   outline.refresh();
   for (std::size_t i = count / 2; i < count / 2 + 50; ++i) CHECK(outline.row(i).node.id == children[i - 1]);
   CHECK(outline.work_done() - before < 1000);
-  // No frame learns more than it may, and all is known in the end.
+  // Each frame learns within its limit, and finally everything is known.
   index.find("needle");
   std::size_t frames = 0;
   constexpr std::size_t kWork = 10'000;

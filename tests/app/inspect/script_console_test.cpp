@@ -52,7 +52,7 @@ TEST_CASE("recalls entered lines by the arrow keys, and the line in progress") {
   CHECK(console.recall(false, "1 + 1") == "Browser");
   CHECK(console.recall(false, "Browser") == "beg");
   CHECK_FALSE(console.recall(false, "beg"));
-  // The same line again stands once.
+  // A repeated line occurs once.
   CHECK(console.enter("1 + 1"));
   CHECK(console.recall(true, "") == "1 + 1");
   CHECK(console.recall(true, "") == "Browser");

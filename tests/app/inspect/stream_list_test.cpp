@@ -10,7 +10,7 @@ TEST_CASE("measures a rate over the last second, and limits its history") {
   RateHistory history;
   CHECK(history.rate() == 0);
   CHECK_FALSE(history.note(1000, 10));
-  CHECK_FALSE(history.note(5000, 10.1));  // too soon for a sample
+  CHECK_FALSE(history.note(5000, 10.1));  // too early for a sample
   CHECK(history.note(2000, 10.25));       // 1000 bytes in a quarter of a second
   CHECK(history.rate() == Approx(32'000));
   CHECK(history.note(2000, 10.5));
@@ -20,7 +20,7 @@ TEST_CASE("measures a rate over the last second, and limits its history") {
   CHECK(history.note(6000, 11.5));
   CHECK(history.samples().size() == 6);
   CHECK(history.rate() == Approx(32'000));
-  // Another reading begins at nothing.
+  // Another load starts from 0.
   CHECK(history.note(100, 11.75));
   CHECK(history.samples().back() == Approx(3200));
   for (int i = 0; i < 1000; ++i) (void)history.note(100, 12 + i * 0.25);
@@ -37,7 +37,7 @@ TEST_CASE("reports the progress of each load, and forgets the oldest finished on
   ledger.receive(first, 300, {});
   ledger.count_datagrams(first, 9, 1);
   ledger.end(second, LoadStage::failed, "there is no such file");
-  ledger.end(second, LoadStage::whole);  // it has ended
+  ledger.end(second, LoadStage::whole);  // ended
   std::vector<LoadRow> rows = ledger.rows();
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].stage == LoadStage::arriving);
@@ -53,7 +53,7 @@ TEST_CASE("reports the progress of each load, and forgets the oldest finished on
   for (std::size_t i = 0; i < LoadLedger::kMost; ++i) ledger.end(ledger.begin("x", "data", nullptr), LoadStage::whole);
   rows = ledger.rows();
   CHECK(rows.size() == LoadLedger::kMost);
-  CHECK(rows.front().number == first);  // it has not ended
+  CHECK(rows.front().number == first);  // not ended
 }
 
 TEST_CASE("limits the rate of a world, and wakes its reader") {
@@ -72,7 +72,7 @@ TEST_CASE("limits the rate of a world, and wakes its reader") {
   ledger.receive(ledger.begin("a", "http", nullptr), 100, {});
   ledger.receive(ledger.begin("b", "http", nullptr), 20, {});
   CHECK(ledger.received() == 120);
-  ledger.receive(ledger.begin("c", "file", nullptr), 5, {});  // which is no line's
+  ledger.receive(ledger.begin("c", "file", nullptr), 5, {});  // an unknown number
   CHECK(ledger.received() == 120);
 }
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <variant>
 
-// The camera by keys and menus: sides, up, parallel rays, undo, seek, and its text on the clipboard.
+// Tests of the camera by keys and menus: sides, up axis, parallel projection, undo, seek, and clipboard.
 namespace gs::app::camera_interface_test {
 
 using driver::Driver;
@@ -90,7 +90,7 @@ TEST_CASE("toggles parallel projection with O, and keeps the size of the target"
   CHECK(std::abs(pose(user).height - expected) < 0.01 * expected);
   CHECK(at_home(*user.session().view()));
   CHECK(user.sees("Parallel projection"));
-  // Whatever is gone to, is seen so.
+  // Each destination is seen from that side.
   user.press(letter_key('5'), false, true);
   user.wait(1);
   CHECK(pose(user).height > 0);
@@ -121,7 +121,7 @@ TEST_CASE("undoes and redoes movements, and leaves the world alone while text is
   user.press(letter_key('Z'), true, true);
   user.wait(1);
   CHECK(glm::distance(pose(user).position, above.position) < 1e-6);
-  user.press(letter_key('P'), true, true);  // the palette has the keys
+  user.press(letter_key('P'), true, true);  // the palette has the focus
   user.type("fit");
   user.press(letter_key('Z'), true);
   user.press(Key::escape);
@@ -215,7 +215,7 @@ TEST_CASE("shows axes in the corner of unstyled objects, and the size of the gri
   CHECK_FALSE(user.sees("Grid:"));
   user.press(letter_key('N'));
   CHECK(user.sees("Grid: 0.5"));
-  // Without axes a click there turns the world, and does not choose a side.
+  // Without axes, a click there turns the world and chooses no side.
   user.click("View");
   user.click("Coordinate axes");
   CHECK_FALSE(user.session().view()->style.axes);

@@ -22,11 +22,11 @@
 #include <utility>
 #include <vector>
 
-/// A user at the interface, without a window: he sees the words on the screen, points at them, and types. What he sees
-/// is read from what would be drawn, so that a word that is covered by nothing but in no list is not there for him.
+/// A user of the interface without a window, with its words, pointer and keys. The screen is read from the draw
+/// commands, so a word that is not drawn does not exist.
 namespace gs::app::driver {
 
-/// Codes of keys, as GLFW numbers them.
+/// Returns the code of a key in GLFW.
 inline int code_of(Key key) {
   static const std::map<Key, int> kCodes = {
       {Key::escape, 256}, {Key::enter, 257},     {Key::tab, 258},     {Key::right, 262}, {Key::left, 263},
@@ -39,7 +39,7 @@ inline int code_of(Key key) {
   return found == kCodes.end() ? static_cast<int>(key) : found->second;
 }
 
-/// No window: a size, and frames of 1/60 s.
+/// Window substitute with a size and frames of 1/60 s.
 class NoWindow final : public InterfaceBackend {
  public:
   explicit NoWindow(const glm::vec2& size) : size_(size) {}
@@ -64,13 +64,13 @@ class NoWindow final : public InterfaceBackend {
   glm::vec2 size_;
 };
 
-/// A character on the screen.
+/// Character on the screen.
 struct SeenCharacter {
   ImWchar character;
   float left, right, top, bottom;
 };
 
-/// The characters that a frame would draw, in the order in which it draws them.
+/// Returns the characters of a frame in drawing order.
 inline std::vector<SeenCharacter> seen_characters() {
   std::vector<SeenCharacter> seen;
   const ImDrawData* data = ImGui::GetDrawData();
@@ -88,7 +88,7 @@ inline std::vector<SeenCharacter> seen_characters() {
     const ImDrawList& list = *data->CmdLists[i];
     for (const ImDrawCmd& command : list.CmdBuffer) {
       if (command.UserCallback) continue;
-      // A glyph is two triangles on four vertices, which follow each other.
+      // A glyph has two triangles on four consecutive vertices.
       for (unsigned at = 0; at + 6 <= command.ElemCount;) {
         const ImDrawIdx* index = &list.IdxBuffer[static_cast<int>(command.IdxOffset + at)];
         const auto first = static_cast<int>(index[0] + command.VtxOffset);
@@ -128,10 +128,10 @@ class Driver final : public WindowOperations {
   bool closed() const { return closed_; }
   int full_screens() const { return full_screens_; }
   Viewport picture() { return controller_.ui().picture_area(size_); }
-  /// The model is changed by this before it is shown, for what no session of a test has.
+  /// Sets a function that changes the model before it is shown, for states that no test session has.
   void set_model(std::function<void(UiModel&)> change) { change_model_ = std::move(change); }
 
-  /// A world that lives, in the active viewport.
+  /// Shows a running world in the active viewport.
   void show_world(const std::string& body, const std::string& path = "test.wrl") {
     OpenedWorld world = world_of(body);
     world.path = path;
@@ -141,7 +141,7 @@ class Driver final : public WindowOperations {
     settle();
   }
 
-  /// One round of the window's loop.
+  /// Runs one round of the window's loop.
   void step(std::vector<WindowEvent> events = {}) {
     for (WindowEvent& event : events) {
       event.time = time_;
@@ -168,7 +168,7 @@ class Driver final : public WindowOperations {
     if (actions.mode) actions_.mode = actions.mode;
     if (actions.look) actions_.look = actions.look;
   }
-  /// Until the interface rests.
+  /// Runs frames until the interface rests.
   void settle() {
     for (int i = 0; i < 4 || controller_.ui().has_input_left(); ++i) step();
   }
@@ -181,12 +181,12 @@ class Driver final : public WindowOperations {
     }
     return false;
   }
-  /// Lets so much time go by.
+  /// Advances time by `seconds`.
   void wait(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds * 60); ++i) step();
   }
 
-  /// All words on the screen, in the order in which they are drawn; those of a line are parted by blanks.
+  /// Returns all words on the screen in drawing order, separated by blanks within a line.
   std::string screen() const {
     std::string text;
     for (const auto& [word, place] : words()) text += (text.empty() ? "" : " ") + word;
@@ -202,7 +202,7 @@ class Driver final : public WindowOperations {
     for (std::size_t at = all.find(wanted); at != std::string::npos; at = all.find(wanted, at + 1)) {
       const SeenCharacter &first = seen[at], &last = seen[at + wanted.size() - 1];
       if (std::abs(first.top - last.top) > last.bottom - last.top + 8) continue;  // on two lines
-      // The last that is drawn is in front: lists and menus lie over what was there.
+      // The last drawn match is in front, since lists and menus cover earlier ones.
       result = glm::vec2((first.left + last.right) / 2, (first.top + last.bottom) / 2);
     }
     return result;
@@ -244,12 +244,12 @@ class Driver final : public WindowOperations {
     step({dropped});
     settle();
   }
-  /// The button goes down there, and is not let go.
+  /// Presses the button without a release.
   void hold(const glm::vec2& place) {
     point(place);
     step({event(WindowEvent::Kind::button_down)});
   }
-  /// Notches of the wheel, towards the user is negative.
+  /// Turns the wheel by notches; negative is towards the user.
   void turn_wheel(const glm::vec2& place, float notches) {
     point(place);
     WindowEvent turned = event(WindowEvent::Kind::wheel);
@@ -257,7 +257,7 @@ class Driver final : public WindowOperations {
     step({turned});
     settle();
   }
-  /// A key with what is held, pressed and released.
+  /// Presses and releases a key with modifiers.
   void press(Key key, bool control = false, bool shift = false, bool alt = false) {
     std::vector<WindowEvent> events;
     const std::pair<Key, bool> held[] = {{Key::control, control}, {Key::shift, shift}, {Key::alt, alt}};
@@ -284,7 +284,7 @@ class Driver final : public WindowOperations {
     settle();
   }
 
-  /// Letters that no key of this keyboard has.
+  /// Types letters that are not on the keyboard.
   void type_letters(std::u32string_view text) {
     std::vector<WindowEvent> events;
     for (const char32_t letter : text) {

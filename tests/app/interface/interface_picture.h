@@ -21,19 +21,19 @@ struct Place {
   float x, y;
 };
 
-/// Twice the area to the left of an edge.
+/// Returns twice the signed area left of an edge.
 inline float side(const ImVec2& a, const ImVec2& b, const Place& p) {
   return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
 }
 
-/// Of two neighbours exactly one has the pixels on the edge between them.
+/// Assigns the pixels on a common edge to exactly one triangle.
 inline bool takes_edge(const ImVec2& a, const ImVec2& b) { return a.y > b.y || (a.y == b.y && a.x < b.x); }
 
 struct Atlas {
   unsigned char* pixels = nullptr;
   int width = 0, height = 0;
 
-  /// Red, green, blue and alpha at a place, between the four nearest texels.
+  /// Returns the colour at a position, interpolated between the four nearest texels.
   [[nodiscard]] std::array<float, 4> at(float u, float v) const {
     const float x = u * static_cast<float>(width) - 0.5f, y = v * static_cast<float>(height) - 0.5f;
     const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
@@ -97,7 +97,7 @@ inline void draw_triangle(render::Image& image, const Atlas& atlas, const ImVec4
 
 }  // namespace interface_picture
 
-/// RGB, as large as the window.
+/// Returns an RGB picture of the size of the window.
 inline render::Image picture_of_interface() {
   using namespace interface_picture;
   const ImGuiIO& io = ImGui::GetIO();
@@ -125,7 +125,7 @@ inline render::Image picture_of_interface() {
   return image;
 }
 
-/// Means of blocks of so many pixels a side; what is left at the right and below is not counted.
+/// Returns the means of square blocks. Incomplete blocks at the right and bottom are dropped.
 inline render::Image means_of_blocks(const render::Image& image, std::uint32_t side) {
   render::Image small;
   small.width = image.width / side;
@@ -143,7 +143,7 @@ inline render::Image means_of_blocks(const render::Image& image, std::uint32_t s
   return small;
 }
 
-/// The share of the values of two pictures of one size that differ by more than `most`; 1 where their sizes differ.
+/// Returns the share of values that differ by more than `most`, or 1 for pictures of different sizes.
 inline double share_that_differs(const render::Image& a, const render::Image& b, int most) {
   if (a.width != b.width || a.height != b.height || a.pixels.size() != b.pixels.size() || a.pixels.empty()) return 1;
   std::size_t count = 0;

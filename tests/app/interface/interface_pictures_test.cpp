@@ -1,6 +1,6 @@
-// Pictures of the window's interface, compared with small ones that are kept beside this file. They are means of blocks
-// of eight pixels, so that letters may be drawn a little differently, but nothing may stand elsewhere, be of another
-// colour or be missing. GHOSTSPACE_KEEP_PICTURES=1 writes them anew: look at them before they are kept.
+// Compares pictures of the interface with small pinned ones beside this file. These are means of blocks of eight
+// pixels, which tolerate other letter shapes, but no other position, colour or content. GHOSTSPACE_KEEP_PICTURES=1
+// writes them again; check them before a commit.
 #include "app/formats/common/color_key.h"
 #include "app/view/values/color_bar.h"
 #include "render/image/image_codecs.h"
@@ -23,7 +23,7 @@ using render::Image;
 constexpr glm::ivec2 kWindow{720, 480};
 constexpr std::uint32_t kBlock = 8;
 constexpr int kMostDifference = 24;      // of 255, of the mean of a block
-constexpr double kMostOfPicture = 0.02;  // blocks that may differ by more: a caret, another font
+constexpr double kMostOfPicture = 0.02;  // share of blocks that may differ: a caret, another font
 
 const char* const kBody =
     "Viewpoint { description \"Front\" } DEF Lamp PointLight { } "
@@ -56,7 +56,7 @@ void check_picture(const std::string& name) {
   CHECK(driver::share_that_differs(*before, now, kMostDifference) <= kMostOfPicture);
 }
 
-// The world's tree on the left and the inspector on the right, of a ball.
+// Opens the scene tree on the left and the inspector on the right, for a ball.
 void open_panels(Driver& user) {
   user.show_world(kBody);
   user.press(letter_key('T'), true, true);
@@ -132,7 +132,7 @@ TEST_CASE("draws equal windows after equal input, and shows a change") {
     return driver::share_that_differs(before, driver::means_of_blocks(driver::picture_of_interface(), kBlock),
                                       kMostDifference);
   };
-  // A panel less, and other colours, are more than may differ.
+  // A missing panel, or other colours, exceed the tolerance.
   user.press(letter_key('I'), true, true);
   CHECK(difference() > kMostOfPicture);
   user.press(letter_key('I'), true, true);

@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-// The interface as a user has it: what he clicks, types and drags, and what comes of it.
+// Tests of the interface as a user operates it: clicks, text, drags, and their effects.
 namespace gs::app::interface_test {
 
 using driver::Driver;
@@ -32,7 +32,7 @@ TEST_CASE("lists every action in a menu with its key, and runs it from there") {
       if (row.menu != menu) continue;
       const auto panel = panel_of(row.action);
       INFO(row.help << " in " << user.screen());
-      if (!row.group.empty() && !user.sees(row.help)) user.click(row.group);  // a menu in the menu
+      if (!row.group.empty() && !user.sees(row.help)) user.click(row.group);  // a submenu
       CHECK(user.sees(panel ? panel_rows()[*panel].title : row.help));
       if (row.key != Key::unknown) CHECK(user.sees(keys_of(row)));
     }
@@ -68,7 +68,7 @@ TEST_CASE("finds actions, Viewpoints and panels in the palette by a part of thei
   CHECK(user.sees("qqzzr"));
   CHECK_FALSE(user.sees("Click the first point"));
   user.press(Key::escape);
-  // Arrows go through what fits; the keys are not the world's meanwhile.
+  // Arrow keys move through the matches, and do not reach the world.
   const glm::dvec3 before = user.session().view()->navigation.pose.position;
   user.press(letter_key('P'), true, true);
   user.type("viewpoint:");
@@ -146,11 +146,11 @@ TEST_CASE("shows names of any script by system fonts") {
       "Viewpoint { description \"\xE4\xBD\xA0\xE5\xA5\xBD \xCE\x91\xCE\xB8\xCE\xAE\xCE\xBD\xCE\xB1\" } Shape { }");
   user.step();
   const ImFont& font = *ImGui::GetFont();
-  CHECK(font.FindGlyphNoFallback(0x0391));  // Greek stands in the first font
+  CHECK(font.FindGlyphNoFallback(0x0391));  // the first font has Greek
   // If the system has a Chinese font, its glyphs are made on demand.
   const bool has_chinese = font.FindGlyphNoFallback(0x4F60) != nullptr;
   if (has_chinese) CHECK(font.FindGlyphNoFallback(0x597D));
-  CHECK_FALSE(font.FindGlyphNoFallback(0x4F61));  // nobody has asked for that
+  CHECK_FALSE(font.FindGlyphNoFallback(0x4F61));  // not requested yet
 }
 
 TEST_CASE("goes back and forward through visited worlds and viewer positions") {
@@ -179,7 +179,7 @@ TEST_CASE("goes back after an Anchor to the earlier position") {
       "NavigationInfo { type [ \"FLY\" \"ANY\" ] } Viewpoint { } DEF B Viewpoint { position 0 0 30 } "
       "Anchor { url \"#B\" children Shape { geometry Box { size 4 4 4 } } }");
   const auto depth = [&] { return user.session().view()->navigation.pose.position.z; };
-  CHECK(depth() == 10);  // VRML97 6.53: the standard's place
+  CHECK(depth() == 10);  // VRML97 6.53: the default position
   const Viewport picture = user.picture();
   user.click(glm::vec2(picture.left + picture.width / 2, picture.top + picture.height / 2));
   user.wait(1);
@@ -209,7 +209,7 @@ TEST_CASE("stores file and position in a bookmark, and returns there") {
   user.click("test.wrl: Entrance");
   user.wait(0.2);
   CHECK(user.session().view()->navigation.pose.position == glm::dvec3(1, 2, 3));
-  user.press(letter_key('D'), true);  // this view is bookmarked: not any more
+  user.press(letter_key('D'), true);  // removes the bookmark of this view
   CHECK(user.controller().kept().bookmarks().empty());
   const auto kept = read_bookmarks(scratch.read("bookmarks.json"));
   REQUIRE(kept);
@@ -271,7 +271,7 @@ TEST_CASE("filters the Open dialog during typing") {
   user.type("ower");
   CHECK(user.sees("tower.wrl"));
   CHECK_FALSE(user.sees("castle.wrl"));
-  user.press(Key::enter);  // a part of the name has found it
+  user.press(Key::enter);  // found by a part of its name
   REQUIRE(user.actions().open);
   CHECK(*user.actions().open == scratch.path("tower.wrl"));
 }
@@ -284,7 +284,7 @@ TEST_CASE("keeps the Open dialog after a failure, and accepts another name") {
   bool failed = false;
   for (int i = 0; i < 5000 && !failed; ++i) {
     user.step();
-    failed = user.sees("cannot open /nowhere/at/all.wrl");  // that a step says so may be over by now
+    failed = user.sees("cannot open /nowhere/at/all.wrl");  // the step may no longer report it
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   REQUIRE(failed);
@@ -323,13 +323,13 @@ TEST_CASE("shows right-to-left input in visual order, with the pointer at the vi
   user.settle();
   const auto a = user.place_of('a'), alef = user.place_of(0x05D0), bet = user.place_of(0x05D1),
              gimel = user.place_of(0x05D2);
-  if (!alef || !bet || !gimel) return;  // the system has no font with these letters
+  if (!alef || !bet || !gimel) return;  // no font of the system has these letters
   REQUIRE(a);
   CHECK(*a < *gimel);
   CHECK(*gimel < *bet);
   CHECK(*bet < *alef);
-  // A click between the right two letters is between the first two of the text; a click at the left end of them behind
-  // the third.
+  // A click between the right two letters is between the first two of the text. A click left of them is after the
+  // third.
   const float line = user.find("z")->y;
   user.click(glm::vec2(*alef - 1, line));
   user.type("1");
@@ -406,7 +406,7 @@ TEST_CASE("offers once to restore a window that ended unexpectedly, in one line"
   CHECK(user.sees("Open the 2 files that it showed?"));
   asked = false;
   user.settle();
-  CHECK(user.picture().top < top);  // its room is the picture's again
+  CHECK(user.picture().top < top);  // the picture has its space again
 }
 
 TEST_CASE("lists the settings of the table in Preferences") {

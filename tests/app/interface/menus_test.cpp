@@ -1,4 +1,4 @@
-// The menus, as somebody uses them in a small window.
+// Tests of the menus in a small window.
 #include "app/view/actions.h"
 
 #include "app/interface/panels/panels.h"
@@ -21,7 +21,7 @@ std::string words_of(const ActionRow& row) {
   return std::string(panel ? panel_rows()[*panel].title : row.help).substr(0, 28);
 }
 
-// Whether all of a line is in the window, after the wheel was turned if need be.
+// Scrolls if necessary, and reports whether a whole line is visible.
 bool can_be_seen(Driver& user, const std::string& words, const glm::vec2& menu) {
   for (const float direction : {-4.0f, 4.0f})
     for (int i = 0; i < 4; ++i) {
@@ -66,7 +66,7 @@ TEST_CASE("runs the action of a submenu entry") {
   REQUIRE(words);
   CHECK_FALSE(user.sees("Larger text"));
   user.click(*words);
-  // It stands beside the menu, not over the entry that was clicked.
+  // The submenu is beside the menu, not over the clicked entry.
   REQUIRE(user.find("Larger text"));
   CHECK(user.find("Larger text")->x > words->x + 100);
   CHECK_FALSE(user.actions().run);

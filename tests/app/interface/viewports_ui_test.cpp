@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-// Viewports as a user has them: split, dragged, swapped, maximised, closed, dropped on.
+// Tests of viewports as a user operates them: split, drag, swap, maximise, close, drop.
 namespace gs::app::viewports_ui_test {
 
 using driver::Driver;
@@ -30,7 +30,7 @@ glm::vec2 middle(Driver& user, std::size_t pane) {
   return {one.left + one.width / 2, one.top + one.height / 2};
 }
 
-// Two files in two viewports, the second of which is active.
+// Shows two files in two viewports, with the second one active.
 void show_two(Driver& user) {
   user.show_world(kBox, "box.wrl");
   user.press(Key::right, true, true);
@@ -44,7 +44,7 @@ TEST_CASE("splits, switches, maximises, swaps and closes viewports by keys") {
   user.press(Key::right, true, true);
   CHECK(split(user) == "1|2");
   CHECK(user.session().panes().active() == 1);
-  // There is no other file: it shows the same, from the same place, and is moved by itself.
+  // Without another file it shows the same one from the same position, but moves independently.
   CHECK(shown(user, 1) == "box.wrl");
   REQUIRE(user.session().view());
   user.session().view()->navigation.pose.position.x += 1;
@@ -65,7 +65,7 @@ TEST_CASE("splits, switches, maximises, swaps and closes viewports by keys") {
   CHECK(split(user) == "1|(2/3)!2");
   CHECK(user.frame().pictures.size() == 1);
   CHECK(place(user, 1).width == user.picture().width);
-  user.press(letter_key('3'), true);  // another one, as large
+  user.press(letter_key('3'), true);  // another viewport of equal size
   CHECK(split(user) == "1|(2/3)!3");
   user.press(letter_key('M'), true);
   CHECK(user.frame().pictures.size() == 3);
@@ -102,7 +102,7 @@ TEST_CASE("offers viewport actions in menus and the palette") {
   CHECK(split(user) == "1");
   user.press(letter_key('P'), true, true);
   user.type("maximise viewport");
-  CHECK(user.sees("No matches."));  // there is only one
+  CHECK(user.sees("No matches."));  // the only viewport
 }
 
 TEST_CASE("drags a divider with its cursor, within the minimum sizes of viewports") {
@@ -116,7 +116,7 @@ TEST_CASE("drags a divider with its cursor, within the minimum sizes of viewport
   user.drag({edge, height}, {edge - 120, height});
   CHECK(place(user, 0).width == Approx(left.width - 120).margin(1));
   CHECK(place(user, 1).left == place(user, 0).left + place(user, 0).width);
-  // Nobody has turned the world with it.
+  // The drag did not turn the world.
   CHECK(at_home(*user.session().panes().at(0).view()));
   const float there = edge - 120;
   user.drag({there, height}, {2, height});
@@ -207,7 +207,7 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   CHECK(rate("memory://a/a.wrl") == 200'000U);
   CHECK(rate("memory://a/b.wrl") == 200'000U);
   CHECK(user.sees("0 bit/s of 200 kbit/s"));
-  // In the menu of the second, which is active.
+  // In the menu of the second, active viewport.
   user.click("2 empty", MouseButton::right);
   CHECK(user.sees("Reading: 50 %, 0 bit/s"));
   CHECK(user.sees("Bandwidth limit"));
@@ -221,7 +221,7 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   CHECK(rate("memory://a/b.wrl") == 2'000'000U);
   user.press(Key::escape);
   CHECK(user.sees("0 bit/s of 2.0 Mbit/s"));
-  // The same in the panel, of the active one.
+  // The same in the panel, for the active one.
   user.press(letter_key('E'), true, true);
   CHECK(user.sees("Bandwidth limit of viewport"));
   user.session().serve(PaneRequest{PaneRequest::Kind::limit, 1, 0, 1, 0});
@@ -261,7 +261,7 @@ TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   // Its earlier file is still there.
   CHECK(shown(user, 1) == "box.wrl");
   CHECK_FALSE(user.session().panes().at(0).failure);
-  // The same again, with the file there.
+  // The same again, with the file present.
   scratch.write("late.wrl", "#VRML V2.0 utf8\nShape { geometry Sphere { } }\n");
   user.click("Retry");
   REQUIRE(user.wait_for([&] { return shown(user, 1) == scratch.path("late.wrl"); }));
@@ -276,7 +276,7 @@ TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   CHECK(user.sees("1 error"));
   user.controller().ui().clear_notices();
   user.settle();
-  user.click("Close");  // only the message: something is shown
+  user.click("Close");  // closes only the message, since a file is shown
   CHECK_FALSE(user.session().panes().at(1).failure);
   CHECK(split(user) == "1|2");
 }
@@ -290,7 +290,7 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
   LoadOptions load;
   load.limits.memory = 256 << 10;
   {
-    Driver given({}, {1000, 700}, load);  // as --memory has it, whatever the setting says
+    Driver given({}, {1000, 700}, load);  // from --memory, whatever the setting is
     given.session().open_files({path});
     REQUIRE(given.wait_for([&] { return given.sees("Raise memory limit"); }));
     given.settle();

@@ -29,7 +29,7 @@ struct Ears {
   }
 };
 
-/// Lets the world live for so long, and hears it.
+/// Runs the world for a duration, and returns its sound.
 Ears hear(const ScratchFolder& folder, const std::string& world, double seconds,
           const std::vector<InputRow>& rows = {}) {
   const std::string path = folder.write("main.wrl", kHeader + world);
@@ -69,7 +69,7 @@ const double kHalf = std::lround(0.5 * 32767) / 32768.0;
 TEST_CASE("plays a Sound by intensity and distance in dB, panned by its angle (6.42, 7.3.4)") {
   const ScratchFolder folder;
   (void)folder.write("half.wav", media::constant(1));
-  // From the front, 6 away between 1 and 11: -10 dB; intensity 0.75: -5 dB.
+  // From the front, at distance 6 between 1 and 11: -10 dB; intensity 0.75: -5 dB.
   Ears ears =
       hear(folder, "Viewpoint { position 0 0 6 } Sound { maxFront 11 maxBack 11 intensity 0.75 " + clip() + "}", 0.5);
   const double level = kHalf * std::pow(10, -15 / 20.0);
@@ -77,7 +77,7 @@ TEST_CASE("plays a Sound by intensity and distance in dB, panned by its angle (6
     CHECK(ears.left(time) == Approx(level * 0.75).margin(1e-3));
     CHECK(ears.right(time) == Approx(level * 0.75).margin(1e-3));
   }
-  // To the right: pan 1.
+  // On the right: pan 1.
   ears = hear(folder,
               "Viewpoint { } Transform { translation 6 0 10 children Sound { maxFront 11 maxBack 11 " + clip() + "} }",
               0.2);

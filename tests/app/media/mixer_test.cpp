@@ -41,7 +41,7 @@ Voice voice_of(const std::shared_ptr<const MediaFile>& file, double start, doubl
   return voice;
 }
 
-// Mixes on in steps of a 60th of a second.
+// Mixes in steps of 1/60 second.
 struct Ear {
   Mixer mixer;
   std::vector<float> pairs;
@@ -61,7 +61,7 @@ struct Ear {
   }
 };
 
-// Sample i of a second is i / 48000.
+// Returns a second with sample i = i / 48000.
 std::string ramp(double seconds, int rate = kMixRate) {
   return media::wav(rate, 1, static_cast<std::size_t>(seconds * rate),
                     [&](std::size_t i, int) { return static_cast<double>(i) / rate; });
@@ -91,7 +91,7 @@ TEST_CASE("loops in world time: t = (now - startTime) modulo (duration / pitch) 
   ear.hear(2);
   for (const double time : {0.05, 0.29, 0.31, 1.0, 1.77})
     CHECK(ear.left(time) == Approx(std::fmod(time + 1000.2, 0.5)).margin(1e-3));
-  // At twice the speed, of a file of another rate.
+  // At twice the speed, from a file of another rate.
   Ear other;
   other.mixer.set({voice_of(file_of(ramp(0.5, 11'025)), -7.1, kNever, 2)}, kStart);
   other.hear(1);
@@ -145,7 +145,7 @@ TEST_CASE("changes levels without steps, and fades out stopped sounds") {
   ear.hear(1);
   CHECK(ear.left(0.49) == Approx(0.5).margin(1e-3));
   CHECK(ear.left(0.9) == Approx(0.1).margin(1e-3));
-  ear.mixer.set({}, kStart + 1);  // it is not heard any more
+  ear.mixer.set({}, kStart + 1);  // stopped
   CHECK(ear.mixer.sounding());
   ear.hear(1.1);
   CHECK(ear.left(1.0075) == 0);
@@ -154,7 +154,7 @@ TEST_CASE("changes levels without steps, and fades out stopped sounds") {
   for (std::size_t i = 100; i + 1 < ear.pairs.size() / 2; ++i)
     steepest = std::max(steepest, std::abs(ear.pairs[2 * i + 2] - ear.pairs[2 * i]));
   CHECK(steepest < 0.01f);
-  // A sound that was over by itself was heard to its end, although nobody wants it any more.
+  // A sound that ended by itself plays to its end, although it is no longer requested.
   Ear other;
   other.mixer.set({voice_of(file_of(media::constant(0.05, 0.5)), 0, 0.05)}, kStart);
   other.hear(0.01);
@@ -209,7 +209,7 @@ TEST_CASE("writes a mix as a WAV that reads back") {
   CHECK(std::get<0>(info).duration == Approx(4.0 / kMixRate));
 }
 
-// By the variables of OpenAL Soft: its null device takes samples as fast as a device does, and "none" is no device.
+// Variables of OpenAL Soft: its null device consumes samples like a device; "none" is no device.
 TEST_CASE("runs silently without a sound device") {
   const auto state_with = [](const char* drivers) {
     setenv("ALSOFT_DRIVERS", drivers, 1);
@@ -217,7 +217,7 @@ TEST_CASE("runs silently without a sound device") {
     std::atomic<double> now = kStart;
     SoundDevice device(mixer, [&] { return now.load(); });
     device.wake();
-    CHECK(device.state() == SoundDevice::State::resting);  // nothing is to be heard
+    CHECK(device.state() == SoundDevice::State::resting);  // no sound is requested
     mixer.set({voice_of(file_of(media::constant(1)), 0)}, kStart);
     device.wake();
     for (int i = 0; i < 2000 && device.state() == SoundDevice::State::resting; ++i)

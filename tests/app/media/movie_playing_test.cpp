@@ -1,4 +1,4 @@
-// MovieTextures that play: pictures of tests/fuzz/corpus/render/movie, of which picture i has the grey 20 + 4 i.
+// Tests of playing MovieTextures with movies of tests/fuzz/corpus/render/movie. Frame i has the grey 20 + 4 i.
 #include "app/media/movie_player.h"
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
@@ -81,7 +81,7 @@ TEST_CASE("shows the first, last or stopped frame of an inactive MovieTexture (6
 }
 
 TEST_CASE("plays an animated GIF in a MovieTexture (6.28)") {
-  // Each tenth of a second lighter than the one before.
+  // Each tenth of a second is lighter than the one before.
   int before = -2;
   for (const double time : {0.05, 0.35, 0.65}) {
     const int number = shown_at("startTime 946684800 loop TRUE", time, "movie/counting.gif").number;
@@ -101,11 +101,11 @@ TEST_CASE("decodes movie frames to one image, without a new render item") {
   begin_world(*document, kSimulatedStart);
   WorldRuntime& world = *document->runtime;
   const render::Image* const image = document->list->items[0].texture.image.get();
-  CHECK(world.next_time().has_value());  // it asks for pictures
+  CHECK(world.next_time().has_value());  // requests frames
   (void)world.step(kSimulatedStart + 0.5);
   CHECK(world.show_movies(true));
   CHECK(number_of(*image) == 12);
-  CHECK_FALSE(world.show_movies(true));  // the same picture
+  CHECK_FALSE(world.show_movies(true));  // the same frame
   (void)world.step(kSimulatedStart + 1.01);
   CHECK(world.show_movies(true));
   CHECK(number_of(*image) == 25);

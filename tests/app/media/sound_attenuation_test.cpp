@@ -27,7 +27,7 @@ render::SoundState sound_of(double min_front, double min_back, double max_front,
 TEST_CASE("places a Sound at a focus of its ellipsoids, which meet the axis at front and back (6.42)") {
   CHECK(ellipsoid_radius(6, 2, 1) == Approx(6));
   CHECK(ellipsoid_radius(6, 2, -1) == Approx(2));
-  // Distances from both foci of any point add up to the long axis; the other focus lies 6 - 2 ahead.
+  // The distances from both foci to any point sum to the long axis; the other focus is 6 - 2 ahead.
   for (const double cosine : {-0.9, -0.3, 0.0, 0.2, 0.7}) {
     const double radius = ellipsoid_radius(6, 2, cosine);
     const double x = radius * cosine, y = radius * std::sqrt(1 - cosine * cosine);
@@ -42,7 +42,7 @@ TEST_CASE("attenuates by 20 dB between the ellipsoids, evenly in dB, and mutes b
   render::SoundState sound = sound_of(2, 1, 12, 6);
   sound.spatialize = false;
   const auto level = [&](double x, double y, double z) { return sound_attenuation(sound, viewer_at(x, y, z)).level; };
-  // Ahead: from 2 to 12.
+  // In front: from 2 to 12.
   CHECK(level(0, 0, 0) == 1);
   CHECK(level(0, 0, 2) == 1);
   for (const double d : {3.0, 7.0, 11.0, 12.0}) CHECK(decibels(level(0, 0, d)) == Approx(-20 * (d - 2) / 10));
@@ -51,7 +51,7 @@ TEST_CASE("attenuates by 20 dB between the ellipsoids, evenly in dB, and mutes b
   CHECK(level(0, 0, -1) == 1);
   CHECK(decibels(level(0, 0, -3.5)) == Approx(-10));
   CHECK(level(0, 0, -6.001) == 0);
-  // Beside: 2fb / (f + b).
+  // At the side: 2fb / (f + b).
   const double inner = 4.0 / 3, outer = 8;
   CHECK(decibels(level((inner + outer) / 2, 0, 0)) == Approx(-10));
   CHECK(level(0, outer + 0.001, 0) == 0);
@@ -66,7 +66,7 @@ TEST_CASE("measures the ellipsoids of a Sound in its own coordinates (6.42)") {
   CHECK(decibels(sound_attenuation(sound, viewer_at(5 + 2 * 5.5, 2, 0)).level) == Approx(-10));
   CHECK(decibels(sound_attenuation(sound, viewer_at(5, 2, 5.5)).level) == Approx(-10));
   CHECK(sound_attenuation(sound, viewer_at(5 + 20.1, 2, 0)).level == 0);
-  sound.world_from_local = glm::scale(glm::dmat4(1), glm::dvec3(0, 1, 1));  // nobody is in there
+  sound.world_from_local = glm::scale(glm::dmat4(1), glm::dvec3(0, 1, 1));  // the inner ellipsoid is empty
   CHECK(sound_attenuation(sound, viewer_at(0, 2, 0)).level == 0);
 }
 
@@ -90,7 +90,7 @@ TEST_CASE("pans by the angle in the viewer's XZ plane: 1 - pan^2 and 1 - (1 - pa
   check({0, 0, -5}, 0.5);
   check({0, 0, 5}, 0.5);
   check({3, 0, 0}, 1);
-  check({-3, 9, 0}, 0);  // height does not count
+  check({-3, 9, 0}, 0);  // height has no effect
   check({1, 0, -1}, 0.75);
   check({1, -4, 1}, 0.75);
   check({-1, 0, -1}, 0.25);
@@ -100,7 +100,7 @@ TEST_CASE("pans by the angle in the viewer's XZ plane: 1 - pan^2 and 1 - (1 - pa
 
 TEST_CASE("pans between the ellipsoids if spatialize is TRUE, and not inside the inner one (6.42)") {
   render::SoundState sound = sound_of(1, 1, 11, 11);
-  // The viewer looks along -X, six to the front: the sound is to his right.
+  // The viewer looks along -X from six units: the sound is on the right.
   const glm::dmat4 turned = glm::rotate(viewer_at(0, 0, 6), glm::half_pi<double>(), glm::dvec3(0, 1, 0));
   Heard heard = sound_attenuation(sound, turned);
   CHECK(decibels(heard.level) == Approx(-10));

@@ -20,7 +20,7 @@ std::vector<AnimationStep> steps_of(const AnimationRequest& request) {
 TEST_CASE("turns once around without repeating the first picture") {
   AnimationRequest request;
   request.turntable = true;
-  CHECK(steps_of(request).size() == 200);  // 8 seconds of 25
+  CHECK(steps_of(request).size() == 200);  // 8 seconds at 25 frames
   request.pictures = 4;
   const auto steps = steps_of(request);
   REQUIRE(steps.size() == 4);
@@ -47,7 +47,7 @@ TEST_CASE("advances the world's own time evenly, and tours from the first to the
   CHECK((*steps[2].from == 1 && steps[2].part == Approx(0)));
   CHECK((*steps[4].from == 1 && steps[4].part == Approx(1)));
   tour.pictures = 0;
-  CHECK(steps_of(tour).size() == 150);  // twice three seconds of 25
+  CHECK(steps_of(tour).size() == 150);  // twice three seconds at 25 frames
 }
 
 TEST_CASE("refuses animations without movement or without end") {
@@ -71,7 +71,7 @@ TEST_CASE("keeps the target and the distance on a turntable") {
   camera.world_from_camera[3] = {3, 2, 10, 1};
   const glm::dvec3 center(3, 1, 0);
   const render::Camera quarter = turned_camera(camera, center, {0, 1, 0}, std::numbers::pi / 2);
-  // Things turn to the right as seen from above: he stands to their left.
+  // Seen from above, objects turn right, so the camera is on their left.
   CHECK(glm::length(glm::dvec3(quarter.world_from_camera[3]) - glm::dvec3(-7, 2, 0)) < 1e-9);
   CHECK(glm::length(-glm::dvec3(quarter.world_from_camera[2]) - glm::dvec3(1, 0, 0)) < 1e-9);
   const render::Camera around = turned_camera(camera, center, {0, 1, 0}, 2 * std::numbers::pi);

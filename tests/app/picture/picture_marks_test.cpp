@@ -68,7 +68,7 @@ TEST_CASE("draws a colour bar in bands of rows as at once, with the colours of i
     }
   REQUIRE(red > 0);
   REQUIRE(blue > 0);
-  CHECK(rows_of_red / red > rows_of_blue / blue);  // the least value is below
+  CHECK(rows_of_red / red > rows_of_blue / blue);  // the minimum is below
 }
 
 }  // namespace gs::app::picture_marks_test

@@ -9,7 +9,7 @@ namespace gs::app::script_evaluation_test {
 using scripts::Lines;
 using scripts::World;
 
-// The value of a line, or "! " and what is wrong with it.
+// Returns the value of a line, or "! " and its error.
 std::string evaluate(World& world, const char* script, const std::string& line) {
   world.execution().begin_update();
   const ScriptRunner::Evaluation made = world.runner().evaluate(world.scene(), world.node(script), line);
@@ -31,7 +31,7 @@ TEST_CASE("runs a line as part of a Script's program") {
   CHECK(evaluate(world, "S", "var more = 7") == "undefined");
   CHECK(evaluate(world, "S", "more") == "7");
   CHECK(evaluate(world, "S", "new SFVec3f(1, 2, 3)") == "1 2 3");
-  // VRML97 C.5.2: events go on when it is over.
+  // VRML97 C.5.2: events continue afterwards.
   world.events();
   CHECK(evaluate(world, "S", "out = 0.5") == "0.5");
   CHECK(world.events(".transparency").size() == 1);
@@ -76,7 +76,7 @@ TEST_CASE("reports that no program runs") {
   CHECK(evaluate(world, "G", "1") == "! not a Script, or its program has not started");
 }
 
-// vrmlscript: holds programs of the same language here (C.3.1).
+// vrmlscript: contains programs of the same language (C.3.1).
 TEST_CASE("runs lines in old VRMLScript programs") {
   World world("DEF S Script { field SFFloat x 2 url \"vrmlscript: function initialize() {}\" }");
   world.start();

@@ -1,4 +1,4 @@
-// Single calls of the engine that would run for seconds or take gigabytes: each is rejected or stays short.
+// Tests of single engine calls that would run for seconds or use gigabytes: each is rejected or short.
 #include "app/script/bounds/block_limit.h"
 #include "app/script/bounds/bounded_natives.h"
 #include "scripts.h"
@@ -36,7 +36,7 @@ struct Outcome {
 
 Outcome outcome_of(const std::string& program, const std::string& interface = {}) {
   vrml::Limits limits;
-  limits.script_seconds = 100;  // a call that asks for the time is no fault here
+  limits.script_seconds = 100;  // here a call that asks for the time is no fault
   World world("DEF S Script { directOutput TRUE " + interface +
                   " url \"javascript: function big(n, c) { var s = c; for (var i = 0; i < n; ++i) s += s; return s } "
                   "function initialize() { " +
@@ -208,7 +208,7 @@ TEST_CASE("reports an overdue program from another thread") {
   ScriptRunner::on_overdue([&](const std::string& message) { reported = message; });
   vrml::Limits limits;
   limits.script_seconds = 0.1;
-  // Reading this number takes seconds inside one operator.
+  // Parsing this number takes seconds inside one operator.
   World world("DEF S Script { url \"javascript: function initialize() { print(+('0.' + '1'.repeat(300000)) > 0); }\" }",
               limits);
   world.start();

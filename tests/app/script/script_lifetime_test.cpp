@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-// Values, jobs and nodes that outlive the Script or the scene that they came from.
+// Tests of values, jobs and nodes that outlive their Script or scene.
 namespace gs::app::script_lifetime_test {
 
 using scripts::Lines;
@@ -16,7 +16,7 @@ using scripts::World;
 
 namespace {
 
-/// Puts another scene into the first node of the world, which must be an Inline.
+/// Attaches another scene to the first node of the world, an Inline.
 vrml::SceneGraph& fill_inline(World& world, const std::string& body) {
   const vrml::NodeId inline_node = world.scene().roots()[0];
   auto content = std::make_shared<vrml::SceneGraph>("inner.wrl", world.scene().budget());

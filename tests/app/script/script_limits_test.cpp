@@ -134,7 +134,7 @@ TEST_CASE("frees nodes that a program makes and discards each frame") {
 }
 
 TEST_CASE("stops programs that send, request, print or create endlessly, and runs the world on") {
-  // Each of these is done in each frame, without a fault of the engine.
+  // Runs each program every frame without a fault of the engine.
   for (const std::string program :
        {"for (var i = 0; i < 5000; ++i) Browser.loadURL('x.wrl');",
         "for (var i = 0; i < 5000; ++i) Browser.createVrmlFromURL('x.wrl', me, 'made');",
@@ -198,7 +198,7 @@ TEST_CASE("keeps the memory of a world constant that recreates itself with its p
     world.step(i * 0.1);
     most = std::max(most, world.scene().node_count());
   }
-  // The clock that a program makes runs at once, and starts the program that it made with it: 64 times in a moment.
+  // A clock that a program makes starts at once, and runs the program that was made with it: 64 times per timestamp.
   const std::size_t times = world.printed().size();
   CHECK(times >= 50);
   CHECK(times <= 51 * 64);

@@ -42,7 +42,7 @@ TEST_CASE("rotates, multiplies, inverts and interpolates by SFRotation (C.6.7.4)
   CHECK(value("r.getAxis()", quarter) == "0 0 1");
   CHECK(value("round(r.multVec(new SFVec3f(1, 0, 0)))", quarter) == "0,1,0");
   CHECK(value("round(r.inverse().multVec(new SFVec3f(0, 1, 0)))", quarter) == "1,0,0");
-  // Vectors are rows (C.6.19): r first, which takes x to y, then s, which takes y to z.
+  // Vectors are rows (C.6.19): r first, from x to y, then s, from y to z.
   CHECK(value("round(r.multiply(s).multVec(new SFVec3f(1, 0, 0)))", quarter) == "0,0,1");
   CHECK(value("r", quarter + "r.setAxis(new SFVec3f(0, 1, 0)); r.angle = 0.5;") == "0 1 0 0.5");
   CHECK(value("r.slerp(new SFRotation(0, 0, 1, 0), 0)", "var r = new SFRotation(0, 0, 1, 1);") == "0 0 1 1");
@@ -98,14 +98,14 @@ TEST_CASE("stores 4 x 4 numbers in a VrmlMatrix, with the translation in its fou
   CHECK(value("m.multVecMatrix(new SFVec3f(1, 1, 1))", moved) == "2 3 4");
   CHECK(value("m.multMatrixVec(new SFVec3f(0, 0, 0))", moved) == "0 0 0");
   CHECK(value("m.inverse().multVecMatrix(new SFVec3f(1, 2, 3))", moved) == "0 0 0");
-  // On the right: what stands behind, for a row in front.
+  // For row vectors, multRight appends the later transformation.
   CHECK(value("m.multRight(s).multVecMatrix(new SFVec3f(0, 0, 0))", moved) == "2 4 6");
   CHECK(value("m.multLeft(s).multVecMatrix(new SFVec3f(1, 0, 0))", moved) == "3 2 3");
   CHECK(value("t + ', ' + s",
               "var m = new VrmlMatrix(), t = new SFVec3f(), r = new SFRotation(), s = new SFVec3f();"
               "m.setTransform(new SFVec3f(1, 2, 3), new SFRotation(0, 0, 1, 0), new SFVec3f(2, 3, 4));"
               "m.getTransform(t, r, s);") == "1 2 3, 2 3 4");
-  // A centre stays where it is (6.52).
+  // The centre is unchanged (6.52).
   CHECK(value("v.x + v.y < 2.0001 && v.x > 0.9999",
               "var m = new VrmlMatrix(); m.setTransform(new SFVec3f(0, 0, 0), new SFRotation(0, 0, 1, 1),"
               "new SFVec3f(1, 1, 1), new SFRotation(0, 0, 1, 0), new SFVec3f(1, 1, 0));"

@@ -19,8 +19,8 @@ namespace gs::app::scripts {
 
 using Lines = std::vector<std::string>;
 
-/// A world with Scripts; what they print, what is wrong with them, and the events: "time node.event value", the time in
-/// seconds since kStart.
+/// World with Scripts, their printed text, their errors, and its events: "time node.event value", with times in seconds
+/// since kStart.
 class World {
  public:
   static constexpr double kStart = 1000;
@@ -69,23 +69,23 @@ class World {
     REQUIRE(event);
     CHECK(execution_->send(*scene_, node, *event, vrml::FieldValue(std::move(value))));
   }
-  /// All since the last call.
+  /// Returns all printed lines since the last call.
   Lines printed() { return std::exchange(printed_, {}); }
   Lines problems() { return std::exchange(problems_, {}); }
   Lines events() { return std::exchange(events_, {}); }
-  /// The lines among the events in which `part` stands.
+  /// Returns the events that contain `part`.
   Lines events(std::string_view part) {
     Lines some;
     for (const std::string& line : events())
       if (line.find(part) != std::string::npos) some.push_back(line);
     return some;
   }
-  /// The world goes, with its programs; what they still print is in `printed`.
+  /// Ends the world with its programs; later output is in `printed`.
   void end() { runner_.reset(); }
   vrml::SceneGraph& scene() { return *scene_; }
   vrml::Execution& execution() { return *execution_; }
   ScriptRunner& runner() { return *runner_; }
-  /// The text that a program asked for (createVrmlFromURL) has come.
+  /// Delivers the text that a program requested (createVrmlFromURL).
   bool created(const ScriptRequest& request, const std::string& text, const std::string& url) {
     vrml::Diagnostics diagnostics;
     const vrml::RunTimeNodes made = make_nodes(execution(), *request.scene, url, text, diagnostics, request.origin);
@@ -110,7 +110,7 @@ inline Lines run(const std::string& program, const std::string& interface = {}) 
   return world.printed();
 }
 
-/// The text of one expression.
+/// Returns the text of one expression.
 inline std::string value(const std::string& expression, const std::string& before = {}) {
   const Lines lines = run(before + " print(" + expression + ");");
   return lines.empty() ? "" : lines.front();

@@ -46,7 +46,7 @@ class Gate {
   int waits_ = 0;
 };
 
-/// An ElevationGrid of `side` x `side` heights that are all `height`.
+/// Returns heights of an ElevationGrid of `side` x `side`, all equal to `height`.
 vrml::MFFloat heights(std::size_t side, float height) {
   vrml::MFFloat all;
   for (std::size_t i = 0; i < side * side; ++i) all.push_back(height);
@@ -76,7 +76,7 @@ struct World {
   void set_heights(std::size_t side, float height, std::size_t shape = 0) {
     CHECK(runtime->send(scene(), geometry(shape), "set_height", vrml::FieldValue(heights(side, height))));
   }
-  /// A frame: what was done in it, in elements.
+  /// Runs a frame, and returns its work in elements.
   std::uint64_t frame() {
     const std::uint64_t before = meshes.late ? meshes.late->work_in_frames() : 0;
     (void)runtime->take_meshes();
@@ -84,7 +84,7 @@ struct World {
     (void)runtime->show(*seen, {0, 0, 10});
     return meshes.late ? meshes.late->work_in_frames() - before : 0;
   }
-  /// The height at which the mesh of an item lies; -1: there is none.
+  /// Returns the height of an item's mesh, or -1 without one.
   float height(std::size_t item = 0) {
     const auto& items = seen->scene.list().items;
     return item < items.size() ? items[item].mesh->bounds.upper.y : -1;
@@ -109,7 +109,7 @@ TEST_CASE("makes a large mesh that changes each frame on a worker thread, and sh
   for (int i = 2; i < 20; ++i) {
     world.set_heights(kLarge, static_cast<float>(i));
     CHECK(world.frame() == 0);
-    CHECK(world.height() >= shown);  // in order, and never none
+    CHECK(world.height() >= shown);  // in order, and never missing
     CHECK(world.height() <= static_cast<float>(i));
     shown = world.height();
     if (i % 3 == 0) world.worker->wait();
@@ -119,7 +119,7 @@ TEST_CASE("makes a large mesh that changes each frame on a worker thread, and sh
     world.worker->wait();
     world.frame();
   }
-  CHECK(world.height() == 19);  // the last one, though nothing has changed since
+  CHECK(world.height() == 19);  // the last mesh, although nothing changed since
   world.worker->wait();
   const std::uint64_t handed_over = world.meshes.late->handed_over();
   world.frame();
@@ -259,7 +259,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
   world.gate.wait_for_worker();
   children({});
   CHECK(world.runtime->execution().remove_unheld() == 4);
-  children(only(make(3)));  // in the places of those that were removed
+  children(only(make(3)));  // in the slots of removed nodes
   world.frame();
   world.gate.open();
   world.worker->wait();
@@ -295,7 +295,7 @@ TEST_CASE("makes long Text on a worker, and keeps it readable until the refined 
   }
   const std::size_t large = world.seen->scene.list().items.at(0).mesh->indices.size();
   CHECK(large > 20 * before);
-  // From near, glyphs are finer; until they are, those that were there are shown.
+  // Nearby glyphs are finer; until they are ready, the coarse ones are shown.
   (void)world.runtime->show(*world.seen, {0, 0, 0.5});
   CHECK(world.seen->scene.list().items.at(0).mesh->indices.size() == large);
   world.worker->wait();

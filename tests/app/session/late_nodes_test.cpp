@@ -62,7 +62,7 @@ TEST_CASE("attaches Inlines to the running world as they load, including nested 
     return count;
   };
   for (int i = 0; i < 200 && (world.items() < 5 || pictures() < 1); ++i) world.step_for(std::chrono::milliseconds(20));
-  CHECK(world.items() == 5);  // box, cone, cylinder, and twice the sphere
+  CHECK(world.items() == 5);  // box, cone, cylinder, and the sphere twice
   CHECK(pictures() == 1);
   CHECK(world.loading.state().waiting >= 1);
   const vrml::SceneGraph* outer = world.scene().inlined(world.root(2));
@@ -75,10 +75,10 @@ TEST_CASE("withdraws a partly visible Inline until it is loaded completely") {
   Site site;
   site.put("world.wrl", kHeader + "Shape { geometry Box { } } Inline { url \"long.wrl\" }");
   std::string text = kHeader + "DEF First Shape { geometry Box { } }\n";
-  for (int i = 0; i < 400; ++i) text += "Shape { geometry Sphere { } }\n";  // of the first 4 KiB the type is told
+  for (int i = 0; i < 400; ++i) text += "Shape { geometry Sphere { } }\n";  // the first 4 KiB decide the type
   site.put("long.wrl", text, 16000);
   WorldLoading loading("memory://a/world.wrl", site.options);
-  // So far that a preview has some of it.
+  // Reads until a preview contains a part.
   while (loading.collect({0, 0, 10}).items.size() < 5) (void)loading.step(std::chrono::milliseconds(5));
   REQUIRE(loading.root_is_read());
   OpenedWorld opened = loading.take();
@@ -127,10 +127,10 @@ TEST_CASE("gives instances the body of their EXTERNPROTO when it loads, and even
   World world(site);
   CHECK(world.items() == 0);
   const vrml::NodeId a = world.root(0), b = world.root(1);
-  // Ignored until it is there.
+  // Ignored until it is loaded.
   CHECK(world.runtime->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(9, 9, 9))));
   world.load();
-  REQUIRE(world.items() == 3);  // two balls, and the Group in the place of the one that is missing
+  REQUIRE(world.items() == 3);  // two balls, and the Group instead of the missing one
   const auto moved = [&](vrml::NodeId ball) {
     return world.scene().get<vrml::SFVec3f>(world.scene().resolve(ball), "translation");
   };
@@ -192,7 +192,7 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     CHECK(world.items() == 1);
     world.load();
     CHECK(world.items() == 3);
-    // One of the world's file, and one that nobody has.
+    // A PROTO of the world's file, and a missing one.
     read("EXTERNPROTO Own [ ] \"#Own\" Own { } EXTERNPROTO N [ ] \"none.wrl\" N { }");
     world.load();
     CHECK(world.items() == 1);
@@ -200,7 +200,7 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     CHECK(world.scene().run_time_texts() == 1);
     if (round > 1) CHECK(world.scene().node_count() == nodes);
   }
-  // Nobody waits any more.
+  // No node waits for it any more.
   read("EXTERNPROTO Q [ ] \"lib.wrl#P\" Q { }");
   auto requests = world.runtime->take_url_requests();
   CHECK(requests.size() == 1);
@@ -224,7 +224,7 @@ TEST_CASE("shows the LOD level for the viewer's position as late levels load (6.
            2000);
   World world(site);
   const auto at = [&](double distance) { return world.list({0, 0, distance}).items.size(); };
-  CHECK(at(10) == 0);  // nothing has come, and no other level stands in
+  CHECK(at(10) == 0);  // nothing is loaded, and no other level replaces it
   world.load();
   CHECK(at(10) == 2);
   CHECK(at(30) == 1);

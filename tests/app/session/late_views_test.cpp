@@ -34,7 +34,7 @@ Site site_with(const std::string& beginning) {
   return site;
 }
 
-/// A session that looks at it, and the places where its viewer stood, one behind the other.
+/// Session with its view, and the sequence of the viewer's positions.
 struct Watched {
   explicit Watched(const Site& site) : session({{"memory://a/world.wrl"}, {}, {}, false}, site.options, [] {}) {}
   void step(std::vector<WindowEvent> events = {}) {

@@ -18,7 +18,7 @@ std::shared_ptr<Document> document(std::initializer_list<const char*> types = {"
   return make_document(world_with(types));
 }
 
-/// A document with a box of this place and size, as far as views of it are concerned.
+/// Returns a document with a box of this position and size, for views.
 std::shared_ptr<Document> document_of(const glm::vec3& lower, const glm::vec3& upper) {
   auto result = document();
   render::RenderList list = *result->list;
@@ -32,7 +32,7 @@ std::shared_ptr<Document> document_of(const glm::vec3& lower, const glm::vec3& u
 
 std::vector<Panes::Change> settle(Panes& panes) { return panes.settle(arrange(panes.split(), kArea), {}); }
 
-/// Reads everything that is waited for.
+/// Reads all pending files.
 void load_all(Panes& panes) {
   while (const auto reading = panes.begin_loading()) panes.deliver(reading->number, document(), kSize);
   settle(panes);
@@ -78,7 +78,7 @@ TEST_CASE("shows one file in several viewports, and reads it once") {
   REQUIRE(panes.at(0).view());
   REQUIRE(panes.at(1).view());
   CHECK(panes.at(0).view()->document == panes.at(1).view()->document);
-  // From different cameras, with different looks.
+  // Different cameras and styles.
   panes.at(0).view()->navigation.pose.position.x += 5;
   panes.at(1).view()->look.opacity = 7;
   panes.at(1).view()->headlight = false;
@@ -152,7 +152,7 @@ TEST_CASE("fills a larger layout with listed files, then with open ones, in view
   load_all(panes);
   panes.at(0).view()->navigation.pose.position = {1, 2, 3};
   panes.set_layout(ViewportLayout::four);
-  CHECK(panes.at(1).wanted == "a");  // in the list, and nobody showed it
+  CHECK(panes.at(1).wanted == "a");  // listed, but never shown
   CHECK(panes.at(2).wanted == "b");
   CHECK(panes.at(2).shown == "b");
   REQUIRE(panes.at(2).view());
@@ -160,7 +160,7 @@ TEST_CASE("fills a larger layout with listed files, then with open ones, in view
   CHECK(panes.at(2).view()->document == panes.at(0).view()->document);
   load_all(panes);
   CHECK(panes.at(1).shown == "a");
-  // One viewport is the active one; the others are kept.
+  // One viewport is active; the others stay.
   panes.activate(2);
   panes.set_layout(ViewportLayout::one);
   CHECK(panes.visible() == std::vector<std::size_t>{2});
@@ -211,7 +211,7 @@ TEST_CASE("cancels loading") {
     CHECK_FALSE(panes.cancel(0));
     CHECK(panes.at(0).wanted == "a");
     CHECK(panes.documents().entries().size() == 1);
-    panes.deliver(reading->number, document(), kSize);  // it came all the same
+    panes.deliver(reading->number, document(), kSize);  // delivered nevertheless
     CHECK(settle(panes).empty());
     CHECK(panes.documents().entries().size() == 1);
     CHECK(panes.fail(reading->number).empty());
@@ -325,7 +325,7 @@ TEST_CASE("adapts the first view to the shape of the viewport until the user mov
   CHECK(view.navigation.pose.position == at_first.position);
   fit_home(view, narrow);
   CHECK(view.navigation.pose.position == first_pose(view.list->bounds, narrow).position);
-  CHECK(view.navigation.pose.position.z > at_first.position.z);  // the width must fit in less
+  CHECK(view.navigation.pose.position.z > at_first.position.z);  // the width must fit
   view.navigation.pose.position.x += 1;
   const glm::dvec3 moved = view.navigation.pose.position;
   fit_home(view, wide);
@@ -385,7 +385,7 @@ TEST_CASE("moves linked viewports, except in worlds without movement") {
   CHECK_FALSE(other.moving());
   CHECK(panes.at(2).view()->navigation.pose.position == before);
   CHECK(leader.pose.position == glm::dvec3(0, 3, 5));
-  panes.link(3);  // nothing is shown there
+  panes.link(3);  // an empty viewport
 }
 
 TEST_CASE("shows the loaded part of a file, and frames it for an unmoved viewer") {
@@ -435,7 +435,7 @@ TEST_CASE("shows the old state of a file that is read again until the new one is
   panes.preview(reading->number, part);
   settle(panes);
   CHECK(panes.at(0).view()->document == before);
-  // A reading that fails after a first part leaves what was there before.
+  // A load that fails after its first part keeps the former world.
   (void)panes.fail(reading->number);
   settle(panes);
   CHECK(panes.at(0).view()->document == before);

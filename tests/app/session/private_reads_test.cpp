@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-// docs/security.md, "What Scripts may read", names these tests: worlds with Scripts that read nodes of other files
-// and of other hosts, and then use the network.
+// Tests that docs/security.md, "What Scripts may read", names: Scripts that read nodes of other files and hosts, and
+// then use the network.
 namespace gs::app::private_reads_test {
 namespace {
 
@@ -24,7 +24,7 @@ using Lines = std::vector<std::string>;
 const std::string kHeader = "#VRML V2.0 utf8\n";
 const std::string kImage{"GIF89a\1\0\1\0\x80\0\0\xff\0\0\0\0\0,\0\0\0\0\1\0\1\0\0\2\2D\1\0;", 35};
 
-/// A folder of local files, and the hosts of a network.
+/// Folder of local files, with the hosts of a network.
 struct Web {
   ScratchFolder folder;
   std::shared_ptr<net::MemoryNetwork> network = std::make_shared<net::MemoryNetwork>();
@@ -48,7 +48,7 @@ struct Web {
     const auto transfers = network->transfers();
     return std::any_of(transfers.begin(), transfers.end(), [&](const auto& one) { return one.url == url; });
   }
-  /// Runs a world for some simulated seconds. `between` is called after the first one.
+  /// Runs a world for some simulated seconds. Calls `between` after the first one.
   template <class Between>
   void run(const std::string& world, const Between& between) {
     WorldLoading loading(world, options);
@@ -74,7 +74,7 @@ struct Web {
   }
 };
 
-/// A Script that reads 'other.wrl' with createVrmlFromURL, and then runs `after`, which knows its nodes as `n`.
+/// Returns a Script that reads 'other.wrl' with createVrmlFromURL, and runs `after` on its nodes `n`.
 std::string reader(const std::string& file, const std::string& after, const std::string& interface = "") {
   return "DEF G Group { } DEF T Transform { } DEF S Script { directOutput TRUE field SFNode g USE G field SFNode me "
          "USE S field SFNode t USE T eventIn MFNode came " +
@@ -82,7 +82,7 @@ std::string reader(const std::string& file, const std::string& after, const std:
          "', me, 'came'); } function came(n) { g.children = n; " + after + " }\" }";
 }
 
-/// Reads the secret, then does something with it.
+/// Returns a program that reads the secret, and then runs more.
 std::string leak(const std::string& after, const std::string& interface = "") {
   return reader("secret.wrl", "var secret = n[0].title; print(secret); " + after, interface);
 }

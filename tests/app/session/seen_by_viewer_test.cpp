@@ -17,7 +17,7 @@ using namespace pairs;
 
 namespace {
 
-/// Pictures from the first Viewpoint, the one named or elsewhere.
+/// Pictures from the first Viewpoint, from a named one, or from elsewhere.
 class Eye {
  public:
   render::Image seen(const std::string& text, double seconds = 0.1, const std::string& viewpoint = {},
@@ -46,7 +46,7 @@ std::array<int, 3> pixel_at(const render::Image& image, std::size_t x, std::size
   return {pixel[0], pixel[1], pixel[2]};
 }
 
-// Neither of its halves is the other's mirror image.
+// Its halves are not mirror images.
 const std::string kFlag =
     "Shape { geometry IndexedFaceSet { solid FALSE coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -0.2 0.3 0 ] } "
     "coordIndex [ 0 1 2 3 ] } }";
@@ -67,7 +67,7 @@ TEST_CASE("rolls a screen-facing Billboard with the viewer (VRML97 6.6)") {
     const render::Image unrolled = eye.seen(viewpoint + kFlag);
     CHECK(compare_pictures(billboard, by_hand).pixels == 0);
     CHECK(compare_pictures(unrolled, by_hand).pixels > 100);
-    // Below groups that turn it is the same.
+    // Rotated groups above it change nothing.
     const render::Image below = eye.seen(viewpoint + "Transform { rotation 0.3 0.5 0.2 1.1 children " +
                                          "Billboard { axisOfRotation 0 0 0 children " + kFlag + " } }");
     CHECK(compare_pictures(below, by_hand).pixels < 8);
@@ -92,7 +92,7 @@ TEST_CASE("draws a HUD over nearer objects, and moves it with the viewer") {
     CHECK(pixel_at(image, 32, 32) == std::array<int, 3>{255, 0, 0});
     CHECK(pixel_at(image, 8, 8) == std::array<int, 3>{0, 0, 255});
   }
-  // Wherever he begins, and at once.
+  // From any start, and at once.
   const std::string other =
       "Transform { translation 50 0 7 children Viewpoint { orientation 0 1 0 2 description \"other\" } } ";
   CHECK(pixel_at(eye.seen(viewpoint + wall + sign + other, 0, "other"), 32, 32) == std::array<int, 3>{255, 0, 0});
@@ -100,10 +100,10 @@ TEST_CASE("draws a HUD over nearer objects, and moves it with the viewer") {
   render::Camera camera;
   camera.world_from_camera = glm::rotate(glm::translate(glm::dmat4(1), {-8, 30, 4}), 2.5, glm::dvec3(0.3, 1, 0.2));
   CHECK(pixel_at(eye.seen(viewpoint + wall + sign, 0, {}, camera), 32, 32) == std::array<int, 3>{255, 0, 0});
-  // Without a Viewpoint, too, where all is brought into view.
+  // Without a Viewpoint, too, when the camera frames the scene.
   CHECK(pixel_at(eye.seen("NavigationInfo { headlight FALSE } " + wall + sign, 0), 32, 32) ==
         std::array<int, 3>{255, 0, 0});
-  // Among themselves the nearer hides the farther.
+  // Of two HUDs the nearer one hides the farther one.
   const std::string two =
       "HUD { children [ Transform { translation 0 0 -5 children " + shape_of("0 1 0", "Box { size 0.4 0.4 0.1 }") +
       "} Transform { translation 0 0 -20 children " + shape_of("1 0 0", "Box { size 4 4 1 }") + "} ] } ";

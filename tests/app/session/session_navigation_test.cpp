@@ -25,7 +25,7 @@ const std::string kTwoViews = "Viewpoint { position 0 0 10 } DEF V Viewpoint { d
 const std::string kAnchor =
     "Anchor { url \"#V\" description \"to the hill\" children Shape { geometry Box { size 4 4 1 } } } ";
 
-/// Left button, at a place of the picture of 200 x 100 pixels.
+/// Clicks the left button at a position of the picture of 200 x 100 pixels.
 void click(OneWorld& world, float x, float y, double time = kStart + 0.1) {
   for (const Kind kind : {Kind::pointer, Kind::button_down, Kind::button_up})
     world.frame = world.session.step(time += 0.001, input_of({pointer(kind, x, y)}));
@@ -44,7 +44,7 @@ TEST_CASE("follows a link by a jump cut unless the author allows ANY transition 
   click(cut, 100, 50);
   CHECK_FALSE(navigation(cut).transition);
   CHECK(navigation(cut).pose.position == glm::dvec3(0, 0, 77));
-  // Whom the user sends goes on a way all the same.
+  // A Viewpoint that the user chooses is reached by a transition.
   cut.session.bind_viewpoint(0);
   CHECK(navigation(cut).transition);
 }
@@ -60,7 +60,7 @@ TEST_CASE("reaches a Viewpoint that the world binds, also while the user moves (
     for (int i = 2; i <= 20; ++i) world.frame = world.session.step(kStart + i * 0.1, input_of({}));
     const double z = navigation(world).pose.position.z;
     CHECK_FALSE(navigation(world).transition);
-    // A metre and a half at the speed of 1, behind the jump.
+    // A metre and a half at speed 1, after the jump.
     if (moves) {
       CHECK(z > 70);
       CHECK(z < 77);
@@ -104,7 +104,7 @@ TEST_CASE("starts at the Viewpoint that the fragment of the world's own URL name
     REQUIRE(living);
     CHECK(told.empty() == (given.find("None") == std::string::npos));
     CHECK_FALSE(session.view()->navigation.transition);
-    // It is bound, not only looked from.
+    // It is bound, not only the start of the camera.
     const auto& viewpoints = session.view()->list->viewpoints;
     const std::size_t at = session.view()->viewpoint.value_or(99);
     REQUIRE(at < viewpoints.size());
@@ -114,7 +114,7 @@ TEST_CASE("starts at the Viewpoint that the fragment of the world's own URL name
   CHECK(begins(path) == 10);
   CHECK(begins(path + "#Hill") == 33);
   CHECK(begins(path + "#None") == 10);
-  CHECK(begins(odd) == 5);  // a file may be called so
+  CHECK(begins(odd) == 5);  // a file may have this name
 }
 
 TEST_CASE("moves to and frames the clicked Shape in LOOKAT mode") {
@@ -124,23 +124,23 @@ TEST_CASE("moves to and frames the clicked Shape in LOOKAT mode") {
       "radius 0.5 } } } Transform { translation -3 0 -40 children Shape { geometry Sphere { radius 1 } } }",
       false);
   CHECK(navigation(world).mode == NavigationMode::look_at);
-  // 50 pixels are 10 tan(pi / 8) units at 10 units.
+  // At 10 units, 50 pixels are 10 tan(pi / 8) units.
   const float x = 100 + 3 / (10 * std::tan(0.392699f)) * 50;
   click(world, 5, 5);  // the sky
   CHECK_FALSE(navigation(world).transition);
   click(world, x, 50);
   REQUIRE(navigation(world).transition);
   const Pose to = navigation(world).transition->to;
-  CHECK(navigation(world).pose.position == glm::dvec3(0, 0, 10));  // it is a way, not a jump
+  CHECK(navigation(world).pose.position == glm::dvec3(0, 0, 10));  // a transition, not a jump
   const glm::dvec3 away = to.position - glm::dvec3(3, 0, 0);
-  CHECK(glm::length(away) > 0.9);  // outside of it, and near enough that it fills a third of the picture or more
+  CHECK(glm::length(away) > 0.9);  // outside, and near enough to fill a third of the picture
   CHECK(glm::length(away) < 0.5 / std::tan(0.392699) * 3);
-  CHECK(glm::dot(glm::normalize(away), glm::normalize(glm::dvec3(-3, 0, 10))) > 0.9999);  // from where he came
+  CHECK(glm::dot(glm::normalize(away), glm::normalize(glm::dvec3(-3, 0, 10))) > 0.9999);  // from the earlier direction
   CHECK(glm::dot(glm::dvec3(to.forward()), glm::normalize(-away)) > 0.9999);
   CHECK(std::abs(to.right().y) < 1e-5f);  // level
   for (int i = 1; i <= 60; ++i) world.frame = world.session.step(kStart + 0.1 + i / 60.0, input_of({}));
   CHECK(glm::distance(navigation(world).pose.position, to.position) < 1e-9);
-  CHECK(glm::distance(navigation(world).center, glm::dvec3(3, 0, 0)) < 1e-5);  // about which he turns from now on
+  CHECK(glm::distance(navigation(world).center, glm::dvec3(3, 0, 0)) < 1e-5);  // the new centre of rotation
   // A drag is no click.
   const glm::dvec3 before = navigation(world).pose.position;
   (void)world.session.step(kStart + 2, input_of({pointer(Kind::button_down, 100, 50)}));
@@ -161,7 +161,7 @@ TEST_CASE("prefers sensors in LOOKAT mode, and ignores clicks in other modes") {
   OneWorld examine("NavigationInfo { type [ \"EXAMINE\" \"ANY\" ] } Shape { geometry Box { } }", false);
   click(examine, 100, 50);
   CHECK_FALSE(navigation(examine).transition);
-  // A key brings the mode, and takes it away.
+  // A key switches the mode on and off.
   examine.frame = examine.session.step(kStart + 1, input_of({key(Kind::key_down, '5')}));
   CHECK(navigation(examine).mode == NavigationMode::look_at);
   click(examine, 100, 50, kStart + 2);

@@ -26,7 +26,7 @@ TEST_CASE("moves with a held key by the time of the steps, equally each time") {
     for (int i = 1; i <= 60; ++i) world.frame = world.session.step(kStart + i / 60.0, input_of({}));
     const float gone = 10 - world.place().z;
     CHECK(gone > 1);
-    CHECK(gone < 2.2f);  // a second at 2 m/s, with a soft beginning
+    CHECK(gone < 2.2f);  // a second at 2 m/s, with a soft start
     world.frame = world.session.step(kStart + 1, input_of({key(Kind::key_up, 'W')}));
     for (int i = 1; i <= 120; ++i) world.frame = world.session.step(kStart + 1 + i / 60.0, input_of({}));
     CHECK_FALSE(world.frame.moving);
@@ -45,11 +45,11 @@ TEST_CASE("sends the pointer to the world only outside panels") {
   CHECK(world.number_of_events("isOver") == 1);
   (void)world.session.step(kStart + 0.3, input_of({pointer(Kind::button_down, 100, 50)}));
   CHECK(world.number_of_events("isActive") == 1);
-  CHECK(world.session.panes().at(0).input.holding() == false);  // the sensor has it
+  CHECK(world.session.panes().at(0).input.holding() == false);  // the sensor has grabbed it
   (void)world.session.step(kStart + 0.4, input_of({pointer(Kind::button_up, 100, 50)}));
   CHECK(world.number_of_events("touchTime") == 1);
   (void)world.session.step(kStart + 0.5, input_of({pointer(Kind::pointer, 100, 50)}, true));
-  CHECK(world.number_of_events("isOver") == 2);  // it left
+  CHECK(world.number_of_events("isOver") == 2);  // isOver FALSE
 }
 
 TEST_CASE("EXAMINE turns about the point under the pointer at the start of the drag (6.29)") {
@@ -66,10 +66,10 @@ TEST_CASE("EXAMINE turns about the point under the pointer at the start of the d
           Approx(glm::distance(glm::dvec3(0, 0, 10), center)).epsilon(1e-4));
     return center;
   };
-  // 50 pixels are 10 tan(pi / 8) units at 10 units; the box reaches half a unit nearer.
+  // At 10 units, 50 pixels are 10 tan(pi / 8) units; the box is half a unit nearer.
   const glm::dvec3 on_box = dragged({100 + 2.0f / 9.5f * 50 / std::tan(0.392699f), 50});
   CHECK(glm::distance(on_box, glm::dvec3(2, 0, 0.5)) < 0.02);
-  CHECK(dragged({100, 20}).x < -5);  // the sky: the middle of the world
+  CHECK(dragged({100, 20}).x < -5);  // the sky: the centre of the world
 }
 
 TEST_CASE("advances time without a viewer") {
@@ -112,7 +112,7 @@ TEST_CASE("follows an Anchor to a Viewpoint of its world, and reports a page to 
   CHECK(inside.place() == glm::vec3(0, 0, 77));
   OneWorld page("Viewpoint { } Anchor { url \"https://example.org/a.html\" " + click_here, false);
   CHECK(click(page) == std::vector<std::string>{"https://example.org/a.html"});
-  // In simulated time nothing leads out of the world.
+  // In simulated time no link leaves the world.
   OneWorld shut("Viewpoint { } Anchor { url [ \"https://example.org/a.html\" \"other.wrl\" ] " + click_here);
   CHECK(click(shut).empty());
   CHECK(shut.session.panes().documents().entries().size() == 1);
@@ -195,7 +195,7 @@ TEST_CASE("reads files beside the steps, each in its viewport, and reports failu
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   do {
     frame = session.step(world_time(), input_of({}));
-    CHECK(frame.notices.empty());  // the viewport says it
+    CHECK(frame.notices.empty());  // the viewport shows it
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   } while ((frame.loading || !failure) && std::chrono::steady_clock::now() < deadline);
   CHECK(layout_of(session.panes().split()) == ViewportLayout::four);

@@ -20,7 +20,7 @@ using late_worlds::Bytes;
 using late_worlds::kHeader;
 using late_worlds::Site;
 
-/// A ball of so many vectors.
+/// Returns a ball of this number of vectors.
 Bytes ball(std::size_t vectors) {
   qnv::EncodeOptions options;
   options.payload = qnv::Payload::records;
@@ -35,7 +35,7 @@ std::size_t size_of(const Bytes& stream) {
   return std::get<qnv::Cloud>(decoded.content).size();
 }
 
-/// Outlines of shapes.
+/// Returns outlines of shapes.
 Bytes outlines(const std::string& shapes) {
   vrml::Diagnostics diagnostics;
   vrml::SceneGraph scene("model.wrl");
@@ -79,7 +79,7 @@ TEST_CASE("replaces the vectors of a QNV node on set_url") {
   world.arrive();
   CHECK(world.vectors() == small);
   world.set_url("large.qnv");
-  CHECK(world.vectors() == small);  // until there is something else
+  CHECK(world.vectors() == small);  // until another one is loaded
   world.arrive();
   CHECK(world.vectors() == large);
   world.set_url("small.qnv");
@@ -128,7 +128,7 @@ TEST_CASE("replaces the polygons of an OutlineGroup on set_url") {
   CHECK(world.triangles() == 12);
   world.runtime->arrive(std::move(present));
   CHECK(world.triangles() == 12);
-  // One that nobody has, none.
+  // A missing one, then none.
   world.set_url("none.qnv");
   world.arrive();
   CHECK(world.triangles() == 0);

@@ -19,7 +19,7 @@ using late_worlds::kHeader;
 using late_worlds::Site;
 
 std::string picture(unsigned char shade) {
-  // One pixel of grey (binary PGM).
+  // One grey pixel (binary PGM).
   return std::string("P5 1 1 255\n") + static_cast<char>(shade);
 }
 
@@ -48,7 +48,7 @@ struct World : late_worlds::World {
     const auto appearance = scene().get<vrml::SFNode>(root(1), "appearance");
     return scene().get<vrml::SFNode>(appearance, "texture");
   }
-  // Shades of the pictures on the items, -1 for those without.
+  // Returns the shades of the items' images, -1 for none.
   std::vector<int> shades() {
     std::vector<int> all;
     for (const render::DrawItem& item : list().items)
@@ -81,7 +81,7 @@ TEST_CASE("shows the new image of an ImageTexture on set_url (6.22)") {
   CHECK(world.shades() == Shades{-1, 10});
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 200});
-  // One that is there already, one that nobody has, none.
+  // A loaded one, a missing one, and none.
   world.set_url(world.texture(), "dark.pgm");
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 10});
@@ -160,7 +160,7 @@ TEST_CASE("replaces the content of an Inline on set_url (6.25)") {
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{10});
   CHECK(!world.scene().inlined(inlined));
-  // Only the outer one's pictures are left.
+  // Only the outer one's images remain.
   CHECK(world.opened.images.size() == 1);
 }
 

@@ -1,4 +1,4 @@
-// Views of what stands in other ways than VRML97 has it, and by parallel rays.
+// Tests of views of objects with other up axes than VRML97's, and of parallel projection.
 #include "app/session/view.h"
 
 #include "app/world/world_loader.h"
@@ -26,7 +26,7 @@ std::shared_ptr<Document> standing(const std::string& body, UpRule up) {
   return make_document(std::move(world));
 }
 
-/// Upright, and from somewhat above.
+/// Reports whether a view is level and slightly from above.
 bool level(const Pose& pose, const glm::vec3& up) {
   return std::abs(glm::dot(pose.right(), up)) < 1e-4f && glm::dot(pose.up(), up) > 0.8f && glm::dot(pose.forward(), up) < -0.4f;
 }
@@ -45,10 +45,10 @@ TEST_CASE("shows a file with another up axis upright at first, and walks with th
   ahead.move = {0, 0, 1};
   ahead.turn = {0.3f, 0};
   for (int i = 0; i < 30; ++i) walker = step(walker, ahead, 0.05f);
-  CHECK(std::abs(walker.pose.position.z - view.home.position.z) < 1e-3);  // on the level
+  CHECK(std::abs(walker.pose.position.z - view.home.position.z) < 1e-3);  // on the horizontal plane
   CHECK(std::abs(walker.pose.right().z) < 1e-4f);
   CHECK(glm::distance(walker.pose.position, view.home.position) > 0.1);
-  // A Viewpoint's coordinates say it themselves.
+  // A Viewpoint's coordinates decide.
   const View entered = view_of(standing(kSeen, UpRule::z), kSize, {});
   CHECK(entered.navigation.up == glm::vec3(0, 1, 0));
   CHECK(entered.home.position == glm::dvec3(0, 0, 30));

@@ -1,4 +1,4 @@
-// Views of worlds that live: what moves in them, their Viewpoints and their time.
+// Tests of views of running worlds: moving geometry, Viewpoints and time.
 #include "app/session/view.h"
 
 #include "tests/app/worlds.h"
@@ -50,14 +50,14 @@ TEST_CASE("frames the scene again for an unmoved viewer without Viewpoint when g
     return render::has_in_view(camera_of(seen.home), seen.list->bounds, kSize.x, kSize.y);
   };
   const Pose first = view.home;
-  move(view, 0.25f);  // within the air around what was seen first
+  move(view, 0.25f);  // within the margin of the first view
   CHECK(view.home.position == first.position);
   CHECK_FALSE(view.navigation.transition);
   move(view, 6);
   CHECK(view.home.position.z > first.position.z + 1);
   CHECK(view.home.orientation == first.orientation);
   CHECK(sees_all(view));
-  REQUIRE(view.navigation.transition);  // he is on the way; meanwhile nothing is chosen anew
+  REQUIRE(view.navigation.transition);  // during the transition, no new view is chosen
   const Pose aim = view.home;
   CHECK(view.navigation.transition->to.position == aim.position);
   move(view, 40);
@@ -108,7 +108,7 @@ TEST_CASE("moves the viewer with the bound Viewpoint, and to the one that events
   View view = view_of(shared, kSize, {});
   REQUIRE(view.list->viewpoints.size() == 3);
   CHECK(view.navigation.pose.position == glm::dvec3(0, 0, 5));
-  view.navigation.pose.position += glm::dvec3(0, 1, 0);  // he has walked
+  view.navigation.pose.position += glm::dvec3(0, 1, 0);  // the viewer has walked
   const vrml::SceneGraph& scene = *shared->world.scene;
   CHECK(shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{2, 0, 0}));
   CHECK(follow_world(view));
@@ -132,7 +132,7 @@ TEST_CASE("moves the viewer with the bound Viewpoint, and to the one that events
   CHECK(bind(2));
   CHECK_FALSE(view.navigation.transition);
   CHECK(view.navigation.pose.position == stays);
-  // From then on he moves with that one.
+  // From then on the viewer moves with it.
   CHECK(shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{7, 0, 0}));
   CHECK(follow_world(view));
   CHECK(glm::distance(view.navigation.pose.position, stays + glm::dvec3(5, 0, 0)) < 1e-4f);
@@ -178,11 +178,11 @@ TEST_CASE("keeps the position relative to a Viewpoint, and restores it when the 
   world.walk({0, 0, 7});
   world.bind(2);
   CHECK(world.at({0, 90, 0}));
-  world.move_root(0, {5, 0, 0});  // nobody is bound to that meanwhile
+  world.move_root(0, {5, 0, 0});  // not bound meanwhile
   world.bind(2, false);
   CHECK(world.at({50, 0, 7}));
   world.bind(1, false);
-  CHECK(world.at({6, 2, 10}));  // with it, where it has gone
+  CHECK(world.at({6, 2, 10}));  // with the moved Viewpoint
   // A stored position serves one return. A bind moves to the Viewpoint itself.
   world.bind(1);
   CHECK(world.at({50, 0, 0}));
@@ -244,7 +244,7 @@ TEST_CASE("binds a Viewpoint that is chosen from the list, and moves there (VRML
   CHECK(shared->runtime->bound().viewpoint == &scene.node(scene.roots()[1]));
   REQUIRE(view.navigation.transition);
   CHECK(view.navigation.transition->to.position == glm::dvec3(0, 0, 50));
-  CHECK_FALSE(follow_bound_viewpoint(view));  // he is on his way already
+  CHECK_FALSE(follow_bound_viewpoint(view));  // already moving
   bind_viewpoint(view, 7);
   CHECK(view.viewpoint == 1u);
 }
@@ -256,7 +256,7 @@ TEST_CASE("moves as the bound NavigationInfo defines, including changes (4.6.10,
                "Box { } }"));
   View view = view_of(shared, kSize, {});
   CHECK(view.navigation.mode == NavigationMode::walk);
-  CHECK(view.navigation.speed == Approx(6));  // in the Viewpoint's metres
+  CHECK(view.navigation.speed == Approx(6));  // in metres of the Viewpoint
   CHECK(view.rules.avatar.radius == 1);
   CHECK(view.rules.avatar.height == 2);
   CHECK(view.rules.avatar.step == 0.5);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-// Whole worlds that are walked through: which Shapes are met (VRML97 6.8), and what Viewpoints and NavigationInfo say.
+// Tests of walking in whole worlds: collidable Shapes (VRML97 6.8), Viewpoints and NavigationInfo.
 namespace gs::app::walked_worlds_test {
 namespace {
 
@@ -58,7 +58,7 @@ TEST_CASE("drops a walking viewer to avatarSize[1] above the ground, and lifts t
   const Walked stairs = walked(
       kViewer + kFloor + "Transform { translation 0 0.25 -4 children Shape { geometry Box { size 20 0.5 4 } } }\n");
   CHECK(stairs.place.z < -7);
-  CHECK(stairs.place.y == Approx(1.6).margin(0.01));  // up, and down again
+  CHECK(stairs.place.y == Approx(1.6).margin(0.01));  // up and down again
 }
 
 TEST_CASE("passes a Collision with collide FALSE, and reports collisions with others (6.8)") {
@@ -80,7 +80,7 @@ TEST_CASE("collides with a proxy instead of the children, with and without child
   REQUIRE_FALSE(alone.collisions.empty());
   CHECK(alone.collisions.front() == "C");
   CHECK(walked(kViewer + kFloor + "Collision { collide FALSE proxy " + thin + " children " + kWall + "}").place.z < -7);
-  // Inside of what is not met nothing is.
+  // Content of a Collision with collide FALSE is not collidable.
   CHECK(walked(kViewer + kFloor + "Collision { collide FALSE children Collision { children " + kWall + "} }").place.z <
         -7);
 }
@@ -95,7 +95,7 @@ TEST_CASE("passes through lines, points and Text (6.8, 6.47)") {
 }
 
 TEST_CASE("uses avatarSize, speed and down in the bound Viewpoint's coordinates (6.29)") {
-  // Twice as large: 0.5 from the wall, the eye 3.2 above the floor, 4 units a second.
+  // Twice as large: 0.5 from the wall, the eye 3.2 above the floor, 4 units per second.
   const Walked large = walked(
       "NavigationInfo { type \"WALK\" speed 2 } Transform { scale 2 2 2 children Viewpoint { position 0 3 0 } "
       "}\n" +
@@ -108,7 +108,7 @@ TEST_CASE("uses avatarSize, speed and down in the bound Viewpoint's coordinates 
       kFloor + kWall);
   CHECK(there.place.z == Approx(-2.5).margin(0.03));
   CHECK(there.place.y == Approx(3.2).margin(0.02));
-  // Turned about Z by a quarter: down is +X.
+  // A quarter turn about Z: down is +X.
   const Walked turned = walked(
       "NavigationInfo { type \"WALK\" speed 2 } Transform { rotation 0 0 1 1.5707963 children [ Viewpoint { "
       "position 0 4 0 } " +

@@ -22,7 +22,7 @@ UserFolders folders_in(const ScratchFolder& scratch) {
   return {scratch.path("config/settings.conf"), scratch.path("config/bookmarks.json"), scratch.path("state")};
 }
 
-// The number of a process that is no more.
+// Returns the number of an ended process.
 pid_t gone_process() {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(0);
@@ -51,7 +51,7 @@ TEST_CASE("restores kept state in the next window") {
   CHECK(keeper.state().recent == std::vector<std::string>{"/a.wrl"});
   CHECK(keeper.bookmarks().size() == 1);
   CHECK(remembered(folders_in(scratch)).recent.size() == 1);
-  // Only their owner may look into the folders that it made.
+  // Only their owner can read the created folders.
   CHECK(fs::status(scratch.path("state")).permissions() == fs::perms::owner_all);
 }
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-// Cameras as text.
+// Tests of cameras as text.
 namespace gs::app::camera_text_test {
 
 namespace {

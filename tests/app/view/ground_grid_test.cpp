@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-// Lines on the ground.
+// Tests of the grid on the ground.
 namespace gs::app::ground_grid_test {
 
 namespace {

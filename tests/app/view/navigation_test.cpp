@@ -258,7 +258,7 @@ TEST_CASE("leaves the viewer to the world in mode NONE") {
     CHECK(drag_of(NavigationMode::none, button, false) == Drag::none);
   Pose there;
   there.position = {5, 0, 0};
-  CHECK(run_for(travel_to(state, there), input, 1, 60).pose.position.x == 5);  // a Viewpoint still binds
+  CHECK(run_for(travel_to(state, there), input, 1, 60).pose.position.x == 5);  // a Viewpoint remains bound
 }
 
 TEST_CASE("moves smoothly to a Viewpoint in 0.4 seconds, and ends exactly") {
@@ -277,7 +277,7 @@ TEST_CASE("moves smoothly to a Viewpoint in 0.4 seconds, and ends exactly") {
   NavigationInput drag = idle();
   drag.drag = Drag::rotate;
   drag.moved = {1, 0};
-  CHECK_FALSE(step(on_the_way, drag, 0.01f).transition);  // the user's hand goes first
+  CHECK_FALSE(step(on_the_way, drag, 0.01f).transition);  // user input precedes the transition
 }
 
 TEST_CASE("centres the point of a double click") {
@@ -407,7 +407,7 @@ TEST_CASE("lists Viewpoints (VRML97 6.53)") {
   CHECK(viewpoint_label(viewpoints[2], 2) == "HIDDEN");
   CHECK(find_viewpoint(viewpoints, "Front door") == 1u);
   CHECK(find_viewpoint(viewpoints, "HIDDEN") == 2u);
-  CHECK(find_viewpoint(viewpoints, "3") == 3u);  // a description goes before a number
+  CHECK(find_viewpoint(viewpoints, "3") == 3u);  // a description precedes a number
   CHECK(find_viewpoint(viewpoints, "2") == 1u);
   CHECK_FALSE(find_viewpoint(viewpoints, "0"));
   CHECK_FALSE(find_viewpoint(viewpoints, "5"));

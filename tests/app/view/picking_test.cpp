@@ -15,7 +15,7 @@ namespace {
 using namespace gs;
 using namespace gs::app;
 
-/// A square of side 2 in the plane z = 0.
+/// Returns a square of side 2 in the plane z = 0.
 std::shared_ptr<const vrml::Mesh> square_mesh() {
   auto mesh = std::make_shared<vrml::Mesh>();
   mesh->positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
@@ -37,7 +37,7 @@ render::RenderList list_of(std::initializer_list<glm::mat4> places) {
 }
 glm::mat4 at(float z) { return glm::translate(glm::mat4(1), {0, 0, z}); }
 
-/// A disc of area 3.14 in the plane z = 0, towards +z: it covers 1.7 about the origin.
+/// Returns a disc of area 3.14 in the plane z = 0 that faces +z and covers 1.7 around the origin.
 std::shared_ptr<qnv::Cloud> disc() {
   auto cloud = std::make_shared<qnv::Cloud>();
   cloud->positions = {{0, 0, 0}};
@@ -46,7 +46,7 @@ std::shared_ptr<qnv::Cloud> disc() {
   return cloud;
 }
 
-/// Ten layers of vectors from z = 0 to -0.9.
+/// Returns ten layers of vectors from z = 0 to -0.9.
 std::shared_ptr<qnv::Cloud> fog_volume(float opacity) {
   auto cloud = std::make_shared<qnv::Cloud>();
   cloud->description.kind = qnv::Kind::volume;
@@ -92,7 +92,7 @@ TEST_CASE("picks overlays first, which never collide") {
   list.items[0].met = false;
   CHECK_FALSE(items.nearest(list, line, 1000, render::Sought::met));
   CHECK(items.near(list, {-9, -9, -9}, {9, 9, 9}, 100).empty());
-  // Beside it the rest is there as ever.
+  // Beside it, the rest is hit as before.
   list.items[1].world_from_node = list.items[2].world_from_node = glm::translate(glm::mat4(1), {9, 0, 0});
   list.items[0].met = true;
   CHECK(picker.pick(list, ray)->item == 0);
@@ -142,7 +142,7 @@ TEST_CASE("hides splats and polygons behind each other") {
   CHECK(polygon_first->distance == Approx(3));
   CHECK_FALSE(polygon_first->splat);
   CHECK(polygon_first->item == 0);
-  // Beside the polygon the disc behind it.
+  // Beside the polygon, the splat behind it is hit.
   const auto beside = pick(list, {{1.3f, 0, 0}, {0, 0, -1}});
   REQUIRE(beside);
   CHECK(beside->distance == Approx(4));
@@ -209,7 +209,7 @@ TEST_CASE("ignores the parts of a volume that the style hides") {
   options = {};
   list.splats[0].material.transparency = 1;
   CHECK_FALSE(picker.pick(list, kAhead, options));
-  // Another cloud at the same place in memory or not: the picker must not take one for the other.
+  // Another point set may have the same address. The picker must distinguish them.
   for (int i = 0; i < 20; ++i) {
     list.splats.clear();
     add(list, fog_volume(0.9f), at(-2 - static_cast<float>(i)));
@@ -220,7 +220,7 @@ TEST_CASE("ignores the parts of a volume that the style hides") {
 TEST_CASE("ignores invalid point sets") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   render::RenderList list;
-  list.splats.emplace_back();  // without a cloud
+  list.splats.emplace_back();  // without a point set
   add(list, std::make_shared<qnv::Cloud>(), at(-1));
   auto broken = disc();
   broken->normals.clear();

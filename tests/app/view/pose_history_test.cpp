@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-// Undo of movements.
+// Tests of undoing movements.
 namespace gs::app::pose_history_test {
 
 namespace {
@@ -20,11 +20,11 @@ TEST_CASE("joins continuous movements to one, and undoes and redoes it") {
   CHECK_FALSE(history.can_go(-1));
   CHECK_FALSE(history.go(-1, at(0)));
   for (int i = 0; i < 10; ++i) history.moved(at(i), at(i + 1), i * 0.1);
-  history.moved(at(10), at(20), 5);  // behind a rest
+  history.moved(at(10), at(20), 5);  // after a rest
   const auto before = history.go(-1, at(20));
   REQUIRE(before);
   CHECK(before->position.x == 10);
-  // The way there is no movement of his own.
+  // The transition there is no movement of the user.
   history.moved(at(20), at(15), 5.1);
   history.moved(at(15), at(10), 5.2);
   const auto first = history.go(-1, at(10));
@@ -43,7 +43,7 @@ TEST_CASE("drops undone movements after a new one, and undoes a running one from
   history.moved(at(0), at(1), 0);
   history.moved(at(1), at(2), 10);
   CHECK(history.go(-1, at(2))->position.x == 1);
-  // Not there yet.
+  // Still on the way.
   history.moved(at(2), at(1.5), 10.1);
   CHECK(history.go(-1, at(1.5))->position.x == 0);
   CHECK(history.go(1, at(1.2))->position.x == 1);

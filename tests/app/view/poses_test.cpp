@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-// Places of viewers of what stands upright in other ways than VRML97 has it, and parallel rays.
+// Tests of positions for objects with other up axes than VRML97's, and of parallel projection.
 namespace gs::app::poses_test {
 
 namespace {
@@ -60,7 +60,7 @@ TEST_CASE("starts with the up axis on top, seen from the front") {
     CHECK(close(again.position, pose.position, 1e-3));
     CHECK(close(again.up(), upright.up));
   }
-  // A plate is looked at from above.
+  // A plate is seen from above.
   render::WorldBounds plate;
   plate.add(glm::vec3(0));
   plate.add(glm::vec3(10, 10, 0.1f));

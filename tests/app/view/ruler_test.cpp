@@ -37,7 +37,7 @@ TEST_CASE("measures the area of a concave or distant polygon by its outline") {
   for (const auto& [x, y] : {std::pair{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})
     CHECK(ruler.add({1e6 + x, y, -1e6}));
   CHECK(*ruler.area() == Approx(3));
-  CHECK(ruler.length() == Approx(6));  // without the edge that closes it
+  CHECK(ruler.length() == Approx(6));  // without the closing edge
 }
 
 TEST_CASE("measures small angles exactly, and rejects invalid points") {

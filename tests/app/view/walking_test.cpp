@@ -14,7 +14,7 @@ namespace {
 using glm::dvec3;
 using render::WorldTriangle;
 
-/// A world of triangles that are all looked at.
+/// World of triangles that are all tested.
 struct Site {
   std::vector<WorldTriangle> triangles;
 
@@ -23,7 +23,7 @@ struct Site {
     triangle(a, b, c);
     triangle(a, c, d);
   }
-  /// A level floor.
+  /// Adds a level floor.
   void floor(double y, double x0 = -50, double x1 = 50, double z0 = -50, double z1 = 50) {
     face({x0, y, z0}, {x0, y, z1}, {x1, y, z1}, {x1, y, z0});
   }
@@ -69,7 +69,7 @@ struct Site {
   }
 };
 
-const Avatar kBody;  // 0.25, 1.6, 0.75: the standard's
+const Avatar kBody;  // 0.25, 1.6, 0.75: the standard's defaults
 
 /// Walks for some time at a steady speed.
 Walk go(const Site& site, Walk body, const dvec3& velocity, double seconds, double rate = 60,
@@ -94,7 +94,7 @@ TEST_CASE("keeps a walking viewer avatarSize[1] above the ground (4.13.4, 6.29)"
   CHECK(body.on_ground);
   CHECK(body.eye.x == Approx(1));
   CHECK(body.eye.y == Approx(3.6));
-  // Up a slope of 30 degrees, and down again.
+  // Up and down a slope of 30 degrees.
   Site hill;
   hill.floor(0, -50, 5);
   const double rise = std::tan(0.5235988);
@@ -102,7 +102,7 @@ TEST_CASE("keeps a walking viewer avatarSize[1] above the ground (4.13.4, 6.29)"
   hill.face({15, 10 * rise, -50}, {15, 10 * rise, 50}, {25, 0, 50}, {25, 0, -50});
   body = go(hill, at({4, 1.6, 0}), {2, 0, 0}, 3);
   CHECK(body.eye.x == Approx(10).margin(0.01));
-  CHECK(body.eye.y == Approx(1.6 + 5 * rise).margin(0.1));  // the ground under the body's whole width
+  CHECK(body.eye.y == Approx(1.6 + 5 * rise).margin(0.1));  // the ground below the whole width of the body
   body = go(hill, body, {2, 0, 0}, 5);
   CHECK(body.eye.y == Approx(1.6 + 5 * rise).margin(0.1));
   CHECK(body.on_ground);
@@ -133,11 +133,11 @@ TEST_CASE("keeps avatarSize[0] from walls, and slides along them") {
   Walk body = go(site, at({0, 1.6, 0}), {0, 0, -1.5}, 4);
   CHECK(body.eye.z == Approx(-2.75).margin(0.005));
   CHECK(body.item);
-  // Half of the way is along the wall.
+  // Half of the movement is along the wall.
   body = go(site, body, {1, 0, -1}, 3);
   CHECK(body.eye.x == Approx(3).margin(0.02));
   CHECK(body.eye.z == Approx(-2.75).margin(0.005));
-  // Into the corner of two walls, and out of it.
+  // Into the corner of two walls, and out again.
   site.face({5, 0, -50}, {5, 0, 50}, {5, 4, 50}, {5, 4, -50});
   body = go(site, body, {1, 0, -1}, 6);
   CHECK(body.eye.x == Approx(4.75).margin(0.01));
@@ -168,7 +168,7 @@ TEST_CASE("falls off an edge to the ground below, but not where there is none") 
   site.floor(0, -10, 2);
   Walk body = go(site, at({0, 1.6, 0}), {2, 0, 0}, 4);
   CHECK(body.eye.x == Approx(8));
-  CHECK(body.eye.y == Approx(1.6));  // nothing to fall onto
+  CHECK(body.eye.y == Approx(1.6));  // no ground below
   CHECK(body.falling == 0);
   site.floor(-20, 0, 50);
   body = go(site, at({0, 1.6, 0}), {2, 0, 0}, 1.5);
@@ -184,7 +184,7 @@ TEST_CASE("frees a viewer that starts too low or in a wall, and blocks passage a
   site.floor(0);
   CHECK(go(site, at({0, 0.4, 0}), {1, 0, 0}, 0.5).eye.y == Approx(1.6));  // a Viewpoint below the avatar's height
   site.face({-50, 0, -3}, {50, 0, -3}, {50, 4, -3}, {-50, 4, -3});
-  const Walk inside = at({0, 1.6, -2.95});  // nearer than the body is wide
+  const Walk inside = at({0, 1.6, -2.95});  // nearer than the body's width
   CHECK(go(site, inside, {0, 0, 1}, 1).eye.z == Approx(-1.95));
   CHECK(go(site, inside, {1, 0, 0}, 1).eye.x == Approx(1));
   CHECK(go(site, inside, {0, 0, -1}, 1).eye.z > -3);
@@ -282,7 +282,7 @@ TEST_CASE("applies no gravity before the first movement, during transitions, in 
 }
 
 TEST_CASE("takes down from the bound Viewpoint's coordinates (6.29)") {
-  Site site;  // a wall along x = 0 that one stands on, up being +X
+  Site site;  // a wall along x = 0 as ground, with +X up
   site.face({0, -50, -50}, {0, 50, -50}, {0, 50, 50}, {0, -50, 50});
   Pose pose;
   pose.position = {5, 0, 0};

@@ -12,7 +12,7 @@ namespace {
 
 using Files = std::vector<std::string>;
 
-/// While it is there, there is a desktop.
+/// Desktop substitute for the lifetime of this object.
 struct Desktop {
   Desktop() {
     if (const char* value = std::getenv("DISPLAY")) before = value;
@@ -34,7 +34,7 @@ FileDialog::Answer answer_of(const std::string& script) {
   std::binary_semaphore woken{0};
   FileDialog dialog([&] { woken.release(); }, programs);
   REQUIRE(dialog.show());
-  CHECK(dialog.show());  // it is shown already
+  CHECK(dialog.show());  // already shown
   woken.acquire();
   const auto answer = dialog.take();
   REQUIRE(answer);
@@ -47,7 +47,7 @@ FileDialog::Answer answer_of(const std::string& script) {
 TEST_CASE("returns the chosen files of the desktop's dialog, one per line") {
   const Desktop desktop;
   CHECK(answer_of("echo '/a.wrl'; echo '/b c.wrl'").files == Files{"/a.wrl", "/b c.wrl"});
-  const auto none = answer_of("exit 1");  // the user chose none
+  const auto none = answer_of("exit 1");  // the user cancelled
   CHECK(none.files.empty());
   CHECK_FALSE(none.failed);
   const auto broken = answer_of("echo /a.wrl; exit 5");

@@ -8,10 +8,10 @@ TEST_CASE("counts the frames of the last second") {
   FrameRate rate;
   CHECK(rate.a_second() == 0);
   rate.drawn(100, true);
-  CHECK(rate.a_second() == 0);  // one picture has none
+  CHECK(rate.a_second() == 0);  // one picture has no rate
   for (int i = 1; i <= 100; ++i) rate.drawn(100 + i * 0.02, true);
   CHECK(rate.a_second() == Approx(50));
-  // Two that come together do not make the others faster.
+  // Two simultaneous frames do not raise the rate.
   rate.drawn(102.0001, true);
   CHECK(rate.a_second() == Approx(51).margin(0.5));
   // A long frame lowers the rate at once, as do frames of over a second.
@@ -30,7 +30,7 @@ TEST_CASE("reports no frame rate at rest, and starts again") {
   CHECK(rate.a_second() == 0);
   rate.drawn(5.1, true);
   CHECK(rate.a_second() == Approx(10));
-  // A clock that is set back.
+  // The clock is set back.
   rate.drawn(3, true);
   CHECK(rate.a_second() == 0);
 }

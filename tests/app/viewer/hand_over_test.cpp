@@ -15,7 +15,7 @@
 
 namespace gs::app::hand_over_test {
 
-// Sets a variable of the environment for as long as it is there.
+// Environment variable set for the lifetime of this object.
 class Environment {
  public:
   Environment(const char* name, const std::string& value) : name_(name) {
@@ -44,11 +44,11 @@ TEST_CASE("hands files to the open window of the same user only") {
   const Runtime runtime;
   const std::string folder = hand_over_folder();
   REQUIRE_FALSE(folder.empty());
-  CHECK_FALSE(hand_over(folder, {"a.wrl"}));  // nobody is there
+  CHECK_FALSE(hand_over(folder, {"a.wrl"}));  // no window listens
   std::atomic<bool> woken = false;
   auto window = HandOver::listen(folder, [&] { woken = true; });
   REQUIRE(window);
-  CHECK_FALSE(HandOver::listen(folder, [] {}));  // the first has the place
+  CHECK_FALSE(HandOver::listen(folder, [] {}));  // the first one listens there
   HandOver::Taken taken;
   std::atomic<bool> done = false;
   std::thread main_thread([&] {
@@ -79,7 +79,7 @@ TEST_CASE("hands files to the open window of the same user only") {
   }
   window.reset();
   CHECK_FALSE(hand_over(folder, {"a.wrl"}));
-  CHECK(HandOver::listen(folder, [] {}));  // the place is free again
+  CHECK(HandOver::listen(folder, [] {}));  // the socket is free again
 }
 
 TEST_CASE("Hands over URLs as they are, their scheme in any case (RFC 3986 3.1)") {

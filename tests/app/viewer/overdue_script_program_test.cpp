@@ -1,4 +1,4 @@
-// The program with a Script inside one operator of the engine that takes hours and cannot be interrupted.
+// Tests of the program with a Script inside one engine operator that takes hours and cannot be interrupted.
 #include "tests/app/program.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
@@ -22,7 +22,7 @@ TEST_CASE("ends on SIGTERM and SIGINT while a Script is overdue") {
   for (const std::string signal : {"TERM", "INT"}) {
     const ScratchFolder folder;
     (void)folder.write("world.wrl", world());
-    // A shell ignores SIGINT for its background jobs, env gives the default back.
+    // A shell ignores SIGINT in background jobs; env restores the default.
     const Run run =
         run_shell("cd " + quoted(folder.path("")) + "; env --default-signal=INT " + program() +
                   " --backend osmesa --control socket --control-token token world.wrl > log 2>&1 & pid=$!; cd " +

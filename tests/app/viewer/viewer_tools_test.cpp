@@ -22,7 +22,7 @@ namespace {
 
 constexpr Viewport kPlace{0, 0, 96, 64};
 
-/// A user's window without a window, with his pictures in a folder of the test.
+/// User's window without a window, with pictures in a folder of the test.
 struct Workshop {
   Workshop() {
     ::setenv("XDG_PICTURES_DIR", scratch.path("pictures").c_str(), 1);
@@ -96,7 +96,7 @@ std::string bytes_in(const std::string& path) {
 
 TEST_CASE("saves turntables and tours of the window as pictures and movies") {
   Workshop shop;
-  if (!shop.tools) return;  // nothing here draws
+  if (!shop.tools) return;  // nothing can draw here
   shop.user.show_world("Viewpoint { position 0 0 6 } Shape { geometry Box { size 1 2 3 } }", "a box.wrl");
   UiToolActions actions;
   PictureWish wish;
@@ -116,7 +116,7 @@ TEST_CASE("saves turntables and tours of the window as pictures and movies") {
   CHECK(shop.told[0].starts_with("Turntable saved: "));
   CHECK(shop.told[0].find("5 pictures") != std::string::npos);
 
-  // A tour has the views that were added, in a movie.
+  // A tour shows the added views, in a movie.
   const auto tell = [&](const std::string& text, bool) { shop.told.push_back(text); };
   shop.tools->add_to_tour(shop.view(), tell);
   CHECK(shop.describe().tour == 1);
@@ -134,7 +134,7 @@ TEST_CASE("saves turntables and tours of the window as pictures and movies") {
   CHECK(shop.told.back().starts_with("Tour saved: "));
   CHECK(shop.pictures(".png").size() == 5);
 
-  // One that is given up leaves word.
+  // A cancelled one reports it.
   actions = {};
   actions.take_turntable = true;
   shop.apply(actions);
@@ -185,7 +185,7 @@ TEST_CASE("drags a slice through its volume by its edge in the picture") {
   CHECK_FALSE(shop.take(Kind::pointer, seen_at(2)));
   shop.apply({});
   CHECK(shop.view().slices.places[0] == Approx(0.8).margin(0.02));
-  // Beside it a press is the session's.
+  // Beside it, a press goes to the session.
   CHECK_FALSE(shop.take(Kind::button_down, {2, 2}));
   CHECK_FALSE(shop.take(Kind::button_up, {2, 2}));
 }
@@ -207,7 +207,7 @@ TEST_CASE("asks before a saved transfer function replaces another file") {
   CHECK(shop.told.back() == "Saved: " + path);
   const std::string saved = bytes_in(path);
   CHECK(saved.find('{') != std::string::npos);
-  // Its own file it replaces at once; so it does one that was loaded.
+  // Replaces its own file and a loaded one at once.
   shop.apply(save);
   CHECK(shop.told.back() == "Saved: " + path);
   const std::string other = shop.scratch.write("other.json", saved);
@@ -218,7 +218,7 @@ TEST_CASE("asks before a saved transfer function replaces another file") {
   save.save_transfer = other;
   shop.apply(save);
   CHECK(shop.told.back() == "Saved: " + other);
-  // A new file needs no second word.
+  // A new file needs no confirmation.
   save.save_transfer = shop.scratch.path("new.json");
   shop.apply(save);
   CHECK(shop.told.back() == "Saved: " + *save.save_transfer);
@@ -261,7 +261,7 @@ TEST_CASE("shows the value of a stream's nearest vector under the pointer") {
       for (int x = 0; x < 24; ++x)
         volume += std::to_string(std::max(0, 250 - static_cast<int>(20 * std::hypot(x - 12, y - 12, z - 12)))) + " ";
   shop.open(shop.scratch.write("a.nrrd", volume));
-  // The same vectors, without the voxels that they were made of.
+  // The same vectors without their source voxels.
   shop.view().document->world.path = shop.scratch.path("gone.qnv");
   const auto world = world_from_volume(*shop.view().list);
   REQUIRE(world);

@@ -50,7 +50,7 @@ TEST_CASE("moves and turns by sticks, and down and up by triggers, gently at fir
   REQUIRE(events.size() == 1);
   CHECK(events[0].move.z > 0.05f);
   CHECK(events[0].move.z < 0.5f);
-  // Pulled out while a stick was held.
+  // Unplugged while a stick was held.
   events = gamepad.take({}, 8);
   REQUIRE(events.size() == 1);
   CHECK(events[0].move == glm::vec3(0));
@@ -87,7 +87,7 @@ TEST_CASE("moves by a held gamepad input as by held keys") {
   CHECK(input.move == glm::vec3(0, 0, 1));
   CHECK(input.turn == glm::vec2(1, 0));
   CHECK(tracker.holding());
-  // With keys beside it, no faster than full.
+  // Together with keys, no faster than the maximum.
   WindowEvent key;
   key.kind = Kind::key_down;
   key.key = letter_key('W');

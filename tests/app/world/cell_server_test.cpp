@@ -1,4 +1,4 @@
-// Servers of cells that stop, are killed or changed.
+// Tests of cell servers that stop, are killed or change.
 #include "tests/app/world/cell_site.h"
 
 #include <catch2/catch.hpp>
@@ -8,7 +8,7 @@ using namespace gs::app;
 
 namespace {
 
-/// The world that is left when the server goes in the middle, and what `then` does about it.
+/// Returns the world after the server stops half-way and `then` runs.
 template <class Then>
 OpenedWorld interrupted(CellSite& site, const LoadOptions& options, const Then& then) {
   WorldLoading loading(site.url("packed.qnv"), options);

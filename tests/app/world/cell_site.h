@@ -36,7 +36,7 @@ using test::string_of;
 
 inline constexpr std::chrono::milliseconds kCellWait{20};
 
-/// A stream of records of a coloured ball.
+/// Returns a stream of records of a coloured ball.
 inline const std::string& records_stream() {
   static const std::string bytes = [] {
     qnv::EncodeOptions options;
@@ -48,7 +48,7 @@ inline const std::string& records_stream() {
   return bytes;
 }
 
-/// A ball far from 0, with the mesh itself at its end: version 2.
+/// Returns a distant ball that ends with the mesh itself: version 2.
 inline const std::string& exact_stream() {
   static const std::string bytes = [] {
     qnv::EncodeOptions options;
@@ -61,7 +61,7 @@ inline const std::string& exact_stream() {
   return bytes;
 }
 
-/// An archive of cells in a folder of its own.
+/// Archive of cells in a temporary folder.
 struct CellSite {
   ScratchFolder folder;
   std::unique_ptr<Archive> archive;
@@ -93,7 +93,7 @@ inline qnv::Cloud cloud_of_world(const OpenedWorld& world) {
   return cloud.levels ? cloud.levels->whole() : cloud;
 }
 
-/// Place and weight of each disc, in an order of their own.
+/// Returns position and weight of each splat, sorted.
 inline std::vector<std::array<float, 4>> discs_of(const qnv::Cloud& cloud) {
   std::vector<std::array<float, 4>> all;
   for (std::size_t i = 0; i < cloud.size(); ++i)

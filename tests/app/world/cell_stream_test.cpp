@@ -1,4 +1,4 @@
-// Streams that come as cells over UDP, on this machine.
+// Tests of streams that come as cells over UDP on this machine.
 #include "tests/app/world/cell_site.h"
 
 #include <catch2/catch.hpp>
@@ -59,7 +59,7 @@ TEST_CASE("loses only detail with lost cells", "[optimised]") {
     CHECK(world.diagnostics.errors() == 0);
     const qnv::Cloud cloud = cloud_of_world(world);
     CHECK(cloud.size() > whole.size() / 20);
-    // The area is that of the whole, however much is missing.
+    // The area is that of the whole, whatever is missing.
     CHECK(total_of(cloud) == Approx(total_of(whole)).epsilon(0.05));
   }
 }

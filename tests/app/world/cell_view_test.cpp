@@ -10,16 +10,16 @@ TEST_CASE("requests regions by what views see of a stream") {
   const qnv::Box all{{-1, -1, -1}, {1, 1, 1}};
   std::array<qnv::LodView, 3> views;
   CHECK(regions_of({}, all).empty());
-  CHECK(regions_of(views, all).empty());  // all of it
+  CHECK(regions_of(views, all).empty());  // everything
   // The upper quarter of x, from both sides of a thin slice of y.
   views[1].planes = {{{1, 0, 0, -0.5f}, {0, 1, 0, 0.1f}, {0, -1, 0, 0.1f}}};
-  views[2].planes[0] = {0, 0, 1, -5};  // nothing
+  views[2].planes[0] = {0, 0, 1, -5};  // empty
   const auto regions = regions_of(views, all);
   REQUIRE(regions.size() == 1);
   const auto part = [](std::uint16_t value) { return 2.0 * value / 65535 - 1; };
   const net::CellBox& box = regions[0].box;
   CHECK(part(box[0]) <= 0.5);
-  CHECK(part(box[0]) > 0.5 - 0.5 / 7);  // of seven parts at least six are seen
+  CHECK(part(box[0]) > 0.5 - 0.5 / 7);  // at least six of seven parts are visible
   CHECK(part(box[3]) == Approx(1).margin(0.001));
   CHECK(part(box[1]) <= -0.1);
   CHECK(part(box[1]) > -0.1 - 0.2 / 6);
@@ -27,12 +27,12 @@ TEST_CASE("requests regions by what views see of a stream") {
   CHECK(part(box[4]) < 0.1 + 0.2 / 6);
   CHECK(box[2] == 0);
   CHECK(box[5] == 65535);
-  // Views that see the same are one region, and there are never too many.
+  // Equal views make one region, and the number of regions is limited.
   std::vector<qnv::LodView> many(20, views[1]);
   CHECK(regions_of(many, all).size() == 1);
   for (std::size_t i = 0; i < many.size(); ++i) many[i].planes[0].w = -0.5f - 0.02f * static_cast<float>(i);
   CHECK(regions_of(many, all).size() == net::kMostRegions);
-  // A flat thing, and numbers that make no sense.
+  // A flat box, and invalid numbers.
   const qnv::Box flat{{0, 0, 0}, {1, 0, 1}};
   CHECK(regions_of(std::span(views).subspan(1, 1), flat).size() == 1);
   views[1].planes[0] = glm::vec4(std::numeric_limits<float>::quiet_NaN());
@@ -80,13 +80,13 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
     if (feed.apply()) preferred = discs(view) > 4 * before && discs(view) > 2 * discs(opposite);
   }
   CHECK(preferred);
-  // Beside a stream of more weight it wants less of the rate.
+  // Beside a stream of more weight it requests less of the rate.
   feed.set_weight(0.25);
   while (loading.cells().granted > 2'200'000 && std::chrono::steady_clock::now() < deadline)
     (void)loading.step(kCellWait);
   CHECK(loading.cells().granted <= 2'200'000);
   feed.set_weight(1);
-  // When all of it is there nobody goes on asking.
+  // A complete stream stops requests.
   while (loading.streaming() && std::chrono::steady_clock::now() < deadline) {
     (void)loading.step(kCellWait);
     (void)feed.apply();

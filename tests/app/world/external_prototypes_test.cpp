@@ -1,4 +1,4 @@
-// EXTERNPROTOs of PROTOs of their own file, and of those that cannot be had.
+// Tests of EXTERNPROTOs with PROTOs of their own file, and of missing ones.
 #include "app/world/world_loading.h"
 
 #include "net/load/transport_memory.h"
@@ -19,7 +19,7 @@ using namespace gs::app;
 
 namespace {
 
-/// The colours of what a world shows, and what is said of it.
+/// Colours that a world shows, and its diagnostics.
 struct Shown {
   std::vector<glm::vec3> colors;
   std::string messages;
@@ -46,7 +46,7 @@ const glm::vec3 kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1);
 TEST_CASE("accepts an EXTERNPROTO that names a PROTO of its own file (VRML97 4.9.2)") {
   const ScratchFolder folder;
   const std::string nodes = "Y { } Y { c 0 1 0 }\n";
-  // Before the PROTO and behind it, by a fragment alone and by the file's name, and without the PROTO's.
+  // Before and after the PROTO, by a fragment alone, by the file's name, and without the PROTO's name.
   for (const std::string url : {"\"#X\"", "\"my world.wrl#X\"", "\"my%20world.wrl\"", "[ \"gone.wrl#X\" \"#X\" ]"})
     for (const bool before : {true, false}) {
       const std::string declared = "EXTERNPROTO Y [ field SFColor c ] " + url + "\n";
@@ -75,8 +75,7 @@ TEST_CASE("loads an EXTERNPROTO of its own file in pieces, and in libraries") {
   INFO(shown.messages);
   CHECK(shown.messages.empty());
   CHECK(shown.colors == std::vector<glm::vec3>{kBlue, kGreen});
-  // A library's PROTO is made of one of a second library, which hands on that of a third; what else it names is not
-  // read.
+  // A library's PROTO uses one of a second library, which passes on that of a third. Its other references are not read.
   put("memory://a/lib.wrl", kHeader + "EXTERNPROTO Two [ field SFColor c ] \"two.wrl#Two\"\n" +
                                 "EXTERNPROTO Gone [ ] \"gone.wrl\"\nPROTO Unused [ ] { Gone { } }\n" +
                                 "PROTO L [ field SFColor c 0 1 0 ] { Group { children Two { c IS c } } }\n");
@@ -94,7 +93,7 @@ TEST_CASE("reports a missing or recursive EXTERNPROTO of its own file, and shows
       show(folder.write("a.wrl", kHeader + "EXTERNPROTO Y [ field SFColor c ] \"#Q\"\nY { }\n" + kX + "X { }\n"));
   CHECK(missing.colors == std::vector<glm::vec3>{kRed});
   CHECK(missing.messages.find("a.wrl:2:13: error: no PROTO 'Q' in this file for EXTERNPROTO Y") != std::string::npos);
-  // Inside its own body at once, and by a way round.
+  // Inside its own body directly, and indirectly.
   for (const std::string text :
        {"EXTERNPROTO Y [ ] \"#P\"\nPROTO P [ ] { Group { children Y { } } }\nP { } X { }\n",
         "EXTERNPROTO Y [ ] \"#P\"\nEXTERNPROTO Z [ ] \"#Q\"\nPROTO P [ ] { Group { children Z { } } }\n"
@@ -175,7 +174,7 @@ TEST_CASE("has stand-ins for nodes of Blaxxun and Cosmo worlds, with and without
     CHECK(declared.colors == std::vector<glm::vec3>{kRed});
     CHECK(undeclared.colors == std::vector<glm::vec3>{kRed, kRed});
     CHECK(declared.messages.find("error: ") == std::string::npos);
-    // Once, and fields that the stand-in has not are passed over.
+    // Warns once, and skips fields that the stand-in lacks.
     const std::string warning = "a.wrl:2:1: warning: '" + type +
                                 "' is not a VRML97 node, but an extension of other browsers; a stand-in replaces it\n";
     CHECK(undeclared.messages.ends_with(warning));

@@ -19,7 +19,7 @@
 #include <vector>
 
 namespace gs::limits_test {
-// Files that ask for far more than they are. Each runs in a world of little memory: the limits scale with it.
+// Tests of files that request far more memory than their size. Each has a small memory limit, which scales the others.
 namespace {
 
 using namespace app;
@@ -45,7 +45,7 @@ struct Loaded {
     LoadOptions options;
     options.limits.memory = memory;
     options.limits.visits /= watched_step(8);
-    options.timeout_seconds = 600;  // a machine may be slow; what ends it is the limit
+    options.timeout_seconds = 600;  // on a slow machine only the limit should end it
     document = make_document(load_world(path, options));
   }
   [[nodiscard]] std::string said() const {
@@ -55,7 +55,7 @@ struct Loaded {
   }
   [[nodiscard]] bool said(std::string_view what) const { return said().find(what) != std::string::npos; }
   [[nodiscard]] const render::RenderList& list() const { return *document->list; }
-  /// No resource is drawn past its limit.
+  /// Checks that no resource exceeds its limit.
   void check_budget() const {
     REQUIRE(document->world.scene);
     const vrml::Budget& budget = *document->world.scene->budget();
@@ -73,7 +73,7 @@ void put(std::string& to, std::size_t at, T value) {
   std::memcpy(to.data() + at, &value, sizeof value);
 }
 
-/// The header of a NIfTI-1 file of bytes.
+/// Returns the header of a NIfTI-1 file of bytes.
 std::string nifti(std::int16_t x, std::int16_t y, std::int16_t z) {
   std::string header(352, '\0');
   put<std::int32_t>(header, 0, 348);
@@ -126,7 +126,7 @@ TEST_CASE("stops gzip data that unpack to far more than their size") {
   REQUIRE(limit);
   CHECK(limit->find("more than the limit for unpacked data, 4 MiB") != std::string::npos);
   CHECK(made <= 4 * kMega);
-  // Of all files together.
+  // For all files together.
   CHECK(gunzip(bytes_of(packed("", kMega)), small, count));
 
   const UnpackedBytes kept = unpack_gzip(
@@ -150,7 +150,7 @@ TEST_CASE("shows a compressed world up to the limit of unpacked bytes") {
   CHECK(numbers.list().items.size() == 1);
   numbers.check_budget();
 
-  // One that another one shows takes from the same budget.
+  // A world shown by another one shares its budget.
   std::string outer = kHeader;
   for (const char* name : {"a.wrz", "b.wrz", "c.wrz"}) {
     outer += "Inline { url \"" + std::string(name) + "\" }\n";
@@ -159,7 +159,7 @@ TEST_CASE("shows a compressed world up to the limit of unpacked bytes") {
   const Loaded inlines(folder.write("outer.wrl", outer + kBox), 8 * kMega);
   INFO(inlines.said());
   CHECK(inlines.said("c.wrz: error: unpacks to more than the limit for unpacked data"));
-  CHECK(inlines.list().items.size() == 4);  // its box came before
+  CHECK(inlines.list().items.size() == 4);  // its box was earlier
   inlines.check_budget();
 }
 
@@ -236,7 +236,7 @@ TEST_CASE("shrinks a texture beyond the limit during decoding") {
         std::string::npos);
   REQUIRE(world.images.size() == 2);
   CHECK(world.images.begin()->second->width == 256);
-  CHECK(world.images.begin()->second == std::next(world.images.begin())->second);  // one picture, counted once
+  CHECK(world.images.begin()->second == std::next(world.images.begin())->second);  // one image, counted once
   CHECK(world.scene->budget()->used(vrml::Resource::pixels) == 256 * 256 * (3 + 6));
 }
 
@@ -277,7 +277,7 @@ TEST_CASE("limits an Extrusion of two long lists and grids of one list, and show
                          64 * kMega);
   INFO(extrusion.said());
   CHECK(extrusion.said("extrusion.wrl:3:18: error: more than the limit for meshes, 32 MiB"));
-  CHECK(extrusion.list().items.size() == 3);  // the begin of it, too
+  CHECK(extrusion.list().items.size() == 3);  // with its start cap
   extrusion.check_budget();
 
   const std::string grid = "PROTO G [ ] { Shape { geometry ElevationGrid { xDimension 100 zDimension 100 height [ " +

@@ -38,7 +38,7 @@ TEST_CASE("shows the first frame of a MovieTexture (VRML97 6.28)") {
   CHECK(image.pixels[0] > 200);  // red
   CHECK(image.pixels[2] < 60);
 
-  // Urls are tried in the order of preference.
+  // Urls are tried in order of preference.
   CHECK(world_of("\"none.mpg\" \"good.mpg\"").images.size() == 1);
 
   const OpenedWorld cut = world_of("\"cut.mpg\"");

@@ -72,7 +72,7 @@ std::size_t lines_with(const std::string& all, const std::string& part) {
   return count;
 }
 
-/// How many Inlines of the scene have content, at any depth.
+/// Counts Inlines with content, at any depth.
 std::size_t inlined(const vrml::SceneGraph& scene) {
   std::size_t count = 0;
   for (const auto& [node, content] : scene.inlines())
@@ -281,9 +281,9 @@ TEST_CASE("restricts a header from the network to the network") {
       INFO(data);
       const OpenedWorld bad = with(data);
       CHECK(bad.clouds.empty());
-      CHECK(said(bad).find("404") != std::string::npos);  // it was asked for over the network
+      CHECK(said(bad).find("404") != std::string::npos);  // it was requested over the network
     }
-    // As a document of its own, too.
+    // Also as its own document.
     const OpenedWorld alone = load_world(std::string("memory://a/w/") + format.name, web.options);
     CHECK_FALSE(alone.scene);
   }
@@ -314,7 +314,7 @@ TEST_CASE("a PROTO from the network stays of the network in a world of this mach
   const OpenedWorld both = load_world(world, web.options);
   CHECK(inlined(*both.scene) == 1);
   CHECK(both.images.size() == 1);
-  // And a library of files is of files.
+  // A library of files contains only files.
   folder.write("lib/lib.wrl", text("PROTO P [ ] { Group { children [ Inline { url \"deep.wrl\" } ] } }"));
   folder.write("lib/deep.wrl", text("Shape { geometry Box { } }"));
   const OpenedWorld local =
@@ -359,7 +359,7 @@ TEST_CASE("shares no images between texts of different origins, in any order of 
     INFO(said(world));
     CHECK(world.images.size() == 1);
   }
-  // Of one origin, it is read once.
+  // Shared by texts of one origin, it is read once.
   web.put("memory://a/p.gif", kPicture);
   web.put("memory://a/1.wrl", text(texture("\"p.gif\"")));
   web.put("memory://a/2.wrl", text(texture("\"p.gif\"")));
@@ -385,7 +385,7 @@ TEST_CASE("gives a data: text the origin of the text that contains it") {
   const OpenedWorld remote = load_world("memory://a/world.wrl", web.options);
   CHECK(inlined(*remote.scene) == 3);  // both texts, and the one beside the document
   CHECK(said(remote).find("may not refer to file:") != std::string::npos);
-  // One that the user is given by a URL is nobody's.
+  // A URL that the user enters has no origin.
   const OpenedWorld given = load_world(file);
   REQUIRE(given.scene);
   CHECK(inlined(*given.scene) == 0);
@@ -409,7 +409,7 @@ TEST_CASE("keeps this machine and its networks from a world of the Internet, at 
   CHECK(said(far).find("its address is of a local network; a document of the Internet may not reach it") !=
         std::string::npos);
   CHECK(inlined(*load_world("memory://router/in.wrl", web.options).scene) == 1);
-  CHECK(inlined(*load_world("memory://router/far.wrl", web.options).scene) == 1);  // of which nothing more
+  CHECK(inlined(*load_world("memory://router/far.wrl", web.options).scene) == 1);  // and nothing more of it
   const ScratchFolder folder;
   CHECK(inlined(*load_world(folder.write("here.wrl", text(all)), web.options).scene) == 2);
   CHECK(inlined(*load_world(folder.write("lib.wrl", text("EXTERNPROTO P [ ] \"memory://lib/lib.wrl#P\"\nP { }")),

@@ -16,7 +16,7 @@ struct Read {
   std::string said;
   double seconds = 0;
 };
-/// Loads a file of four gigabytes that takes no place on the disk: `head`, then zeros.
+/// Loads a sparse file of four gigabytes: `head`, then zeros.
 Read read_sparse(const std::string& name, const std::string& head) {
   const ScratchFolder folder;
   const std::string path = folder.write(name, head);

@@ -1,4 +1,4 @@
-// Displaced surfaces as worlds: what is loaded to be drawn, and what a pointer meets.
+// Tests of displaced surfaces as worlds: the parts loaded for drawing, and hits of the pointer.
 #include "app/view/picking.h"
 #include "app/world/world_loader.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
@@ -19,7 +19,7 @@
 namespace gs::app::surface_world_test {
 namespace {
 
-/// A ball of radius 1.
+/// Returns a ball of radius 1.
 const std::string& ball_stream() {
   static const std::string bytes = [] {
     const qnv::Triangles ball = qnv::displaced::ball(40);
@@ -82,7 +82,7 @@ TEST_CASE("hits the drawn triangles of a displaced surface by the pointer") {
     CHECK(glm::length(hit->point - middle) == Approx(2).margin(0.02));
     CHECK(glm::dot(hit->normal, glm::normalize(hit->point - middle)) > 0.99);
     CHECK(glm::length(hit->point - line.origin) == Approx(hit->distance));
-    // From far away it is coarse, and so is what is met.
+    // From a distance both the picture and the hit are coarse.
     PickOptions far;
     far.pixel = 1;
     const auto coarse = Picker().pick(list, line, far);

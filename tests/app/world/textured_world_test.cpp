@@ -1,4 +1,4 @@
-// Streams of textured surfaces as worlds: with how much of their bytes the mesh, and its picture, is shown.
+// Tests of textured streams as worlds: the bytes that show the mesh and its texture.
 #include "app/formats/qnv/surface_pictures.h"
 #include "app/view/picking.h"
 #include "app/world/world_loader.h"
@@ -31,7 +31,7 @@ render::Image colored_picture(std::uint32_t size) {
   return image;
 }
 
-/// A torus with a picture of 128 pixels an axis from above, and a coarse one of 32 before it.
+/// Returns a torus with a texture of 128 pixels per axis, seen from above, and a coarse one of 32 before it.
 const std::string& torus_stream() {
   static const std::string bytes = [] {
     const qnv::Triangles torus = qnv::displaced::torus(70, 40);

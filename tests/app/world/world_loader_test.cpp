@@ -229,7 +229,7 @@ TEST_CASE("ignores an empty url, and searches a url from a server's root in the 
   const OpenedWorld rooted = load_world(folder.write("rooted.wrl", texture("/pictures/red.gif")));
   CHECK(said(rooted).empty());
   CHECK(rooted.images.size() == 1);
-  // Not in folders that the world may not look into.
+  // Not in folders that the world may not read.
   (void)folder.write("inner/outer.gif", kGif);
   const OpenedWorld outside = load_world(folder.write("inner/deep/world.wrl", texture("/outer.gif")));
   CHECK(outside.images.empty());

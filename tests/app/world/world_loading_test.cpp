@@ -1,4 +1,4 @@
-// Worlds that come over a scripted network.
+// Tests of worlds from a scripted network.
 #include "app/world/world_loading.h"
 
 #include "app/streams/stream_feed.h"
@@ -30,7 +30,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLoadingWait{50};
 
-/// A network of resources with good manners, and the options to read from it.
+/// Network of well-behaved resources, with the options to read from it.
 struct Web {
   std::shared_ptr<net::MemoryNetwork> network = std::make_shared<net::MemoryNetwork>();
   LoadOptions options;
@@ -48,7 +48,7 @@ struct Web {
   void put_script(const std::string& url, net::MemoryNetwork::Answer answer) { network->put(url, std::move(answer)); }
 };
 
-/// The answer of a server to a whole request of `text`.
+/// Returns a server's answer to a whole request of `text`.
 net::MemoryAnswer whole(std::string_view text) {
   net::MemoryAnswer answer;
   answer.head.content_length = text.size();
@@ -119,7 +119,7 @@ TEST_CASE("shows a long IndexedFaceSet during loading") {
   REQUIRE(triangles.size() > 2);
   CHECK(std::is_sorted(triangles.begin(), triangles.end()));
   CHECK(triangles.front() < 1900);
-  // As many as there are when all of it comes at once (some are slivers without area, and left out).
+  // As many as in a load at once; slivers without area are omitted.
   web.put("memory://a/whole.wrl", text);
   WorldLoading at_once("memory://a/whole.wrl", web.options);
   while (!at_once.done()) (void)at_once.step(kLoadingWait);
@@ -319,7 +319,7 @@ TEST_CASE("slows a stream beside one of more weight") {
     for (std::size_t i = before; i < transfers.size(); ++i) {
       REQUIRE(transfers[i].range);
       const std::uint64_t end = std::min<std::uint64_t>(transfers[i].range->end, large_stream().size());
-      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // not the directory
+      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // without the directory
     }
     return most;
   };
@@ -358,7 +358,7 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
     asked += std::min<std::uint64_t>(transfer.range->end, large_stream().size()) - transfer.range->begin;
   }
   CHECK(asked < large_stream().size() * 3 / 4);
-  // All that it would have shown of the whole.
+  // Compares with the cut of the whole stream.
   auto opened = qnv::LodStream::open(bytes_of(large_stream()));
   auto& reference = *std::get<std::unique_ptr<qnv::LodStream>>(opened);
   std::size_t discs = 0, wanted = 0;

@@ -220,8 +220,7 @@ TEST_CASE("snapshot ends with one line and status 1 for a file that is no world"
 
 TEST_CASE("snapshot gives up a world in one line that takes too long, and leaves no picture") {
   const ScratchFolder folder;
-  // 2^17 boxes in one place, each as large as the picture: minutes of drawing, and below every limit of a picture, so
-  // that the time is all there is to say, however far it reaches.
+  // 2^17 coincident boxes that fill the picture: minutes of drawing, below every limit but the time.
   std::string text =
       "#VRML V2.0 utf8\nDEF N0 Shape { appearance Appearance { material Material { transparency 0.5 } } geometry Box { "
       "} }\n";

@@ -152,7 +152,7 @@ TEST_CASE("completes commands, their options, words and files in fish, if it is 
   const std::string script = folder.write("ghostspace.fish", fish_completion());
   folder.write("d/world.wrl", "");
   folder.write("d/inner/x", "");
-  // The first words of what is offered.
+  // The first words of the completions.
   const auto completed = [&](const std::string& line) {
     return run_shell("cd " + quoted(folder.path("d")) + " && HOME=" + quoted(folder.path("d")) +
                      " fish --no-config -c \"source " + script + "; complete -C '" + line +

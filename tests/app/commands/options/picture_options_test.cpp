@@ -16,7 +16,7 @@ const std::string kBox =
     "#VRML V2.0 utf8\nDEF A Viewpoint { description \"Front\" } DEF B Viewpoint { position 5 0 5 "
     "orientation 0 1 0 0.785 }\nShape { geometry Box { } appearance Appearance { material Material { } } }\n";
 
-/// A volume of 8 x 8 x 4 bytes in which a bright block stands.
+/// Returns a volume of 8 x 8 x 4 bytes that contains a bright block.
 std::string block_nrrd() {
   std::string text =
       "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 4\nspacings: 1 1 1\nsample units: \"K\"\nencoding: raw\n\n";
@@ -59,7 +59,7 @@ TEST_CASE("accepts sizes of paper, colours and times, and nothing else") {
 }
 
 TEST_CASE("draws the same picture if the system limits the address space") {
-  if (gs::watched()) return;  // it takes terabytes of addresses
+  if (gs::watched()) return;  // AddressSanitizer reserves terabytes of addresses
   const ScratchFolder folder;
   const std::string world = quoted(folder.write("box.wrl", kBox));
   const auto draw = [&](const std::string& limit, const std::string& name) {
@@ -132,11 +132,11 @@ TEST_CASE("applies slices, colour maps and bars to volumes, and the file of its 
   const std::string draw = kDraw + "--size 8x8 --snapshot " + quoted(folder.path("p.png")) + " ";
   CHECK(run(draw + "--transfer " + quoted(bad) + " " + quoted(volume)).output.find("bad.json:1:") != std::string::npos);
   CHECK(run(draw + "--transfer jet " + quoted(volume)).output.find("viridis") != std::string::npos);
-  // Colours that stand for values have a bar, too.
+  // Colours of values have a bar, too.
   const std::string keyed = folder.write(
       "keyed.wrl", std::string(kBox) + "WorldInfo { info \"color key: 0 10 #0000ff #ff0000 pressure (Pa)\" } ");
   CHECK(picture("--color-bar", keyed) != picture("", keyed));
-  // A stream of such a file says it, too, and what is exported of that one.
+  // A stream of such a file contains the key, and so does an export of that stream.
   const std::string stream = folder.path("keyed.qnv"), back = folder.path("back.wrl");
   const std::string surface = folder.write(
       "keyed.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
@@ -176,7 +176,7 @@ TEST_CASE("takes a picture from a camera text, in parallel projection, with the 
   const std::string standing = picture("", wedge);
   CHECK(picture("--up z", wedge) == standing);
   CHECK(picture("--up -z", wedge) != standing);
-  // A stream of it stands as the file does, or as is said.
+  // A stream keeps the up axis of the file, or the one of the option.
   REQUIRE(run("encode " + quoted(wedge) + " " + quoted(folder.path("w.qnv"))).status == 0);
   CHECK(run("info " + quoted(folder.path("w.qnv"))).output.find("up: z") != std::string::npos);
   REQUIRE(run("encode --up -x " + quoted(wedge) + " " + quoted(folder.path("x.qnv"))).status == 0);

@@ -1,4 +1,4 @@
-// Meshes as GLB, with colours or the picture that came with them.
+// Tests of meshes in GLB, with colours or a texture.
 #include "app/formats/export/export_glb_mesh.h"
 #include "app/formats/qnv/surface_pictures.h"
 #include "app/world/world_loader.h"

@@ -1,4 +1,4 @@
-// Models as outline groups, from the model to the picture.
+// Tests of models as outline groups, from the model to the picture.
 #include "app/encode/outline_model.h"
 #include "app/formats/export/outline_text.h"
 #include "app/formats/qnv/outline_scene.h"
@@ -30,7 +30,7 @@ using test::string_of;
 
 namespace {
 
-/// A ball on a plate with a hole, of two looks: what is curved and what is flat.
+/// A ball on a plate with a hole, in two appearances: curved and flat.
 const std::string kModel = R"(#VRML V2.0 utf8
 WorldInfo { title "ball on a plate" }
 Shape { appearance Appearance { material Material { diffuseColor 1 .5 0 specularColor .2 .2 .2 shininess .4 } }
@@ -85,7 +85,7 @@ std::string outline_stream_of(const Encoded& from, int bits = 16) {
   return string_of(std::get<qnv::EncodedStream>(made).bytes);
 }
 
-/// Draws without a window.
+/// Studio that draws without a window.
 class OutlineStudio {
  public:
   OutlineStudio() {
@@ -114,7 +114,7 @@ class OutlineStudio {
   std::unique_ptr<render::Renderer> renderer_;
 };
 
-/// Seen from their fronts only: where a closed part's back meets its front, rounding decides which of them is seen.
+/// Shows fronts only. Where back and front of a closed part meet, rounding decides which one is visible.
 void show_fronts(render::RenderList& list) {
   for (render::DrawItem& item : list.items) {
     vrml::Mesh mesh = *item.mesh;
@@ -143,7 +143,7 @@ TEST_CASE("keeps appearance, area and shading of a model as outline groups, as t
   const qnv::OutlineAppearance& ball = made.model.appearances[0];
   CHECK(ball.diffuse == qnv::Rgb8{255, 128, 0});
   CHECK(ball.shininess == 102);
-  CHECK(ball.crease_angle > 0.2f);  // of 32 segments smooth
+  CHECK(ball.crease_angle > 0.2f);  // of 32 segments, smoothed
   CHECK(made.model.appearances[1].transparency == 64);
   CHECK(made.model.appearances[1].crease_angle == 0);
   CHECK(made.groups.groups.size() < 80);
@@ -164,7 +164,7 @@ TEST_CASE("keeps appearance, area and shading of a model as outline groups, as t
       const bool is_ball = item.material.diffuse.x > 0.9f;
       CHECK(item.material.transparency == Approx(is_ball ? 0 : 0.25f).margin(0.003));
       CHECK(item.mesh->solid);
-      // A ball's normals point outwards as its positions do.
+      // A ball's normals point away from its centre.
       for (std::size_t k = 0; is_ball && k < item.mesh->indices.size(); ++k) {
         const std::uint32_t i = item.mesh->indices[k];
         REQUIRE(glm::dot(item.mesh->normals[i], item.mesh->positions[i]) > 0.97f);
@@ -178,7 +178,7 @@ TEST_CASE("shows the groups of every prefix of an outline stream, with ever bett
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
   const std::string stream = outline_stream_of(made), path = folder.write("outlines.qnv", stream);
-  double outlines = 0;  // the area when all outlines are there
+  double outlines = 0;  // the area with all outlines
   for (const qnv::OutlineGroup& group : made.groups.groups)
     for (std::size_t i = 0; i < group.outline.size(); ++i) outlines += group.outline[i].area;
   const std::size_t kPiece = 97 * watched_step(3);
@@ -190,7 +190,7 @@ TEST_CASE("shows the groups of every prefix of an outline stream, with ever bett
     if (!world.scene) continue;
     const double area = area_of(collected(world));
     INFO(bytes);
-    REQUIRE(area >= last * 0.97);  // an outline is a little smaller than what takes its place, or larger
+    REQUIRE(area >= last * 0.97);  // an outline is slightly smaller or larger than its polygons
     last = area;
   }
   CHECK(last == Approx(made.area).epsilon(1e-3));
@@ -258,7 +258,7 @@ TEST_CASE("changes no more than a pixel of flat-shaded CAD parts by merging copl
     CHECK(area_of(merged) == Approx(made.area).epsilon(1e-5));
     for (int orbit = 0; orbit < 20; ++orbit) {
       const float azimuth = 18.0f * static_cast<float>(orbit), elevation = 12.0f * static_cast<float>(orbit % 7) - 36;
-      // A sample that lies on an edge to within rounding may fall to either side: the edges have other corners.
+      // Rounding decides for samples on an edge, since the edges have other corners.
       CHECK(different_pixels(studio.picture(list, list.bounds, azimuth, elevation),
                              studio.picture(merged, list.bounds, azimuth, elevation)) <= 1);
     }

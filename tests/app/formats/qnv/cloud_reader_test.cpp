@@ -1,4 +1,4 @@
-// Large packed streams are read where they lie.
+// Tests of large octree streams that are read in place.
 #include "app/formats/qnv/cloud_reader.h"
 
 #include "app/formats/common/color_key.h"
@@ -54,11 +54,11 @@ TEST_CASE("reads a large octree stream in place, also if the file becomes shorte
   CHECK(half > 10 * coarse);
   CHECK(half < stream.header().vectors);
   CHECK_FALSE(stream.problems().empty());
-  // A file that goes altogether stays as long as it is open.
+  // A deleted file stays readable while it is open.
   const std::string other = folder.write("other.qnv", large_stream());
   const OpenedWorld second = load_world(other);
   std::filesystem::remove(other);
-  CHECK(discs(levels_of(second), 0) >= stream.header().vectors);  // some are of two sides
+  CHECK(discs(levels_of(second), 0) >= stream.header().vectors);  // some are two-sided
   CHECK(levels_of(second).problems().empty());
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("opens a truncated, thinned or damaged large octree stream with less d
   CHECK(discs(levels_of(half), 0) < all);
   CHECK(discs(levels_of(half), 0) > all / 4);
   CHECK(discs(levels_of(thinned), 0) < all);
-  // One that ends early has no directory: it is read as a whole, and said to end.
+  // A truncated stream has no directory: it is read as a whole, and reported.
   const OpenedWorld early =
       load_world(folder.write("early.qnv", large_stream().substr(0, large_stream().size() * 9 / 10)));
   CHECK(early.diagnostics.errors() == 0);

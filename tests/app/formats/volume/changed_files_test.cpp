@@ -1,4 +1,4 @@
-// Files that others change while they are read.
+// Tests of files that change while they are read.
 #include "app/formats/volume/volume.h"
 #include "app/world/world_loading.h"
 #include "net/files/file.h"

@@ -11,7 +11,7 @@ namespace gs::app::interface_input_test {
 
 using Kind = WindowEvent::Kind;
 
-// As GLFW numbers them, and as the backend tells Dear ImGui.
+// Key codes as in GLFW and in the backend of Dear ImGui.
 constexpr int kControl = 341, kLeft = 263, kBackspace = 259, kEnter = 257;
 
 WindowEvent key(Kind kind, int code, Key key = Key::unknown) {
@@ -40,7 +40,7 @@ void add_with_control(std::vector<WindowEvent>& events, char letter) {
   events.push_back(key(Kind::key_up, kControl, Key::control));
 }
 
-/// A text field and a button in a window of Dear ImGui, without a display.
+/// Text field and button in a Dear ImGui window without a display.
 struct Form {
   Form() {
     ImGui::CreateContext();
@@ -58,7 +58,7 @@ struct Form {
                                              {ImGuiKey_Enter, kEnter}};
     for (const auto& [name, code] : keys) io.KeyMap[name] = code;
     ImGui::SetClipboardText("pasted");
-    for (int i = 0; i < 3; ++i) frame({});  // until the field has the keys
+    for (int i = 0; i < 3; ++i) frame({});  // until the field has the focus
     REQUIRE(io.WantTextInput);
   }
   ~Form() { ImGui::DestroyContext(); }
@@ -79,7 +79,7 @@ struct Form {
     ImGui::End();
     ImGui::EndFrame();
   }
-  /// All that is done within one slow frame, and the frames that it takes.
+  /// Handles the events of one slow frame, and the frames that follow.
   void at_once(const std::vector<WindowEvent>& events) {
     frame(events);
     for (int i = 0; i < 1000 && input.waiting(); ++i) frame({});

@@ -22,8 +22,8 @@ TEST_CASE("completes a typed path as far as all matches agree") {
   FolderListing listing;
   CHECK(completed_path(folder + "c", listing) == folder + "castle_");
   CHECK(completed_path(folder + "castle_n", listing) == folder + "castle_north.wrl");
-  CHECK(completed_path(folder + "to", listing) == folder + "Tower/");  // in letters of any case
-  CHECK(completed_path(folder + "n", listing) == folder + "n");        // nothing opens notes.txt
+  CHECK(completed_path(folder + "to", listing) == folder + "Tower/");  // in any letter case
+  CHECK(completed_path(folder + "n", listing) == folder + "n");        // notes.txt cannot be opened
   CHECK(completed_path("http://example.org/c", listing) == "http://example.org/c");
   CHECK(completed_path("", listing).empty());
   CHECK(suggested_paths(folder + "c", listing, 9) == Paths{folder + "castle_north.wrl", folder + "castle_south.wrl"});

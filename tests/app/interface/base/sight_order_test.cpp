@@ -27,7 +27,7 @@ TEST_CASE("shows right-to-left text in visual order, with the caret beside the n
   const SightOrder order = sight_order(text);
   CHECK(order.characters == U"ab 12 \u05d2\u05d1\u05d0");
   CHECK(order.places == std::vector<std::size_t>{0, 1, 2, 8, 7, 6, 5, 3, 4});
-  CHECK(order.caret(3) == 9);  // on the right of alef
+  CHECK(order.caret(3) == 9);  // right of alef
   CHECK(order.caret(4) == 8);  // between bet and alef
   CHECK(order.index_at(8, true) == 3);
   CHECK(order.index_at(8, false) == 4);

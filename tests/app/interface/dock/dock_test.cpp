@@ -64,7 +64,7 @@ TEST_CASE("docks panels beside the picture, never over it, at any window size") 
       for (std::size_t i = 0; i < all.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) CHECK_FALSE(overlap(all[i], all[j]));
     }
-  // The picture keeps its least size as long as the window has it.
+  // The picture keeps its minimum size while the window is large enough.
   const DockLayout tight = dock.lay_out({0, 60, 500, 440}, 1);
   CHECK(tight.picture.width >= Dock::kLeastPicture);
   CHECK(tight.picture.height >= Dock::kLeastHeight);
@@ -74,7 +74,7 @@ TEST_CASE("brings the neighbour of a closed panel to the front") {
   Dock dock({DockSide::bottom, DockSide::bottom, DockSide::bottom});
   for (const std::size_t panel : {0, 1, 2}) dock.open(panel);
   CHECK(dock.is_front(2));
-  dock.open(1);  // it is open already: to the front
+  dock.open(1);  // already open: comes to the front
   CHECK(dock.is_front(1));
   CHECK(dock.open_at(DockSide::bottom) == std::vector<std::size_t>{0, 1, 2});
   dock.close(1);

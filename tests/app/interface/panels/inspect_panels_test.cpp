@@ -1,4 +1,4 @@
-// Panels that look into a world, as somebody uses them, without a display.
+// Tests of panels that inspect a world, without a display.
 #include "app/interface/panels/inspect_panels.h"
 
 #include "app/interface/ui_overlay.h"
@@ -27,7 +27,7 @@ class NoWindow final : public InterfaceBackend {
     unsigned char* pixels = nullptr;
     int width = 0, height = 0;
     io.Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
-    // As GLFW numbers them.
+    // Key codes as in GLFW.
     io.KeyMap[ImGuiKey_Enter] = 257;
     io.KeyMap[ImGuiKey_Escape] = 256;
     io.KeyMap[ImGuiKey_DownArrow] = 264;
@@ -40,7 +40,7 @@ class NoWindow final : public InterfaceBackend {
   void draw() override {}
 };
 
-/// A world, and its panels in a window that is not there.
+/// World with its panels, without a window.
 struct Screen : OneWorld {
   explicit Screen(const std::string& body) : OneWorld(body) {
     session.add_extension(inspection);
@@ -80,7 +80,7 @@ struct Screen : OneWorld {
     }
     draw();
   }
-  // Down a line of places, until it has led to something.
+  // Clicks down a column until a click has an effect.
   bool click_until(float x, float top, float bottom, const std::function<bool()>& done) {
     for (float y = top; y < bottom && !done(); y += 7) click(x, y);
     return done();
@@ -170,7 +170,7 @@ TEST_CASE("draws all panels for every field type, and without a world") {
   const vrml::SceneGraph& scene = *screen.document->world.scene;
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     screen.inspection.select({&scene, scene.id_at(i)}, true);
-    // Lists open by the arrow in front of them.
+    // The arrow before a list opens it.
     for (float y = 110; y < 400; y += 30) screen.click(720, y);
   }
   screen.inspection.select({}, false);

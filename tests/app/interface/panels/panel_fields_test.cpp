@@ -1,4 +1,4 @@
-// Text fields of panels, in which somebody writes from right to left.
+// Tests of text fields of panels with right-to-left text.
 #include "app/inspect/inspection.h"
 #include "tests/app/interface/driver.h"
 #include "vrml/scene/scene_graph.h"
@@ -13,7 +13,7 @@ using driver::Driver;
 
 constexpr char32_t kAlef = 0x05D0, kBet = 0x05D1, kGimel = 0x05D2;
 
-// Whether alef is seen on the right of bet, and that one on the right of gimel; none: no font has them.
+// Reports whether alef is right of bet and bet right of gimel, or nullopt if no font has them.
 std::optional<bool> seen_from_right(const Driver& user) {
   const auto alef = user.place_of(kAlef), bet = user.place_of(kBet), gimel = user.place_of(kGimel);
   if (!alef || !bet || !gimel) return std::nullopt;
@@ -29,7 +29,7 @@ TEST_CASE("shows right-to-left text in the script console in visual order, runs 
   user.type_letters(U"\u05d0\u05d1\u05d2");
   user.type("'");
   const auto typed = seen_from_right(user);
-  if (!typed) return;  // the system has no font with these letters
+  if (!typed) return;  // no font of the system has these letters
   CHECK(*typed);
   user.press(Key::enter);
   const auto& lines = user.controller().inspection().console().lines();
@@ -59,9 +59,9 @@ TEST_CASE("shows right-to-left text in the inspector in visual order, and sends 
   float line = 0;
   for (const driver::SeenCharacter& one : driver::seen_characters())
     if (one.character == kAlef) line = (one.top + one.bottom) / 2;
-  // On the right of alef one writes before it; what is typed there stays while frames go by.
+  // The caret right of alef is before it. Typed text stays over frames.
   user.click(glm::vec2(*alef + 20, line));
-  // Behind the last letter, before the quotation mark.
+  // After the last letter, before the quotation mark.
   user.press(Key::end);
   user.press(Key::left);
   user.type("z");

@@ -22,7 +22,7 @@ TEST_CASE("has one row per panel, with a setting, a title and an action") {
     CHECK(ids.insert(row.id).second);
     CHECK(titles.insert(row.title).second);
     CHECK(toggles.insert(row.toggle).second);
-    // It stands in settings as it is.
+    // Used as a name in settings.
     CHECK(row.id.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") == std::string_view::npos);
     CHECK(panel_of(row.toggle) == i);
     CHECK(find_panel(row.id) == i);
@@ -58,7 +58,7 @@ TEST_CASE("shows an empty panel's notice within its width") {
   INFO(user.screen());
   const auto first = user.find("This world"), last = user.find("opacity.");
   REQUIRE((first && last));
-  CHECK(last->y > first->y);  // in lines
+  CHECK(last->y > first->y);  // on separate lines
   CHECK(last->x < 700);
 }
 

@@ -19,7 +19,7 @@ std::shared_ptr<Document> empty_document(const std::string& path) {
   return document;
 }
 
-/// A world of one QNV node with this cloud.
+/// Returns a world of one QNV node with this point set.
 OpenedWorld world_of(qnv::Cloud cloud) {
   OpenedWorld world = world_with({});
   const auto make = [&](const char* type) { return world.scene->create(*vrml::built_in_node_type(type)); };
@@ -57,7 +57,7 @@ TEST_CASE("reads a file once, and again on request") {
   const auto again = list.begin("a.wrl");
   REQUIRE(again);
   CHECK(list.document("a.wrl") == before);  // until it is read
-  list.reload("a.wrl");                     // once more while it is being read
+  list.reload("a.wrl");                     // again during reading
   CHECK_FALSE(list.begin("a.wrl"));
   list.deliver(again->number, empty_document("a.wrl"));
   CHECK(list.document("a.wrl") != before);
@@ -96,11 +96,11 @@ TEST_CASE("removes a file that cannot be opened from the list, unless it was ope
 TEST_CASE("drops the result of a cancelled load") {
   DocumentList list;
   list.add("a");
-  list.cancel("a");  // nothing is being read yet
+  list.cancel("a");  // no reading has started
   const auto reading = list.begin("a");
   list.cancel("a");
   CHECK(*reading->cancelled);
-  CHECK(list.awaited("a"));  // from the beginning
+  CHECK(list.awaited("a"));  // from the start
   CHECK_FALSE(list.deliver(reading->number, empty_document("a")));
   CHECK_FALSE(list.document("a"));
   const auto again = list.begin("a");

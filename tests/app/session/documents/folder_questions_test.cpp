@@ -20,7 +20,7 @@ TEST_CASE("asks once per folder, and reads worlds again after permission") {
   CHECK(questions.current()->folder == "/etc");
   CHECK(questions.answer(false).empty());
   CHECK(questions.current() == nullptr);
-  // Answered for the session.
+  // Answers hold for the session.
   questions.ask("c.wrl", {{"/etc", "/etc/hosts"}, {"/w/textures", "../textures/z.png"}});
   CHECK(questions.current() == nullptr);
   CHECK(questions.allowed() == std::vector<std::string>{"/w/textures"});

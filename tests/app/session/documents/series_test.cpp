@@ -15,7 +15,7 @@ TEST_CASE("plays a series file by file in a loop, and reads ahead") {
   CHECK(list.find(folder.path("a.1.vti")) == nullptr);
   CHECK(list.file_of(name) == folder.path("a.1.vti"));
   REQUIRE(list.find(name));
-  CHECK_FALSE(list.arrived(name, 100));  // it does not play
+  CHECK_FALSE(list.arrived(name, 100));  // the series is paused
   CHECK_FALSE(list.holds_back(name, 100));
   CHECK_FALSE(list.next_due());
   list.set_rate(name, 10);
@@ -30,7 +30,7 @@ TEST_CASE("plays a series file by file in a loop, and reads ahead") {
   CHECK(list.file_of(name) == folder.path("a.10.vti"));
   CHECK(list.holds_back(name, 100.15));
   CHECK(*list.next_due() == Approx(100.2));
-  CHECK(list.arrived(name, 103));  // late: the next one is not due before
+  CHECK(list.arrived(name, 103));  // late: the next one is not due earlier
   CHECK(list.file_of(name) == folder.path("a.1.vti"));
   CHECK(*list.next_due() == 103);
   CHECK(list.arrived(name, 103));
@@ -45,7 +45,7 @@ TEST_CASE("shows a chosen file of a series at once, and stops the play") {
   const std::string name = folder.path("a.%d.vti");
   SeriesList list;
   (void)list.file_of(name);
-  CHECK_FALSE(list.show(name, 0, 5));  // it shows already
+  CHECK_FALSE(list.show(name, 0, 5));  // already shown
   CHECK(list.play(name, true, 5));
   CHECK(list.show(name, 2, 5.01));
   CHECK_FALSE(list.find(name)->playing);

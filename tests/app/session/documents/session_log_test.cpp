@@ -57,7 +57,7 @@ TEST_CASE("keeps failed files in the log while another one shows, and reports ea
   session.open_files({missing});
   const Frame first = steps_until(session, [](const Frame& frame) { return !frame.failed.empty(); });
   CHECK(first.failed[0].path == missing);
-  REQUIRE(session.panes().at(0).failure);  // so says the viewport
+  REQUIRE(session.panes().at(0).failure);  // as in the viewport
   CHECK(session.panes().at(0).failure->path == missing);
   session.open_files({other, good});
   bool failed = false, arrived = false;
@@ -68,7 +68,7 @@ TEST_CASE("keeps failed files in the log while another one shows, and reports ea
   });
   REQUIRE(session.log().files().size() == 3);
   CHECK(session.log().files()[0].path == missing);
-  // Each of an ignored type of node: said once.
+  // Reports each ignored node type once.
   CHECK(session.log().errors() == 3);
 }
 

@@ -20,7 +20,7 @@ using namespace gs::app;
 
 namespace {
 
-/// A world of so many boxes that comes in about half a second.
+/// Returns a world of boxes that loads in about half a second.
 LoadOptions slow_world(int boxes) {
   std::string text = "#VRML V2.0 utf8\n";
   for (int i = 0; i < boxes; ++i)
@@ -102,7 +102,7 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
   std::shared_ptr<Document> document;
   bool over = false;
   Arrivals arrivals;
-  std::optional<std::size_t> waited;  // when the world came
+  std::optional<std::size_t> waited;  // when the world was received
   while (!over) {
     WorldReader::News news = reader.take();
     over = news.over;
@@ -110,14 +110,14 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
       REQUIRE(news.document->world.scene);
       document = news.document;
       waited = over ? 0 : news.state.waiting;
-      CHECK(document->runtime->next_time().has_value());  // its time goes on
+      CHECK(document->runtime->next_time().has_value());  // its time advances
       CHECK(document->list->items.at(0).texture.image == nullptr);
     }
     arrivals.append(std::move(news.arrivals));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   REQUIRE(document);
-  CHECK(waited == 1u);  // the one that is missing was known by then
+  CHECK(waited == 1u);  // the missing image was known by then
   CHECK(arrivals.images.size() == 1);
   CHECK(document->world.diagnostics.warnings() + arrivals.diagnostics.warnings() == 1);
   document->runtime->arrive(std::move(arrivals));

@@ -78,7 +78,7 @@ TEST_CASE("drops images and meshes of removed nodes, also when their slots are r
     CHECK(world.meshes.meshes.empty());
     arrive(&scene);  // too late
     const vrml::SceneGraph other("other.wrl");
-    arrive(const_cast<vrml::SceneGraph*>(&other));  // of an Inline that is gone
+    arrive(const_cast<vrml::SceneGraph*>(&other));  // of a removed Inline
     CHECK(world.opened.images.empty());
     CHECK(world.list().items.empty());
     world.runtime->step(1001 + round);

@@ -41,7 +41,7 @@ TEST_CASE("keeps a picture while none of its parts changes") {
   };
   CHECK(changed([&](PictureSource& now) { now.list = other; }));
   CHECK(changed([&](PictureSource& now) { now.shown = other.get(); }));  // with slices
-  CHECK(changed([](PictureSource& now) { now.changes = 5; }));           // the world has gone on
+  CHECK(changed([](PictureSource& now) { now.changes = 5; }));           // the world has advanced
   CHECK(changed([](PictureSource& now) { now.grown = 1; }));             // a stream or a movie
   CHECK(changed([](PictureSource& now) { now.camera.world_from_camera[3].x = 1; }));
   CHECK(changed([](PictureSource& now) { now.camera.field_of_view = 1; }));
@@ -62,7 +62,7 @@ TEST_CASE("detects a new list at the address of a removed one") {
   ledger.note(0, source_of(list), drawn(), 0);
   PictureSource same_place = source_of(list);
   const auto successor = std::make_shared<const render::RenderList>();
-  same_place.list = successor;  // all else is as it was, its address too
+  same_place.list = successor;  // everything else is equal, the address too
   list.reset();
   CHECK_FALSE(ledger.is_same(0, same_place));
 }

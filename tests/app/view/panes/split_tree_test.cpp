@@ -117,7 +117,7 @@ TEST_CASE("splits a viewport to the right and below repeatedly") {
   CHECK(split_text(tree) == "1|2");
   tree = split_pane(tree, 1, SplitAxis::rows, 2);
   CHECK(split_text(tree) == "1|(2/3)");
-  // Along the same axis the halves of what is split stand beside their siblings.
+  // Splitting along the same axis puts the halves beside their siblings.
   tree = split_pane(tree, 0, SplitAxis::columns, 3);
   CHECK(panes_of(tree) == Panes_{0, 3, 1, 2});
   CHECK(tree.root.parts.size() == 3);
@@ -126,8 +126,8 @@ TEST_CASE("splits a viewport to the right and below repeatedly") {
   check_place(places[1], 100, 0, 100, 400);
   check_place(places[2], 200, 0, 200, 200);
   check_place(places[3], 200, 200, 200, 200);
-  CHECK(split_pane(tree, 0, SplitAxis::rows, 2) == tree);  // that is there already
-  CHECK(split_pane(tree, 9, SplitAxis::rows, 8) == tree);  // that is not there
+  CHECK(split_pane(tree, 0, SplitAxis::rows, 2) == tree);  // an existing viewport
+  CHECK(split_pane(tree, 9, SplitAxis::rows, 8) == tree);  // a missing viewport
   CHECK_FALSE(split_pane(with_maximised(tree, 2), 2, SplitAxis::rows, 7).maximised);
 }
 
@@ -187,14 +187,14 @@ TEST_CASE("places dividers between viewports, and drags them within the minimum 
   CHECK(column_of(with_divider_at(tree, dividers[0], area, 5000, 50), 1) == 226);
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 90, 50), area)[2].top == 90);
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 30, 50), area)[2].top == 70);
-  // No room for as much: in the middle.
+  // Without enough space: at the middle.
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 30, 150), area)[2].top == 120);
-  // Two viewports above each other need what one does sideways, two beside each other twice that.
+  // Two viewports above each other need the width of one, two beside each other need twice that.
   const SplitTree nested = split("(1/2)|((3|4)/5)");
   CHECK(arrange(with_divider_at(nested, dividers_of(nested, area)[0], area, 5000, 50), area)[2].left == 310);
   CHECK(dividers_of(split("1|2!1"), area).empty());
   CHECK(dividers_of(split("1"), area).empty());
-  // A divider of another tree moves nothing.
+  // A divider of another tree has no effect.
   CHECK(with_divider_at(split("1"), dividers[1], area, 50, 50) == split("1"));
   CHECK(with_divider_at(split("1|2"), dividers[2], area, 50, 50) == split("1|2"));
   (void)with_divider_at(tree, dividers[0], {0, 0, 1, 1}, 0, 50);
@@ -216,7 +216,7 @@ TEST_CASE("swaps, maximises, equalises and cycles viewports") {
   CHECK(with_maximised(large, 2) == tree);
   CHECK(panes_in_sight(with_maximised(large, 0)) == Panes_{0});
   CHECK(with_maximised(tree, 7) == tree);
-  CHECK_FALSE(with_maximised(split("1"), 0).maximised);  // it is that already
+  CHECK_FALSE(with_maximised(split("1"), 0).maximised);  // already so
 
   CHECK(split_text(evened_out(split("1:3|(2/3:9):2"))) == "1|(2/3)");
   CHECK(next_pane(tree, 0, 1) == 1);

@@ -9,7 +9,7 @@
 namespace gs::app::color_maps_test {
 namespace {
 
-/// Of linear light (sRGB, IEC 61966-2-1).
+/// Returns the luminance in linear light (sRGB, IEC 61966-2-1).
 double luminance(const glm::vec3& color) {
   const auto linear = [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); };
   return 0.2126 * linear(static_cast<double>(color.r)) + 0.7152 * linear(static_cast<double>(color.g)) +
@@ -27,7 +27,7 @@ void check_bytes(const char* name, float place, const glm::vec3& expected, float
 }  // namespace
 
 TEST_CASE("uses the published colours of colour maps") {
-  // Of the tables of matplotlib, which the polynomials follow within some hundredths.
+  // From matplotlib's tables, which the polynomials match within some hundredths.
   check_bytes("viridis", 0, {68, 1, 84}, 8);
   check_bytes("viridis", 0.5f, {33, 145, 140}, 8);
   check_bytes("viridis", 1, {253, 231, 37}, 8);
@@ -47,7 +47,7 @@ TEST_CASE("uses the published colours of colour maps") {
 
 TEST_CASE("raises the luminance of sequential maps throughout, and of diverging maps to the middle") {
   for (const ColorMap& map : color_maps()) {
-    if (map.name == "turbo") continue;  // a rainbow: by design it does not
+    if (map.name == "turbo") continue;  // a rainbow, which is not monotonic by design
     INFO(map.name);
     for (int i = 1; i <= 255; ++i) {
       const double before = luminance(color_at(map, static_cast<float>(i - 1) / 255)),

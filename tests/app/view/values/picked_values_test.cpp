@@ -14,7 +14,7 @@ TEST_CASE("returns the value of the nearest vector in a volume stream") {
   cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
   cloud.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
   cloud.weights = {0.5f, 2, 8};
-  CHECK_FALSE(value_near(cloud, {0, 0, 0}));  // nothing says what its values are
+  CHECK_FALSE(value_near(cloud, {0, 0, 0}));  // its values have no meaning
   cloud.classes = {0, 128, 255};
   REQUIRE(value_near(cloud, {0, 0, 0}));
   CHECK(value_near(cloud, {0.4, 0, 0})->value == -100);
@@ -22,7 +22,7 @@ TEST_CASE("returns the value of the nearest vector in a volume stream") {
   CHECK(value_near(cloud, {0.6, 0, 0})->gradient == 2);
   CHECK(value_near(cloud, {0, 50, 0})->value == 155);
   CHECK(value_near(cloud, {0, 50, 0})->step == 1);
-  // Vectors without a place are nobody's.
+  // Vectors with NaN positions are skipped.
   cloud.positions[0].x = std::nanf("");
   CHECK(value_near(cloud, {0, 0, 0})->value == 28);
   CHECK_FALSE(value_near(cloud, {std::nan(""), 0, 0}));
@@ -32,7 +32,7 @@ TEST_CASE("interpolates the value on a coloured surface between the corners") {
   ColorKey key{"t", 0, 100, {{0, 0, 1}, {0, 1, 1}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}};
   vrml::Mesh mesh;
   mesh.indices = {0, 1, 2, 2, 1, 3};
-  CHECK_FALSE(value_on(key, mesh, {1, 0, {1, 0, 0}}));  // it has no colours
+  CHECK_FALSE(value_on(key, mesh, {1, 0, {1, 0, 0}}));  // no colours
   for (const double value : {0, 20, 100, 60}) mesh.colors.push_back(key.color_of(value));
   CHECK(*value_on(key, mesh, {1, 0, {1, 0, 0}}) == Approx(0).margin(1e-4));
   CHECK(*value_on(key, mesh, {1, 0, {0.5, 0.25, 0.25}}) == Approx(30));

@@ -9,7 +9,7 @@
 namespace gs::app::slice_drag_test {
 namespace {
 
-/// 11 voxels each way, 1 apart, about 0.
+/// Returns 11 voxels per axis, 1 apart, around 0.
 std::shared_ptr<const VolumeGrid> cube() {
   qnv::VolumeSource source;
   source.layout.dimensions = {11, 11, 11};
@@ -45,7 +45,7 @@ TEST_CASE("grabs a slice at its edges only") {
   const auto at = [&](const glm::dvec3& place, float reach = 7) {
     return slice_at_edge(*grid, slices, world, pose, kSize, pixel(pose, place), reach);
   };
-  // That across X is seen from its edge, that across Z from the front, at its voxel 2.
+  // The slice across X is seen edge on, the one across Z from the front, at its voxel 2.
   const auto across_z = at({4, 5.5, -3});
   REQUIRE(across_z);
   CHECK(across_z->axis == 2);
@@ -61,7 +61,7 @@ TEST_CASE("grabs a slice at its edges only") {
   CHECK_FALSE(at({4, 5.55, -3}, 0));
   slices.shown = {false, false, false};
   CHECK_FALSE(at({4, 5.5, -3}));
-  // Edges behind the viewer are nobody's.
+  // Edges behind the viewer cannot be grabbed.
   slices.shown[2] = true;
   pose.position = {0, 0, -20};
   CHECK_FALSE(slice_at_edge(*grid, slices, world, pose, kSize, {400, 300}, 1000));
@@ -75,7 +75,7 @@ TEST_CASE("keeps the grabbed point of a slice under the pointer during the drag"
     Pose pose;
     pose.position = {3, 4, 30};
     pose = with_parallel_rays(pose, parallel, 30);
-    // Twice as large, and turned: the volume's x is the world's -y.
+    // Twice as large and rotated: the volume's x is the world's -y.
     glm::dmat4 world(0);
     world[0][1] = -2;
     world[1][0] = 2;

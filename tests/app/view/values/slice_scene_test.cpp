@@ -9,7 +9,7 @@
 namespace gs::app::slice_scene_test {
 namespace {
 
-/// Values x + 10 y + 100 z of 4 x 3 x 2 voxels, 2 x 1 x 5 apart from (7, 0, 0) on; one of them is missing.
+/// Returns values x + 10 y + 100 z of 4 x 3 x 2 voxels, 2 x 1 x 5 apart from (7, 0, 0) on, with one missing.
 qnv::VolumeSource small_volume() {
   qnv::VolumeSource source;
   source.layout.dimensions = {4, 3, 2};
@@ -77,7 +77,7 @@ TEST_CASE("draws a slice with a pixel per voxel, black to white over the window,
   CHECK(low.width == 4);
   CHECK(low.height == 3);
   REQUIRE(low.components == 3);
-  // The lowest row of the picture is y = 0: 0 to 3 of 102.
+  // The bottom row of the picture is y = 0: 0 to 3 of 102.
   for (std::uint32_t x = 0; x < 4; ++x)
     CHECK(low.pixels[(2 * 4 + x) * 3] == static_cast<int>(std::lround(static_cast<double>(x) / 102 * 255)));
   CHECK(low.pixels[0] == std::lround(20.0 / 102 * 255));
@@ -114,7 +114,7 @@ TEST_CASE("places slices at their voxels, beside the volume or alone") {
   REQUIRE(shown.items.size() == 2);  // the plane and its frame
   const render::DrawItem& plane = shown.items.front();
   CHECK(plane.world_from_node == item.world_from_node);
-  // y = 2; voxels end half a voxel beyond their centres.
+  // y = 2; voxels extend half a voxel beyond their centres.
   CHECK(plane.mesh->bounds.lower == glm::vec3(6, 2, -2.5f));
   CHECK(plane.mesh->bounds.upper == glm::vec3(14, 2, 7.5f));
   CHECK(shown.bounds.lower.x == 106);
@@ -131,7 +131,7 @@ TEST_CASE("places slices at their voxels, beside the volume or alone") {
   slices.places[1] = 0;
   CHECK(scene.with_slices(list, grid, slices).changes != before);
   const std::uint64_t moved = scene.with_slices(list, grid, slices).changes;
-  list.changes = render::next_change();  // the world has gone on
+  list.changes = render::next_change();  // the world has advanced
   CHECK(scene.with_slices(list, grid, slices).changes != moved);
 }
 
