@@ -195,7 +195,7 @@ Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar
   return surface;
 }
 
-std::optional<qnv::Payload> requested_payload(const Options& options) {
+std::optional<qnv::Payload> requested_payload(const ConversionOptions& options) {
   if (options.records) return qnv::Payload::records;
   if (options.packed) return qnv::Payload::packed;
   if (options.displaced) return qnv::Payload::displaced;

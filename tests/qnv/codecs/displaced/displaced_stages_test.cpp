@@ -1,4 +1,5 @@
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/displaced/surface.h"
 #include "qnv/container/piece_group.h"
 #include "qnv/reader/stream_decoder.h"
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"

@@ -1,4 +1,5 @@
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/mesh/triangle_tree.h"
 #include "qnv/reader/loss.h"
