@@ -70,7 +70,7 @@ struct Controlled {
     (void)vrml::parse("#VRML V2.0 utf8\n" + text, *world.scene, diagnostics);
     document = hold_world(std::move(world));
     begin_world(*document, now);
-    session.show(document);
+    session.readers().show(document);
     session.add_extension(control);
     input.area = Viewport{0, 0, 1024, 768};
     step();

@@ -8,7 +8,7 @@
 #include "app/picture/animation.h"
 #include "app/picture/frame_writer.h"
 #include "app/picture/volume_show.h"
-#include "app/session/links.h"
+#include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
 #include "app/viewer/offscreen.h"
 #include "app/world/world_loader.h"

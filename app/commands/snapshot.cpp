@@ -7,7 +7,7 @@
 #include "app/media/wave_file.h"
 #include "app/picture/paint.h"
 #include "app/picture/volume_show.h"
-#include "app/session/links.h"
+#include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
 #include "app/view/navigation.h"
 #include "app/viewer/offscreen.h"

@@ -3,7 +3,7 @@
 #include "app/base/console.h"
 #include "app/commands/common/shared.h"
 #include "app/media/wave_file.h"
-#include "app/session/links.h"
+#include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"

@@ -163,7 +163,7 @@ void Control::follow_viewport(Session& session, ControlClient& client) {
     leave_world(client);
   }
   if (!document) return;
-  document->runtime->measure_viewer();
+  document->runtime->programs().measure_viewer();
   const auto known = std::find_if(worlds_.begin(), worlds_.end(),
                                   [&](const auto& world) { return world->document.lock() == document; });
   if (known != worlds_.end()) {
@@ -182,7 +182,7 @@ void Control::tell_browser_event(ControlClient& client, std::string_view what, c
   if (!client.wants_browser_events) return;
   std::string out =
       "{\"jsonrpc\":\"2.0\",\"method\":\"browser\",\"params\":{\"event\":\"" + std::string(what) + "\",\"url\":";
-  append_json_string(out, document && document->runtime ? document->runtime->browser().world_url : "");
+  append_json_string(out, document && document->runtime ? document->runtime->programs().browser().world_url : "");
   out += "}}";
   channel_.send(client.number, std::move(out));
 }

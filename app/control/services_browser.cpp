@@ -27,7 +27,7 @@ bool get_browser(ServiceCall& call) {
   put_member(out, "name", "GhostSpace");
   put_member(out, "version", GHOSTSPACE_VERSION);
   if (call.document) {
-    const BrowserState& browser = call.document->runtime->browser();
+    const BrowserState& browser = call.document->runtime->programs().browser();
     put_member(out, "url", browser.world_url);
     put_member(out, "title", call.document->world.title);
     put_figure(out, "time", call.document->runtime->execution().now());
@@ -48,17 +48,17 @@ bool get_version(ServiceCall& call) {
 }
 bool get_speed(ServiceCall& call) {
   call.result.clear();
-  append_json_number(call.result, call.document->runtime->browser().speed);
+  append_json_number(call.result, call.document->runtime->programs().browser().speed);
   return true;
 }
 bool get_frame_rate(ServiceCall& call) {
   call.result.clear();
-  append_json_number(call.result, call.document->runtime->browser().frame_rate);
+  append_json_number(call.result, call.document->runtime->programs().browser().frame_rate);
   return true;
 }
 bool get_world_url(ServiceCall& call) {
   call.result.clear();
-  append_json_string(call.result, call.document->runtime->browser().world_url);
+  append_json_string(call.result, call.document->runtime->programs().browser().world_url);
   return true;
 }
 
@@ -77,7 +77,7 @@ bool set_description(ServiceCall& call) {
   const auto text = call.text(0);
   if (!text) return false;
   request.text = *text;
-  call.session.serve(*call.document, request);
+  call.session.links().serve(*call.document, request);
   return true;
 }
 
@@ -89,7 +89,7 @@ bool load_url(ServiceCall& call) {
   request.urls = *urls;
   request.parameters = *parameters;
   call.changes = true;
-  const auto refused = call.session.serve(*call.document, request);
+  const auto refused = call.session.links().serve(*call.document, request);
   call.problem = refused.value_or("");
   return !refused;
 }
@@ -104,7 +104,8 @@ bool create_from_string(ServiceCall& call) {
   if (!text) return false;
   vrml::SceneGraph& scene = *call.document->world.scene;
   vrml::Diagnostics diagnostics;
-  const vrml::RunTimeNodes made = call.document->runtime->create(scene, "control", *text, diagnostics, &scene);
+  const vrml::RunTimeNodes made =
+      call.document->runtime->programs().create(scene, "control", *text, diagnostics, &scene);
   std::string messages = "[";
   for (const vrml::Diagnostic& one : diagnostics.entries()) {
     if (messages.size() > 1) messages += ',';
@@ -140,7 +141,7 @@ bool create_from_url(ServiceCall& call) {
     return false;
   }
   request.location = node->scene->node(node->id).location;
-  call.document->runtime->create_from_url(std::move(request));
+  call.document->runtime->requests().create_from_url(std::move(request));
   call.changes = true;
   return true;
 }

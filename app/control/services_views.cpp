@@ -56,7 +56,7 @@ bool set_viewpoint(ServiceCall& call) {
         0, "unknown Viewpoint '" + request.text.substr(0, 80) + "'; " + viewpoint_list(call.view->list->viewpoints));
     return false;
   }
-  call.session.serve(*call.document, request);
+  call.session.links().serve(*call.document, request);
   call.changes = true;
   return true;
 }

@@ -3,7 +3,7 @@
 #include "app/inspect/field_edits.h"
 #include "app/inspect/field_values.h"
 #include "app/script/run_time_nodes.h"
-#include "app/session/links.h"
+#include "app/session/opening/links.h"
 
 #include <algorithm>
 #include <utility>
@@ -65,11 +65,11 @@ bool Inspection::act(Session& session) {
   for (const std::string& line : std::exchange(entered_, {})) {
     const NodeAt script = console_script();
     const ScriptRunner::Evaluation answer =
-        document_->runtime->evaluate(script ? *script.scene : world_->root(), script.id, line);
+        document_->runtime->programs().evaluate(script ? *script.scene : world_->root(), script.id, line);
     console_.answer(answer.text, answer.failed);
     changed = true;
   }
-  if (std::exchange(fly_, false)) session.fly_to(bounds_);
+  if (std::exchange(fly_, false)) session.camera().fly_to(bounds_);
   if (watch_.take_news()) news_ = true;
   if (wants_.console && console_.take(session.log(), document_->world.path)) news_ = true;
   return changed;
@@ -159,7 +159,7 @@ void Inspection::reveal_pending() {
 
 bool Inspection::pick(Session& session, const glm::vec2& pixel) {
   picking_ = false;
-  const std::optional<Session::Picked> picked = session.pick_at(pixel);
+  const std::optional<Pointing::Picked> picked = session.pointing().pick_at(pixel);
   if (!picked || picked->path.empty()) return false;
   const std::shared_ptr<Document> document = document_of(session);
   const View* const seen = session.panes().at(picked->pane).view();
@@ -281,9 +281,9 @@ void Inspection::send_again(Session& session, const StreamList::Row& row) {
     }
   }
   if (session.panes().documents().find(row.world))
-    session.read_again(row.world);
+    session.panes().reload(row.world);
   else
-    session.open_files({row.world});
+    session.opening().open_files({row.world});
 }
 
 }  // namespace gs::app

@@ -69,12 +69,12 @@ void StreamList::clear() {
   next_.reset();
 }
 
-void StreamList::refresh(const Session& session, double now) {
+void StreamList::refresh(Session& session, double now) {
   if (next_ && now < *next_) return;
   next_ = now + RateHistory::kSeconds;
   rows_.clear();
   std::map<Key, RateHistory> kept;
-  for (const Session::Loads& loads : session.loads())
+  for (const DocumentReaders::Loads& loads : session.readers().loads())
     for (LoadRow& load : loads.ledger->rows()) {
       Row row;
       const Key key{loads.ledger.get(), load.number};

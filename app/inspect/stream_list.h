@@ -50,7 +50,7 @@ class StreamList {
     [[nodiscard]] bool ended() const { return load.ended.has_value(); }
   };
   /// Updates all rows, at most four times a second. `now` is in seconds of any clock.
-  void refresh(const Session& session, double now);
+  void refresh(Session& session, double now);
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
   [[nodiscard]] std::size_t arriving() const;
   /// Discards measurements when the list is no longer displayed.

@@ -33,11 +33,12 @@ ImVec2 in_units(const glm::vec2& pixels) {
 /// Returns the action that views the object from the end of an axis.
 Action side_along(const glm::vec3& along, const Upright& upright) {
   const std::pair<glm::vec3, Action> sides[] = {
-      {upright.front, Action::side_front},    {-upright.front, Action::side_back}, {-upright.right(), Action::side_left},
+      {upright.front, Action::side_front},   {-upright.front, Action::side_back}, {-upright.right(), Action::side_left},
       {upright.right(), Action::side_right}, {upright.up, Action::side_top},      {-upright.up, Action::side_bottom}};
-  return std::max_element(std::begin(sides), std::end(sides), [&](const auto& a, const auto& b) {
-           return glm::dot(a.first, along) < glm::dot(b.first, along);
-         })->second;
+  return std::max_element(
+             std::begin(sides), std::end(sides),
+             [&](const auto& a, const auto& b) { return glm::dot(a.first, along) < glm::dot(b.first, along); })
+      ->second;
 }
 
 std::array<AxisEnd, 6> axis_ends(const Pose& pose) {
@@ -54,8 +55,7 @@ std::array<AxisEnd, 6> axis_ends(const Pose& pose) {
 
 void draw_axis(ImDrawList& draw, const AxisEnd& end, const ImVec2& center, const ImVec2& at, float dot, float scale) {
   const ImU32 color = kAxisColors[end.axis];
-  if (!end.positive)
-    return draw.AddCircleFilled(at, dot * 0.8f, (color & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 110));
+  if (!end.positive) return draw.AddCircleFilled(at, dot * 0.8f, (color & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 110));
   draw.AddLine(center, at, color, 2 * scale);
   draw.AddCircleFilled(at, dot, color);
   const ImVec2 text = ImGui::CalcTextSize(kAxisNames[end.axis]);

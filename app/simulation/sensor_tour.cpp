@@ -61,13 +61,13 @@ bool SensorTour::press_next() {
     const Candidate& one = candidates[i];
     drags_ = one.node->type->behaviour->pointing->drag != nullptr;
     ++presses_[one.node];
-    if (session_.press_sensor(one.sensor)) return true;
+    if (session_.pointing().press_sensor(one.sensor)) return true;
   }
   return false;
 }
 
 void SensorTour::visit_next() {
-  if (came_from_) return session_.move_viewer_to(*std::exchange(came_from_, std::nullopt));
+  if (came_from_) return session_.camera().move_viewer_to(*std::exchange(came_from_, std::nullopt));
   std::vector<vrml::NodePlace> found = sensors_of(world()->root(), false);
   if (found.empty()) return;
   const auto visits = [&](const vrml::NodePlace& one) { return visits_[&one.scene->node(one.node)]; };
@@ -82,7 +82,7 @@ void SensorTour::visit_next() {
   const auto frames = execution.places_of(sensor);
   if (frames.empty()) return;
   came_from_ = session_.view()->navigation.pose.position;
-  session_.move_viewer_to(glm::dvec3(frames.front() * glm::dvec4(place, 1)));
+  session_.camera().move_viewer_to(glm::dvec3(frames.front() * glm::dvec4(place, 1)));
 }
 
 void SensorTour::step() {
@@ -95,14 +95,14 @@ void SensorTour::step() {
       if (!press_next()) return;
       break;
     case 1:
-      session_.drag_sensor(round_ % 2 == 0 ? kWay : -kWay);
+      session_.pointing().drag_sensor(round_ % 2 == 0 ? kWay : -kWay);
       break;
     case 2:
       // A click releases at the pressed position; a drag releases at its end.
-      if (!drags_) session_.drag_sensor(round_ % 2 == 0 ? -kWay : kWay);
+      if (!drags_) session_.pointing().drag_sensor(round_ % 2 == 0 ? -kWay : kWay);
       break;
     default:
-      session_.release_sensor();
+      session_.pointing().release_sensor();
   }
   phase_ = (phase_ + 1) % 4;
 }

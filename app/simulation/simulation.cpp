@@ -175,7 +175,7 @@ const render::RenderList& Simulation::look_from(const glm::dvec3& viewer, const 
 
 void Simulation::step(double time, bool look) {
   time_ = time;
-  input_.look = look || session_.moving() || sink_ != nullptr;
+  input_.look = look || session_.motion().moving() || sink_ != nullptr;
   (void)session_.step(kSimulatedStart + time, input_);
   input_.events.clear();
   if (sink_) listen(time);
@@ -189,7 +189,7 @@ void Simulation::listen(double time) {
   while (heard_ < end) {
     const std::int64_t count = std::min(kPiece, end - heard_);
     pairs.resize(static_cast<std::size_t>(2 * count));
-    session_.sounds().mixer().mix(time_of(heard_), time_of(heard_ + count), pairs);
+    session_.sound().stage().mixer().mix(time_of(heard_), time_of(heard_ + count), pairs);
     heard_ += count;
     sink_(pairs);
   }
@@ -198,7 +198,7 @@ void Simulation::listen(double time) {
 void Simulation::choose_viewpoint(const vrml::SceneGraph& scene, vrml::NodeId node) {
   const std::vector<render::ViewpointState>& viewpoints = look().list->viewpoints;
   for (std::size_t i = 0; i < viewpoints.size(); ++i)
-    if (viewpoints[i].scene == &scene && viewpoints[i].node == node) return session_.bind_viewpoint(i);
+    if (viewpoints[i].scene == &scene && viewpoints[i].node == node) return session_.camera().bind_viewpoint(i);
 }
 
 void Simulation::act(double time) {
@@ -212,16 +212,16 @@ void Simulation::act(double time) {
         choose_viewpoint(*action.scene, action.node);
         break;
       case InputRow::Kind::press_sensor:
-        if (!session_.press_sensor({action.scene, action.node})) troubles_.add(action.trouble);
+        if (!session_.pointing().press_sensor({action.scene, action.node})) troubles_.add(action.trouble);
         break;
       case InputRow::Kind::drag_sensor:
-        session_.drag_sensor(action.pointer);
+        session_.pointing().drag_sensor(action.pointer);
         break;
       case InputRow::Kind::release_sensor:
-        session_.release_sensor();
+        session_.pointing().release_sensor();
         break;
       case InputRow::Kind::visit:
-        session_.move_viewer_to(action.place);
+        session_.camera().move_viewer_to(action.place);
         break;
       case InputRow::Kind::move:
       case InputRow::Kind::press:
@@ -248,9 +248,9 @@ void Simulation::fetch() {
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   if (steps_ == 0) {
-    if (document_->runtime) document_->runtime->set_script_settings({0, true});
+    if (document_->runtime) document_->runtime->programs().set_settings({0, true});
     begin_world(*document_, kSimulatedStart);
-    session_.show(document_);
+    session_.readers().show(document_);
     step(0, false);
     act(0);
     if (begins_elsewhere_) {

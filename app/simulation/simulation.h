@@ -60,9 +60,9 @@ class Simulation {
 
   [[nodiscard]] OpenedWorld& world() { return document_->world; }
   [[nodiscard]] vrml::Execution& execution() { return document_->runtime->execution(); }
-  /// Sets the receiver of script messages; see WorldRuntime::observe_scripts().
+  /// Sets the receiver of script messages; see WorldPrograms::observe().
   void observe_scripts(std::function<void(const ScriptMessage&)> observer) {
-    document_->runtime->observe_scripts(std::move(observer));
+    document_->runtime->programs().observe(std::move(observer));
   }
   /// Returns the view of the world after `run`.
   [[nodiscard]] const View& look();

@@ -62,7 +62,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
   input.area = Viewport{0, 0, options.width, options.height};
   while (!EndOnSignals::told() && !control.wants_to_end()) {
     const Frame frame = session.step(world_time(), input);
-    session.ask_for_streams();
+    session.streams().request();
     tell(session, frame);
     if (!is_anything_there(session)) {
       error = "no world to control; expected a file";

@@ -122,7 +122,7 @@ void Viewer::run() {
     const bool in_motion = std::exchange(was_in_motion_, moves) && moves;
     draw_viewports();
     if (interface_first_) frames_wanted_ = kSettlingFrames;
-    session_.ask_for_streams();
+    session_.streams().request();
     controller_.inspection().prepare(session_, frame_.pictures, now);
     controller_.apply(ui_.build(controller_.model(frame_, measures_)));
     if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
@@ -144,7 +144,7 @@ void Viewer::wait_for_something() {
   const glm::ivec2 size = window_->framebuffer_size();
   if (size.x <= 0 || size.y <= 0)
     window_->wait(kIdleWait);
-  else if (frames_wanted_ > 0 || session_.moving() || wants_finer() || window_->has_events())
+  else if (frames_wanted_ > 0 || session_.motion().moving() || wants_finer() || window_->has_events())
     window_->poll();
   else
     wait_idle();
@@ -184,7 +184,7 @@ void Viewer::measure(double started, double now, bool in_motion) {
 void Viewer::take_handed_over() {
   if (!hand_over_) return;
   const HandOver::Taken taken = hand_over_->take();
-  if (!taken.files.empty()) session_.open_files(taken.files);
+  if (!taken.files.empty()) session_.opening().open_files(taken.files);
   if (!taken.asked) return;
   window_->raise();
   frames_wanted_ = kSettlingFrames;

@@ -83,7 +83,7 @@ ViewerController::ViewerController(ViewerControllerOptions options, LoadOptions 
       ui_(std::move(backend), options.scale, store_.settings()),
       session_(with_settings(options.session, store_.settings(), options.up_given), std::move(load), wake),
       dialog_(wake, options.dialogs) {
-  if (!memory_given_) session_.set_memory(memory_of(store_.settings().memory));
+  if (!memory_given_) session_.opening().set_memory(memory_of(store_.settings().memory));
   session_.add_extension(inspection_);
   const AppState& state = store_.state();
   ui_.arrange(state.panels, state.areas);
@@ -155,7 +155,7 @@ bool ViewerController::run(Action action) {
       if (inspection_.picking()) ui_.show_notice("Click an object to select its node", false);
       return true;
     case Action::close:
-      if (session_.seeking()) return false;  // handled by the session
+      if (session_.camera().seeking()) return false;  // handled by the session
       if (inspection_.picking()) {
         inspection_.set_picking(false);
         return true;
@@ -215,7 +215,7 @@ void ViewerController::exchange_camera(Action action) {
     const auto camera = read_camera(ui_.clipboard());
     if (const auto* problem = std::get_if<std::string>(&camera))
       return ui_.show_notice("The clipboard has no camera: " + *problem, true);
-    return session_.go_to(std::get<Pose>(camera));
+    return session_.camera().go_to(std::get<Pose>(camera));
   }
   const Pose& pose = seen->navigation.pose;
   ui_.set_clipboard(action == Action::copy_camera ? camera_text(pose) : viewpoint_text(pose));
@@ -223,13 +223,13 @@ void ViewerController::exchange_camera(Action action) {
 }
 
 void ViewerController::change(const UserSettings& settings) {
-  if (settings.speed != store_.settings().speed) session_.set_speed(settings.speed);
-  if (!memory_given_) session_.set_memory(memory_of(settings.memory));
-  ViewStyle style = session_.panes().style();
+  if (settings.speed != store_.settings().speed) session_.camera().set_speed(settings.speed);
+  if (!memory_given_) session_.opening().set_memory(memory_of(settings.memory));
+  ViewStyle style = session_.viewports().loading().style();
   if (!up_given_) style.up = settings.up;
   style.backdrop = settings.backdrop;
   style.axes = settings.axes;
-  session_.set_style(style);
+  session_.viewports().set_style(style);
   store_.set(settings);
 }
 
@@ -237,7 +237,7 @@ void ViewerController::apply(const UiActions& actions) {
   if (actions.settings) change(*actions.settings);
   if (actions.open) {
     opening_ = given_place(*actions.open).target;
-    session_.open_files({*actions.open});
+    session_.opening().open_files({*actions.open});
   }
   if (actions.open_bookmark) open_bookmark(*actions.open_bookmark);
   if (actions.remove_bookmark && *actions.remove_bookmark < store_.bookmarks().size()) {
@@ -249,26 +249,26 @@ void ViewerController::apply(const UiActions& actions) {
     if (*actions.restore) restore();
     lost_ = {};
   }
-  if (actions.file) session_.select_file(*actions.file);
-  if (actions.layout) session_.choose_layout(*actions.layout);
+  if (actions.file) session_.opening().select_file(*actions.file);
+  if (actions.layout) session_.viewports().choose_layout(*actions.layout);
   if (actions.divider)
-    session_.move_divider(actions.divider->divider, actions.divider->place, actions.divider->least,
-                          actions.divider->ended);
-  if (actions.pane) session_.serve(*actions.pane);
-  if (actions.run && !run(*actions.run)) (void)session_.run(*actions.run);
-  if (actions.allow_question) session_.answer_question(*actions.allow_question);
-  if (actions.cancel_loading) session_.cancel_loading(*actions.cancel_loading);
-  if (actions.tools.play) session_.play_series(*actions.tools.play);
-  if (actions.tools.file) session_.show_of_series(*actions.tools.file);
-  if (actions.tools.rate) session_.set_series_rate(*actions.tools.rate);
+    session_.viewports().move_divider(actions.divider->divider, actions.divider->place, actions.divider->least,
+                                      actions.divider->ended);
+  if (actions.pane) session_.input().serve(*actions.pane);
+  if (actions.run && !run(*actions.run)) (void)session_.input().run(*actions.run);
+  if (actions.allow_question) session_.questions().answer(*actions.allow_question);
+  if (actions.cancel_loading) session_.readers().cancel(*actions.cancel_loading);
+  if (actions.tools.play) session_.series().play(*actions.tools.play);
+  if (actions.tools.file) session_.series().show(*actions.tools.file);
+  if (actions.tools.rate) session_.series().set_rate(*actions.tools.rate);
   window_.apply_tools(actions.tools);
   View* seen = session_.view();
   if (!seen) return;
   if (actions.viewpoint) {
     const std::vector<std::size_t> listed = listed_viewpoints(seen->list->viewpoints);
-    if (*actions.viewpoint < listed.size()) session_.bind_viewpoint(listed[*actions.viewpoint]);
+    if (*actions.viewpoint < listed.size()) session_.camera().bind_viewpoint(listed[*actions.viewpoint]);
   }
-  if (actions.mode) session_.choose_mode(*actions.mode);
+  if (actions.mode) session_.camera().choose_mode(*actions.mode);
   if (actions.look) seen->look = *actions.look;
 }
 
@@ -321,7 +321,8 @@ void ViewerController::open_bookmark(std::size_t index) {
   std::string place = bookmark.place;
   for (const DocumentList::Entry& entry : session_.panes().documents().entries())
     if (absolute_place(entry.path) == place) place = entry.path;
-  session_.open_at(place, bookmark.viewpoint, pose_of_camera(bookmark.camera, seen ? seen->navigation.pose : Pose{}));
+  session_.travel().open_at(place, bookmark.viewpoint,
+                            pose_of_camera(bookmark.camera, seen ? seen->navigation.pose : Pose{}));
 }
 
 // Messages ----------------------------------------------------------------------------------------
@@ -378,7 +379,7 @@ void ViewerController::note_session() {
 }
 
 void ViewerController::restore() {
-  session_.open_files(lost_.files);
+  session_.opening().open_files(lost_.files);
   const auto split = read_split(lost_.split);
   const auto* tree = std::get_if<SplitTree>(&split);
   if (!tree) return;
@@ -388,14 +389,14 @@ void ViewerController::restore() {
     if (!one.file.empty()) files[one.number - 1] = one.file;
     if (one.weight > 0) weights[one.number - 1] = one.weight;
   }
-  session_.restore_split(*tree, files, weights);
+  session_.opening().restore_split(*tree, files, weights);
 }
 
 bool ViewerController::take_chosen_files() {
   const auto answer = dialog_.take();
   if (!answer) return false;
   if (answer->failed) ui_.show_open_dialog();
-  if (!answer->files.empty()) session_.open_files(answer->files);
+  if (!answer->files.empty()) session_.opening().open_files(answer->files);
   return true;
 }
 

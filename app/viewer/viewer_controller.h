@@ -100,7 +100,7 @@ class ViewerController {
   void restore();
   void describe_viewports(UiModel& model, const Frame& frame, std::size_t budget);
   void describe_user(UiModel& model, const Pane& pane);
-  [[nodiscard]] std::string progress_of(const std::string& path) const;
+  [[nodiscard]] std::string progress_of(const std::string& path);
 
   SettingsStore store_;
   WindowOperations& window_;

@@ -31,9 +31,9 @@ std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std:
 }
 
 // Returns a text such as "city.wrl: 3.1 of 12.0 MB, 4 files to come".
-std::string ViewerController::progress_of(const std::string& path) const {
+std::string ViewerController::progress_of(const std::string& path) {
   std::string text = file_label(path);
-  for (const LoadingState& state : session_.progress_of(path)) {
+  for (const LoadingState& state : session_.readers().progress_of(path)) {
     if (state.received == 0) continue;
     text += ": " + (state.total ? readable_part(state.received, *state.total) : readable_size(state.received));
     if (state.waiting > 1) text += ", " + std::to_string(state.waiting) + " files left";
@@ -67,10 +67,10 @@ void ViewerController::describe_viewports(UiModel& model, const Frame& frame, st
     viewport.weight = pane.weight;
     viewport.budget = budgets[model.viewports.size()];
     if (drawn > 0) viewport.vectors = static_cast<double>(viewport.budget) / drawn;
-    viewport.reading = session_.reading_share(picture.pane);
-    viewport.rate = session_.rate_of(picture.pane);
+    viewport.reading = session_.streams().reading_share(picture.pane);
+    viewport.rate = session_.streams().rate_of(picture.pane);
     RateHistory& history = readings_[picture.pane];
-    (void)history.note(session_.received(picture.pane), world_time());
+    (void)history.note(session_.streams().received(picture.pane), world_time());
     viewport.arriving = history.rate();
     if (pane.failure) {
       viewport.failed = file_label(pane.failure->path);
@@ -83,8 +83,8 @@ void ViewerController::describe_viewports(UiModel& model, const Frame& frame, st
   model.panes = model.pane_labels.size();
   model.maximised = panes.split().maximised.has_value();
   model.layout = layout_of(panes.split());
-  model.dividers = session_.dividers();
-  model.linked = session_.linked();
+  model.dividers = session_.viewports().dividers();
+  model.linked = session_.viewports().linked();
 }
 
 UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measures) {
@@ -96,10 +96,10 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   }
   model.file = panes.selected();
   describe_viewports(model, frame, measures.budget);
-  if (const FolderQuestions::Question* question = session_.question())
+  if (const FolderQuestions::Question* question = session_.questions().folder())
     model.question = {UiQuestion::Kind::folder, file_label(question->worlds.front()), question->folder,
                       question->reference};
-  else if (const auto network = session_.network_question())
+  else if (const auto network = session_.questions().network())
     model.question = {UiQuestion::Kind::network, file_label(network->world), network->question.url,
                       net::url_for_messages(network->question.file)};
   const Pane& pane = panes.at(panes.active());
@@ -113,7 +113,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.travel_anchor = pane.input.travel_anchor();
   model.pointer = pane.input.pointer();
   const View* seen = pane.view();
-  if (const SeriesList::Series* series = session_.series()) {
+  if (const SeriesList::Series* series = session_.series().current()) {
     model.tools.files = series->files.size();
     model.tools.file = series->shown;
     model.tools.playing = series->playing;
@@ -128,7 +128,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
     model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
   }
-  const Session::Pointed pointed = session_.pointed();
+  const Pointing::Pointed pointed = session_.pointing().pointed();
   model.over_sensor = pointed.sensor;
   model.link = pointed.description;
   model.mode = seen->navigation.mode;
@@ -140,10 +140,10 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.upright = upright_of(*seen);
   if (const double spacing = seen->style.grid ? grid_spacing(seen->list->bounds, model.upright) : 0; spacing > 0)
     model.grid_text = "Grid: " + readable_value(spacing, seen->document->world.authored ? "m" : "");
-  model.can_undo_move = session_.can_undo_move(-1);
-  model.can_redo_move = session_.can_undo_move(1);
+  model.can_undo_move = session_.camera().can_undo_move(-1);
+  model.can_redo_move = session_.camera().can_undo_move(1);
   model.has_sounds = !seen->list->sounds.empty();
-  model.muted = session_.sounds().muted();
+  model.muted = session_.sound().stage().muted();
   model.look = seen->look;
   model.has_surface_clouds = seen->document->has_surface_clouds;
   model.has_volumes = seen->document->has_volumes;
@@ -161,8 +161,8 @@ void ViewerController::describe_user(UiModel& model, const Pane& pane) {
   model.to_restore = lost_.files.size();
   model.address = pane.wanted.empty() ? pane.shown : pane.wanted;
   model.bookmark = find_bookmark();
-  model.can_go_back = session_.can_travel(-1);
-  model.can_go_forward = session_.can_travel(1);
+  model.can_go_back = session_.travel().can_go(-1);
+  model.can_go_forward = session_.travel().can_go(1);
   model.loading = session_.panes().loading(session_.panes().active());
 }
 

@@ -71,7 +71,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   source.draw.x = source.draw.y = 0;
   source.draw.most_decoded = 0;
   for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
-  if (seen.document->runtime) source.grown += seen.document->runtime->movie_pictures();
+  if (seen.document->runtime) source.grown += seen.document->runtime->movies().pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
   if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;
   // Long pictures are interrupted by events; without events, all pixels are drawn.

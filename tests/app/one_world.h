@@ -43,7 +43,7 @@ struct OneWorld {
   explicit OneWorld(const std::string& body, bool simulated = true)
       : document(hold_world(world_of(body))), session({{}, {}, {}, simulated}, {}, [] {}) {
     begin_world(*document, kStart);
-    session.show(document);
+    session.readers().show(document);
     frame = session.step(kStart, input_of({}));
     REQUIRE(frame.pictures.size() == 1);
     REQUIRE(frame.pictures[0].view);

@@ -51,9 +51,9 @@ bool run_control_messages(std::span<const std::byte> bytes) {
   Session session({{}, {}, {}, true}, {}, [] {});
   Control control(lines, [] {});
   const std::shared_ptr<Document> document = hold_world(small_world());
-  document->runtime->set_script_settings({0.1, true});
+  document->runtime->programs().set_settings({0.1, true});
   begin_world(*document, 1000);
-  session.show(document);
+  session.readers().show(document);
   session.add_extension(control);
   SessionInput input;
   input.area = Viewport{0, 0, 64, 64};

@@ -181,13 +181,13 @@ void visit(const LoadOptions& options, std::string_view console) {
     const View* const seen = session.view();
     if (!seen || !seen->document->runtime) continue;
     WorldRuntime& runtime = *seen->document->runtime;
-    runtime.observe_scripts(collect_garbage);
+    runtime.programs().observe(collect_garbage);
     const vrml::SceneGraph& scene = *seen->document->world.scene;
     for (std::uint32_t at = 1; !console.empty() && i % 8 == 7 && at <= scene.node_count(); ++at) {
       const vrml::NodeId id = scene.id_at(at);
       if (!scene.contains(id) || scene.node(id).name != "S0") continue;
-      (void)runtime.evaluate(scene, id, std::string(console));
-      (void)runtime.evaluate(scene, {}, std::string(console));
+      (void)runtime.programs().evaluate(scene, id, std::string(console));
+      (void)runtime.programs().evaluate(scene, {}, std::string(console));
       break;
     }
   }

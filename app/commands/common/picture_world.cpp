@@ -2,7 +2,7 @@
 
 #include "app/base/numbered_files.h"
 #include "app/commands/common/option_groups.h"
-#include "app/session/view.h"
+#include "app/session/viewports/view.h"
 
 #include <glm/trigonometric.hpp>
 

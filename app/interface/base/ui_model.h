@@ -2,7 +2,7 @@
 
 #include "app/interface/base/ui_tools.h"
 #include "app/session/documents/session_log.h"
-#include "app/session/view.h"
+#include "app/session/viewports/view.h"
 #include "app/settings/app_state.h"
 #include "app/settings/user_settings.h"
 #include "app/view/actions.h"

@@ -2,15 +2,10 @@
 
 #include "app/formats/media_file.h"
 #include "app/formats/qnv/cloud_reader.h"
-#include "app/script/run_time_nodes.h"
-#include "net/base/url.h"
 #include "render/scene/late_meshes.h"
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <utility>
 
 namespace gs::app {
@@ -18,7 +13,6 @@ namespace {
 
 // Number of stored batches of changes. A render list that lacks more batches is collected again.
 constexpr std::size_t kMostBatches = 8;
-constexpr std::size_t kMostMessages = 1000;  // further messages are dropped until the caller takes them
 
 }  // namespace
 
@@ -32,113 +26,26 @@ double world_time() {
 
 WorldRuntime::WorldRuntime(OpenedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
-  if (world.network_allowed) gate_.allow();
-  browser_.world_url = world_.path;
-  if (net::parse_url(world_.path).scheme.empty()) {
-    std::error_code error;
-    const std::filesystem::path whole = std::filesystem::absolute(world_.path, error);
-    if (!error) browser_.world_url = net::url_of_path(whole.lexically_normal().string()).text();
-  }
   execution_.observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
 }
 
-// Destroys the scripts first, because they refer to the other members.
-WorldRuntime::~WorldRuntime() {
-  scripts_.reset();
-  execution_.set_script_host(nullptr);
-}
-
-// Creates the script engine only if there is a Script, because it is large.
-void WorldRuntime::want_scripts() {
-  if (scripts_ || !execution_.has_scripts()) return;
-  scripts_ = ScriptRunner::make(execution_, script_settings_);
-  if (!scripts_) return;
-  if (script_observer_) scripts_->observe(script_observer_);
-  scripts_->set_browser(browser_);
-  execution_.set_script_host(scripts_.get());
-  for (ProgramText& one : world_.programs)
-    if (execution_.has_scene(one.scene)) scripts_->provide(*one.scene, one.script, std::move(one.text), one.url);
-  world_.programs.clear();
-}
-
-vrml::RunTimeNodes WorldRuntime::create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
-                                        vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
-                                        std::shared_ptr<const vrml::TextSource> fetched_from) {
-  vrml::RunTimeNodes made =
-      make_nodes(execution_, scene, label, text, diagnostics, written_by, std::move(fetched_from));
-  want_scripts();
-  return made;
-}
-
-ScriptRunner::Evaluation WorldRuntime::evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
-                                                const std::string& line) {
-  const vrml::SceneGraph* of = &scene;
-  if (!script) {
-    of = world_.scene.get();
-    if (!of->contains(console_)) {
-      vrml::Diagnostics diagnostics;
-      const vrml::RunTimeNodes made =
-          create(*world_.scene, "console", "Script { directOutput TRUE url \"javascript: ;\" }", diagnostics, nullptr);
-      if (made.roots.empty()) return {"not enough memory for a program", true};
-      console_ = made.roots.front();
-      execution_.hold(*of, console_);
-    }
-    script = console_;
-  }
-  execution_.begin_update();
-  execution_.end_update();  // starts the Scripts that were added
-  if (!scripts_) return {"this world has no Script engine", true};
-  execution_.begin_update();
-  ScriptRunner::Evaluation result = scripts_->evaluate(*of, script, line);
-  execution_.end_update();
-  return result;
-}
-
-void WorldRuntime::tell_message(ScriptMessage message) {
-  if (script_observer_) return script_observer_(message);
-  if (script_messages_.size() < kMostMessages) script_messages_.push_back(std::move(message));
-}
-
-void WorldRuntime::observe_scripts(std::function<void(const ScriptMessage&)> observer) {
-  script_observer_ = std::move(observer);
-  if (scripts_) scripts_->observe(script_observer_);
-}
-
-std::vector<ScriptMessage> WorldRuntime::take_script_messages() {
-  std::vector<ScriptMessage> messages = std::exchange(script_messages_, {});
-  if (!scripts_) return messages;
-  for (ScriptMessage& one : scripts_->take_messages()) messages.push_back(std::move(one));
-  return messages;
-}
+// Destroys the programs first, because they refer to the other members.
+WorldRuntime::~WorldRuntime() { programs_.stop(); }
 
 void WorldRuntime::start(double now) {
   started_ = true;
-  want_scripts();
+  programs_.start();
   execution_.start(now);
   progress_ = std::exchange(world_.progress, {});
   durations_ = std::exchange(world_.durations, {});
-  for (const MediaDuration& one : durations_) open_movie(one);
+  for (const MediaDuration& one : durations_) movies_.open(one);
   tell_progress();
   tell_durations();
   (void)take_changes();
 }
 
-// Computes speed and frame rate from the last two steps.
-void WorldRuntime::tell_programs(double now) {
-  if (scripts_) scripts_->begin_step();
-  if (!scripts_ && !measures_viewer_) return;
-  const glm::dvec3 place(execution_.viewer()[3]);
-  const double seconds = now - execution_.now();
-  if (viewer_ && seconds > 0) {
-    browser_.speed = glm::length(place - *viewer_) / seconds;
-    browser_.frame_rate = 1 / seconds;
-    if (scripts_) scripts_->set_browser(browser_);
-  }
-  viewer_ = place;
-}
-
 bool WorldRuntime::step(double now) {
-  tell_programs(now);
+  programs_.begin_step(now);
   execution_.step(now);
   tell_progress();
   tell_durations();
@@ -167,15 +74,8 @@ void WorldRuntime::tell_durations() {
   });
 }
 
-// Reports whether an update is stale: its node, scene or URL no longer exists.
-bool WorldRuntime::is_gone(const Arrivals::Place& place) const {
-  if (!execution_.has_scene(place.scene) || !place.scene->contains(place.node)) return true;
-  const auto number = url_numbers_.find({&place.scene->node(place.node), place.url});
-  return place.request != (number == url_numbers_.end() ? 0 : number->second);
-}
-
 void WorldRuntime::show_content(Arrivals::Content&& arrival) {
-  if (is_gone(arrival.place)) {
+  if (requests_.is_stale(arrival.place)) {
     if (arrival.content) forget(*arrival.content, {});
     return;
   }
@@ -185,7 +85,7 @@ void WorldRuntime::show_content(Arrivals::Content&& arrival) {
   meshes_.take(std::move(arrival.meshes));
   scene.attach_inline(arrival.place.node, std::move(arrival.content));
   execution_.attach(scene);
-  want_scripts();
+  programs_.start();
   execution_.content_changed(scene, arrival.place.node);
 }
 
@@ -221,83 +121,46 @@ void WorldRuntime::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml:
 
 void WorldRuntime::arrive(Arrivals&& arrivals) {
   for (Arrivals::Content& one : arrivals.contents) show_content(std::move(one));
-  for (Arrivals::Text& one : arrivals.texts) take_text(std::move(one));
+  for (Arrivals::Text& one : arrivals.texts) requests_.take_text(std::move(one));
   for (Arrivals::Prototypes& one : arrivals.prototypes) take_prototypes(std::move(one));
-  const auto gone = [this](const Arrivals::Place& place) { return is_gone(place); };
+  const auto gone = [this](const Arrivals::Place& place) { return requests_.is_stale(place); };
   for (Arrivals::Image& one : arrivals.images) std::erase_if(one.textures, gone);
   for (Arrivals::Media& one : arrivals.media) {
     std::erase_if(one.players, gone);
     for (const Arrivals::Place& player : one.players)
       durations_.push_back({player.scene, player.node, one.media ? one.media->info.duration : -1});
   }
-  std::erase_if(arrivals.clouds, [&](const Arrivals::Cloud& one) { return is_gone(one.place); });
+  std::erase_if(arrivals.clouds, [&](const Arrivals::Cloud& one) { return requests_.is_stale(one.place); });
   progress_.insert(progress_.end(), arrivals.progress.begin(), arrivals.progress.end());
   std::vector<vrml::NodeChange> changes;
   for (Arrivals::Outlines& one : arrivals.outlines)
-    if (!is_gone(one.place)) take_outlines(std::move(one), changes);
+    if (!requests_.is_stale(one.place)) take_outlines(std::move(one), changes);
   render::forget_changed(meshes_, changes);
   std::vector<MediaDuration> movies;
   for (const Arrivals::Media& one : arrivals.media)
     for (const Arrivals::Place& player : one.players) movies.push_back({player.scene, player.node});
   for (const Arrivals::Place& place : take_in(world_, std::move(arrivals)))
     changes.push_back({place.scene, place.node, 0});
-  for (const MediaDuration& one : movies) open_movie(one);
+  for (const MediaDuration& one : movies) movies_.open(one);
   if (!changes.empty()) add_changes(std::move(changes));
-}
-
-// Gives a movie an own image, with pixels that change in place.
-void WorldRuntime::open_movie(const MediaDuration& of) {
-  const vrml::Node* node = &of.scene->node(of.node);
-  std::erase_if(movies_, [&](const PlayedMovie& one) { return one.node == node; });
-  const auto file = world_.media.find(node);
-  const auto image = world_.images.find(node);
-  if (file == world_.media.end() || image == world_.images.end() || !image->second || !file->second->info.pictures)
-    return;
-  auto player = players_.open(file->second, *image->second, world_.scene->budget());
-  if (!player) {
-    world_.diagnostics.add({vrml::Severity::warning, node->text->file_name(), node->location,
-                            node->type->name + ": " + world_.scene->budget()->refusal(vrml::Resource::pixels) +
-                                "; only its first picture is shown"});
-    return;
-  }
-  image->second = player->image();
-  movies_.push_back({of.scene, of.node, node, std::move(player)});
-}
-
-bool WorldRuntime::show_movies(bool wait) {
-  bool any = false;
-  movies_run_ = false;
-  for (const PlayedMovie& one : movies_) {
-    if (!one.player->shown()) continue;
-    const auto play = execution_.media_play(*one.scene, one.id);
-    if (!play) continue;
-    if (players_.show(one.player, play->position, wait)) any = ++movie_pictures_ > 0;
-    movies_run_ = movies_run_ || (play->active && play->rate != 0) || (!wait && players_.waits(*one.player));
-  }
-  return any;
 }
 
 // Forgets a removed node, or all nodes of a scene, because their addresses may be reused.
 void WorldRuntime::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
   const auto forget_one = [&](const vrml::Node& one) {
-    for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i) {
+    for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i)
       world_.images.erase({&one, i});
-      url_numbers_.erase({&one, i});
-    }
+    requests_.forget_node(one);
     world_.clouds.erase(&one);
     world_.media.erase(&one);
-    std::erase_if(movies_, [&](const PlayedMovie& movie) { return movie.node == &one; });
+    movies_.forget(one);
     world_.outlines.erase(&one);
     meshes_.remove(scene, &one);
   };
   if (node) return forget_one(scene.node(node));
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) forget_one(scene.node_at(i));
-  if (scripts_) scripts_->forget_scene(scene);
-  gate_.forget_scene(scene);
-  std::erase_if(script_requests_, [&](const auto& one) { return one.scene == &scene || one.from_scene == &scene; });
-  std::erase_if(asked_texts_,
-                [&](const auto& one) { return one.second.scene == &scene || one.second.from_scene == &scene; });
-  std::erase_if(url_requests_, [&](const UrlRequest& one) { return one.place.scene == &scene; });
+  if (ScriptRunner* const runner = programs_.runner()) runner->forget_scene(scene);
+  requests_.forget_scene(scene);
   for (std::vector<vrml::NodeChange>& batch : batches_)
     std::erase_if(batch, [&](const vrml::NodeChange& change) { return change.scene == &scene; });
 }
@@ -325,7 +188,7 @@ void WorldRuntime::add_changes(std::vector<vrml::NodeChange> changes) {
 
 bool WorldRuntime::take_changes() {
   const auto changes = execution_.take_changes();
-  note_urls(changes);
+  requests_.note_changes(changes);
   if (std::exchange(replaced_, execution_.replaced()) != execution_.replaced()) {
     batches_.clear();
     ++version_;  // no batch describes this change, so all lists are collected again
@@ -336,6 +199,11 @@ bool WorldRuntime::take_changes() {
   render::forget_changed(meshes_, changes);
   add_changes({changes.begin(), changes.end()});
   return true;
+}
+
+std::vector<UrlRequest> WorldRuntime::take_url_requests() {
+  (void)take_changes();
+  return requests_.take_url_requests();
 }
 
 std::shared_ptr<RuntimeScene> WorldRuntime::look(const glm::dvec3& viewer, bool own) {

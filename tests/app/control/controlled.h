@@ -60,7 +60,7 @@ class World {
   void open(const std::string& body) {
     document = hold_world(world_of(body));
     begin_world(*document, now);
-    session.show(document);
+    session.readers().show(document);
     step(0);
   }
   Frame step(double seconds) {

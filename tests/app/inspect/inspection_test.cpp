@@ -220,7 +220,7 @@ TEST_CASE("runs lines in a world without programs") {
 
 TEST_CASE("clears the selection when its node is removed") {
   Inspected world("DEF G Group {}");
-  const auto made = world.document->runtime->evaluate(
+  const auto made = world.document->runtime->programs().evaluate(
       *world.document->world.scene, {},
       "var n = Browser.createVrmlFromString('DEF New Group {}'); Browser.replaceWorld(n)");
   INFO(made.text);
@@ -232,7 +232,7 @@ TEST_CASE("clears the selection when its node is removed") {
   // The same with a world.
   const auto other = hold_world(world_of("Group {} Group {}"));
   begin_world(*other, world.now);
-  world.session.show(other);
+  world.session.readers().show(other);
   world.look();
   world.look();
   CHECK_FALSE(world.inspection.selected());

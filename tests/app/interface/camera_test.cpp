@@ -60,11 +60,11 @@ TEST_CASE("shows an object from its sides by keys, relative to the chosen up axi
 TEST_CASE("moves an unmoved camera to the first view of the new up axis") {
   Driver user;
   user.show_world(kBoxes);
-  user.session().run(Action::up_minus_z);
+  user.session().input().run(Action::up_minus_z);
   user.wait(1);
   CHECK(near(pose(user).up(), {0, 0, -1}));
   CHECK(at_home(*user.session().view()));
-  user.session().run(Action::up_auto);
+  user.session().input().run(Action::up_auto);
   user.wait(1);
   CHECK(near(pose(user).up(), {0, 1, 0}));
 }
@@ -73,7 +73,7 @@ TEST_CASE("keeps a Viewpoint in place for any up axis") {
   Driver other;
   other.show_world(std::string(kBoxes) + " Viewpoint { position 0 1 9 orientation 1 0 0 0.3 }");
   const Pose before = pose(other);
-  other.session().run(Action::up_z);
+  other.session().input().run(Action::up_z);
   other.wait(1);
   CHECK(pose(other).position == before.position);
   CHECK(pose(other).orientation == before.orientation);
@@ -117,7 +117,7 @@ TEST_CASE("undoes and redoes movements, and leaves the world alone while text is
   user.press(letter_key('Z'), true);
   user.wait(1);
   CHECK(glm::distance(pose(user).position, first.position) < 1e-6);
-  CHECK_FALSE(user.session().can_undo_move(-1));
+  CHECK_FALSE(user.session().camera().can_undo_move(-1));
   user.press(letter_key('Z'), true, true);
   user.wait(1);
   CHECK(glm::distance(pose(user).position, above.position) < 1e-6);
@@ -134,7 +134,7 @@ TEST_CASE("levels a rolled view, and moves towards a clicked point") {
   user.show_world(kBoxes);
   Pose rolled = pose(user);
   rolled.orientation = glm::angleAxis(0.8f, glm::vec3(0, 0, 1));
-  user.session().go_to(rolled);
+  user.session().camera().go_to(rolled);
   user.wait(1);
   CHECK(std::abs(pose(user).right().y) > 0.5f);
   user.press(letter_key('U'));
@@ -142,7 +142,7 @@ TEST_CASE("levels a rolled view, and moves towards a clicked point") {
   CHECK(std::abs(pose(user).right().y) < 1e-4f);
   const double before = pose(user).position.z;
   user.press(letter_key('K'));
-  CHECK(user.session().seeking());
+  CHECK(user.session().camera().seeking());
   CHECK(user.sees("Seek: click a point to move halfway to it"));
   const Viewport place = user.picture();
   const auto box = pixel_that_sees(pose(user), {0.5, 0.5, 3}, place.size());
@@ -151,12 +151,12 @@ TEST_CASE("levels a rolled view, and moves towards a clicked point") {
   user.settle();
   CHECK_FALSE(user.sees("Seek: click a point to move halfway to it"));
   user.wait(1);
-  CHECK_FALSE(user.session().seeking());
+  CHECK_FALSE(user.session().camera().seeking());
   CHECK(glm::distance(navigation(user).center, glm::dvec3(0.5, 0.5, 3)) < 0.05);
   CHECK(std::abs((pose(user).position.z - navigation(user).center.z) * 2 - (before - navigation(user).center.z)) < 0.1);
   user.press(letter_key('K'));
   user.press(Key::escape);
-  CHECK_FALSE(user.session().seeking());
+  CHECK_FALSE(user.session().camera().seeking());
   CHECK_FALSE(user.sees("Seek: click a point to move halfway to it"));
   user.press(letter_key('K'));
   user.click(glm::vec2(place.left, place.top) + 3.0f);
@@ -198,7 +198,7 @@ TEST_CASE("shows axes in the corner of unstyled objects, and the size of the gri
   world.up = UpRule::patient_s;
   auto document = hold_world(std::move(world));
   begin_world(*document, 1000);
-  user.session().show(std::move(document));
+  user.session().readers().show(std::move(document));
   user.settle();
   CHECK(user.session().view()->style.backdrop);
   CHECK(near(pose(user).up(), {0, 0, 1}));

@@ -137,7 +137,7 @@ class Driver final : public WindowOperations {
     world.path = path;
     auto document = hold_world(std::move(world));
     begin_world(*document, time_);
-    session().show(std::move(document));
+    session().readers().show(std::move(document));
     settle();
   }
 

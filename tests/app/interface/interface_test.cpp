@@ -156,7 +156,7 @@ TEST_CASE("shows names of any script by system fonts") {
 TEST_CASE("goes back and forward through visited worlds and viewer positions") {
   Driver user;
   user.show_world(kTwoViewpoints, "first.wrl");
-  user.session().bind_viewpoint(1);
+  user.session().camera().bind_viewpoint(1);
   user.wait(1);
   const glm::dvec3 roof = user.session().view()->navigation.pose.position;
   user.show_world("Shape { geometry Sphere { } }", "second.wrl");
@@ -164,13 +164,13 @@ TEST_CASE("goes back and forward through visited worlds and viewer positions") {
   user.press(Key::left, false, false, true);
   CHECK(user.session().panes().at(0).shown == "first.wrl");
   CHECK(user.session().view()->navigation.pose.position == roof);
-  CHECK_FALSE(user.session().can_travel(-1));
+  CHECK_FALSE(user.session().travel().can_go(-1));
   user.press(Key::right, false, false, true);
   CHECK(user.session().panes().at(0).shown == "second.wrl");
-  CHECK_FALSE(user.session().can_travel(1));
+  CHECK_FALSE(user.session().travel().can_go(1));
   user.press(Key::left, false, false, true);
   user.show_world("Shape { geometry Cone { } }", "third.wrl");
-  CHECK_FALSE(user.session().can_travel(1));  // a new destination drops the forward history
+  CHECK_FALSE(user.session().travel().can_go(1));  // a new destination drops the forward history
 }
 
 TEST_CASE("goes back after an Anchor to the earlier position") {
@@ -357,7 +357,7 @@ TEST_CASE("cancels loading on Esc before it closes panels") {
   site.never("late.wrl");
   Driver user({}, {1000, 700}, site.options);
   user.press(Key::f3);
-  user.session().open_files({"memory://a/late.wrl"});
+  user.session().opening().open_files({"memory://a/late.wrl"});
   user.step();
   user.controller().ui().show_notice("to be read", false);
   REQUIRE(user.session().panes().loading(0));

@@ -178,14 +178,14 @@ TEST_CASE("applies the weight of a viewport to its share of vectors and bandwidt
   CHECK(user.sees("50 %"));
   std::vector<std::size_t> budgets = budgets_of(user.frame(), user.session().panes(), 1'000'000);
   CHECK(budgets[0] == Approx(500'000).epsilon(0.01));
-  user.session().serve(PaneRequest{PaneRequest::Kind::weigh, 1, 0, 3});
+  user.session().input().serve(PaneRequest{PaneRequest::Kind::weigh, 1, 0, 3});
   user.settle();
   budgets = budgets_of(user.frame(), user.session().panes(), 1'000'000);
   CHECK(budgets[0] == Approx(250'000).epsilon(0.01));
   CHECK(budgets[1] == Approx(750'000).epsilon(0.01));
   CHECK(user.sees("25 %"));
   CHECK(user.sees("75 %"));
-  user.session().serve(PaneRequest{PaneRequest::Kind::weigh, 1, 0, 1e9});
+  user.session().input().serve(PaneRequest{PaneRequest::Kind::weigh, 1, 0, 1e9});
   CHECK(user.session().panes().at(1).weight == Pane::kMostWeight);
 }
 
@@ -196,11 +196,11 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   site.options.rate = 200'000;
   Driver user({}, {1000, 700}, site.options);
   user.press(Key::right, true, true);
-  user.session().open_in(0, "memory://a/a.wrl");
-  user.session().open_in(1, "memory://a/b.wrl");
+  user.session().opening().open_in(0, "memory://a/a.wrl");
+  user.session().opening().open_in(1, "memory://a/b.wrl");
   user.settle();
   const auto rate = [&](const std::string& path) {
-    for (const Session::Loads& one : user.session().loads())
+    for (const DocumentReaders::Loads& one : user.session().readers().loads())
       if (one.path == path) return one.ledger->rate();
     return std::optional<std::uint64_t>();
   };
@@ -215,8 +215,8 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   REQUIRE(list);
   user.click(*list);
   user.click("2.0 Mbit/s");
-  CHECK(user.session().rate_of(1) == 2'000'000);
-  CHECK(user.session().rate_of(0) == 200'000);
+  CHECK(user.session().streams().rate_of(1) == 2'000'000);
+  CHECK(user.session().streams().rate_of(0) == 200'000);
   CHECK(rate("memory://a/a.wrl") == 200'000U);
   CHECK(rate("memory://a/b.wrl") == 2'000'000U);
   user.press(Key::escape);
@@ -224,12 +224,12 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   // The same in the panel, for the active one.
   user.press(letter_key('E'), true, true);
   CHECK(user.sees("Bandwidth limit of viewport"));
-  user.session().serve(PaneRequest{PaneRequest::Kind::limit, 1, 0, 1, 0});
+  user.session().input().serve(PaneRequest{PaneRequest::Kind::limit, 1, 0, 1, 0});
   user.settle();
   CHECK(user.sees("no limit"));
   CHECK(rate("memory://a/b.wrl") == 0U);
   // A file in both viewports gets the higher of their limits.
-  user.session().open_in(1, "memory://a/a.wrl");
+  user.session().opening().open_in(1, "memory://a/a.wrl");
   user.settle();
   CHECK(rate("memory://a/a.wrl") == 0U);
 }
@@ -251,7 +251,7 @@ TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   Driver user;
   user.show_world(kBox, "box.wrl");
   user.press(Key::right, true, true);
-  user.session().open_in(1, scratch.path("late.wrl"));
+  user.session().opening().open_in(1, scratch.path("late.wrl"));
   REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
   user.settle();
   INFO(user.screen());
@@ -268,7 +268,7 @@ TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   user.settle();
   CHECK_FALSE(user.sees("cannot be opened"));
 
-  user.session().open_in(1, scratch.path("none.wrl"));
+  user.session().opening().open_in(1, scratch.path("none.wrl"));
   REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
   user.settle();
   CHECK_FALSE(user.sees("1 error"));
@@ -291,7 +291,7 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
   load.limits.memory = 256 << 10;
   {
     Driver given({}, {1000, 700}, load);  // from --memory, whatever the setting is
-    given.session().open_files({path});
+    given.session().opening().open_files({path});
     REQUIRE(given.wait_for([&] { return given.sees("Raise memory limit"); }));
     given.settle();
     given.click("Raise memory limit");
@@ -303,7 +303,7 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
   UiActions actions;
   actions.settings = settings;
   user.controller().apply(actions);
-  user.session().open_files({path});
+  user.session().opening().open_files({path});
   REQUIRE(user.wait_for([&] { return user.session().panes().at(0).failure.has_value(); }));
   settings.memory = 1;
   actions.settings = settings;
@@ -318,10 +318,10 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
 
 TEST_CASE("closes a viewport together with the message of its failed file") {
   Driver user;
-  user.session().open_in(0, "/nowhere/first.wrl");
+  user.session().opening().open_in(0, "/nowhere/first.wrl");
   REQUIRE(user.wait_for([&] { return user.session().panes().at(0).failure.has_value(); }));
   user.press(Key::right, true, true);
-  user.session().open_in(1, "/nowhere/second.wrl");
+  user.session().opening().open_in(1, "/nowhere/second.wrl");
   REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
   user.controller().ui().clear_notices();
   user.settle();
@@ -340,7 +340,7 @@ TEST_CASE("shows a three-line introduction without arguments until it is closed"
   options.folders.settings_file = scratch.path("settings.conf");
   Driver user(std::move(options), {1400, 900});
   CHECK_FALSE(user.sees("Page Down next viewpoint"));
-  user.session().open_in(0, scratch.path("demo.wrl"));
+  user.session().opening().open_in(0, scratch.path("demo.wrl"));
   REQUIRE(user.wait_for([&] { return user.sees("Page Down next viewpoint"); }));
   CHECK(user.sees("Drop a file or press Ctrl+O"));
   // The ruler's text covers the introduction.

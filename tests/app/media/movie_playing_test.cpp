@@ -103,11 +103,11 @@ TEST_CASE("decodes movie frames to one image, without a new render item") {
   const render::Image* const image = document->list->items[0].texture.image.get();
   CHECK(world.next_time().has_value());  // requests frames
   (void)world.step(kSimulatedStart + 0.5);
-  CHECK(world.show_movies(true));
+  CHECK(world.movies().show(true));
   CHECK(number_of(*image) == 12);
-  CHECK_FALSE(world.show_movies(true));  // the same frame
+  CHECK_FALSE(world.movies().show(true));  // the same frame
   (void)world.step(kSimulatedStart + 1.01);
-  CHECK(world.show_movies(true));
+  CHECK(world.movies().show(true));
   CHECK(number_of(*image) == 25);
   (void)world.show(*document->first_scene, {0, 0, 10});
   CHECK(document->list->items[0].texture.image.get() == image);

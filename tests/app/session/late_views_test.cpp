@@ -94,7 +94,7 @@ TEST_CASE("keeps a viewer at a Viewpoint or after a movement in place as parts l
   moved.step({key(Kind::key_down, 'W')});
   for (int i = 0; i < 5; ++i) moved.step();
   moved.step({key(Kind::key_up, 'W')});
-  while (moved.session.moving()) moved.step();
+  while (moved.session.motion().moving()) moved.step();
   REQUIRE(moved.places.size() > 1);
   const glm::dvec3 place = moved.places.back();
   moved.set_url(1, "right.wrl");

@@ -1,5 +1,5 @@
 #include "app/session/documents/documents.h"
-#include "app/session/view.h"
+#include "app/session/viewports/view.h"
 #include "app/world/world_loading.h"
 #include "tests/app/scratch_folder.h"
 

@@ -1,4 +1,4 @@
-#include "app/session/links.h"
+#include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
@@ -164,19 +164,19 @@ TEST_CASE("requires permission for loadURL and Anchors that a Script has written
                                      "field SFNode anchor USE N"));
   web.run(world, [&](Simulation& simulation) {
     WorldRuntime& runtime = *simulation.look().document->runtime;
-    CHECK(runtime.take_script_requests().empty());
+    CHECK(runtime.requests().take_script_requests().empty());
     const vrml::SceneGraph& scene = *simulation.world().scene;
-    CHECK(runtime.open_computed_anchor(*runtime.execution().own_scene(scene), scene.roots()[0]));
-    CHECK(runtime.take_script_requests().empty());
-    const auto question = runtime.network_question();
+    CHECK(runtime.requests().open_computed_anchor(*runtime.execution().own_scene(scene), scene.roots()[0]));
+    CHECK(runtime.requests().take_script_requests().empty());
+    const auto question = runtime.requests().network_question();
     REQUIRE(question);
     CHECK(question->url == "memory://evil/1?hidden");
     CHECK(question->file.ends_with("/secret.wrl"));
-    runtime.answer_network_question(true);
-    const std::vector<ScriptRequest> requests = runtime.take_script_requests();
+    runtime.requests().answer_network_question(true);
+    const std::vector<ScriptRequest> requests = runtime.requests().take_script_requests();
     REQUIRE(requests.size() == 2);
     CHECK(requests[1].urls == Lines{"memory://evil/2.wrl?hidden"});
-    CHECK_FALSE(runtime.network_question());
+    CHECK_FALSE(runtime.requests().network_question());
   });
 }
 
@@ -190,9 +190,9 @@ TEST_CASE("sends or drops waiting requests after the user's answer") {
     web.run(world, [&](Simulation& simulation) {
       WorldRuntime& runtime = *simulation.look().document->runtime;
       CHECK_FALSE(web.asked("memory://evil/1?hidden"));
-      REQUIRE(runtime.network_question());
-      runtime.answer_network_question(allow);
-      CHECK_FALSE(runtime.network_question());
+      REQUIRE(runtime.requests().network_question());
+      runtime.requests().answer_network_question(allow);
+      CHECK_FALSE(runtime.requests().network_question());
     });
     CHECK(web.asked("memory://evil/1?hidden") == allow);
   }

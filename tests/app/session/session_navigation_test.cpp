@@ -45,7 +45,7 @@ TEST_CASE("follows a link by a jump cut unless the author allows ANY transition 
   CHECK_FALSE(navigation(cut).transition);
   CHECK(navigation(cut).pose.position == glm::dvec3(0, 0, 77));
   // A Viewpoint that the user chooses is reached by a transition.
-  cut.session.bind_viewpoint(0);
+  cut.session.camera().bind_viewpoint(0);
   CHECK(navigation(cut).transition);
 }
 
@@ -72,15 +72,15 @@ TEST_CASE("reaches a Viewpoint that the world binds, also while the user moves (
 
 TEST_CASE("shows the description of an Anchor under the pointer (VRML97 6.2)") {
   OneWorld world(kTwoViews + kAnchor);
-  CHECK_FALSE(world.session.pointed().sensor);
+  CHECK_FALSE(world.session.pointing().pointed().sensor);
   (void)world.session.step(kStart + 0.1, input_of({pointer(Kind::pointer, 100, 50)}));
-  CHECK(world.session.pointed().sensor);
-  CHECK(world.session.pointed().description == "to the hill");
+  CHECK(world.session.pointing().pointed().sensor);
+  CHECK(world.session.pointing().pointed().description == "to the hill");
   (void)world.session.step(kStart + 0.2, input_of({pointer(Kind::pointer, 5, 5)}));
-  CHECK_FALSE(world.session.pointed().sensor);
-  CHECK(world.session.pointed().description.empty());
+  CHECK_FALSE(world.session.pointing().pointed().sensor);
+  CHECK(world.session.pointing().pointed().description.empty());
   (void)world.session.step(kStart + 0.3, input_of({pointer(Kind::pointer, 100, 50)}, true));  // over a panel
-  CHECK(world.session.pointed().description.empty());
+  CHECK(world.session.pointing().pointed().description.empty());
 }
 
 TEST_CASE("starts at the Viewpoint that the fragment of the world's own URL names (VRML97 4.5.2, 6.53)") {

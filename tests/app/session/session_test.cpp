@@ -85,7 +85,7 @@ TEST_CASE("jumps to a chosen Viewpoint in simulated time, and moves there in a w
   const std::string body = "DEF A Viewpoint { position 0 0 10 } DEF B Viewpoint { position 50 0 0 }";
   OneWorld simulated(body), window(body, false);
   for (OneWorld* world : {&simulated, &window}) {
-    world->session.bind_viewpoint(1);
+    world->session.camera().bind_viewpoint(1);
     world->frame = world->session.step(kStart + 0.1, input_of({}));
   }
   CHECK(simulated.place() == glm::vec3(50, 0, 0));
@@ -147,7 +147,7 @@ TEST_CASE("triggers no sensors along a jump, but those at its end (VRML97 6.53)"
   (void)world.session.step(kStart + 0.2, input_of({key(Kind::key_up, 'W')}));
   for (int i = 1; i <= 60; ++i) (void)world.session.step(kStart + 0.2 + i / 60.0, input_of({}));
   CHECK(entered.empty());
-  world.session.bind_viewpoint(1);
+  world.session.camera().bind_viewpoint(1);
   for (int i = 1; i <= 60; ++i) world.frame = world.session.step(kStart + 1.2 + i / 60.0, input_of({}));
   CHECK(world.place() == glm::vec3(50, 0, 10));
   REQUIRE(entered.size() == 1);

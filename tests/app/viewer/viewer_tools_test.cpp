@@ -45,7 +45,7 @@ struct Workshop {
 
   View& view() { return *user.session().view(); }
   void open(const std::string& path) {
-    user.session().open_files({path});
+    user.session().opening().open_files({path});
     REQUIRE(user.wait_for([&] {
       const View* const seen = user.session().view();
       return seen && seen->document->all_came && !seen->document->is_preview;

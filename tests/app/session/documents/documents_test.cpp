@@ -1,6 +1,6 @@
 #include "app/session/documents/documents.h"
 
-#include "app/session/view.h"
+#include "app/session/viewports/view.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/scene_graph.h"
 

@@ -1,6 +1,6 @@
 #include "app/session/documents/link_file.h"
 
-#include "app/session/links.h"
+#include "app/session/opening/links.h"
 #include "app/session/session.h"
 #include "tests/app/scratch_folder.h"
 
@@ -88,7 +88,7 @@ TEST_CASE("reports a bad link, and opens nothing") {
   const ScratchFolder folder;
   Session session({}, {}, {});
   const std::string link = folder.write("bad.gslink", "[GhostSpace link]\nURL=file:///etc/passwd\n");
-  session.open_files({link});
+  session.opening().open_files({link});
   SessionInput input;
   input.area = Viewport{0, 0, 200, 100};
   const Frame frame = session.step(0, input);

@@ -54,12 +54,12 @@ TEST_CASE("keeps failed files in the log while another one shows, and reports ea
       folder.write("good.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\nNoSuchNode { } NoSuchNode { }\n");
   const std::string missing = folder.path("missing.wrl"), other = folder.path("other.wrl");
   Session session({}, {}, {});
-  session.open_files({missing});
+  session.opening().open_files({missing});
   const Frame first = steps_until(session, [](const Frame& frame) { return !frame.failed.empty(); });
   CHECK(first.failed[0].path == missing);
   REQUIRE(session.panes().at(0).failure);  // as in the viewport
   CHECK(session.panes().at(0).failure->path == missing);
-  session.open_files({other, good});
+  session.opening().open_files({other, good});
   bool failed = false, arrived = false;
   (void)steps_until(session, [&](const Frame& frame) {
     failed = failed || !frame.failed.empty();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/session/documents/documents.h"
-#include "app/session/view.h"
+#include "app/session/viewports/view.h"
 #include "app/view/input_tracker.h"
 #include "app/view/panes/pane_request.h"
 #include "app/view/panes/split_tree.h"
@@ -61,12 +61,7 @@ class Panes {
   void reload();
   /// Reads this file again once a viewport shows it.
   void reload(std::string_view path) { documents_.reload(path); }
-  /// Cancels the file that a viewport waits for and returns to the previous one. Returns false if it waits for none.
-  bool cancel(std::size_t pane);
 
-  /// Sets the layout. Viewports that become visible and are free show listed files that no other viewport shows. If
-  /// there are none, they copy the view of the active viewport.
-  void set_layout(ViewportLayout layout);
   /// Sets the split of the window. The active viewport becomes a visible one.
   void set_split(SplitTree split);
   /// Changes the sizes of the viewports only.
@@ -87,45 +82,21 @@ class Panes {
   [[nodiscard]] std::vector<std::size_t> visible() const { return panes_in_sight(split_); }
   [[nodiscard]] Pane& at(std::size_t pane) { return panes_[pane]; }
   [[nodiscard]] const Pane& at(std::size_t pane) const { return panes_[pane]; }
+  /// Returns all viewports, by number.
+  [[nodiscard]] std::span<Pane> all() { return panes_; }
 
-  /// Begins to read a file that a visible viewport waits for, the active one first. Returns nullopt if none waits.
-  [[nodiscard]] std::optional<DocumentList::Reading> begin_loading();
   /// Returns true if a viewport's file is being read or waits to be read.
   [[nodiscard]] bool loading(std::size_t pane) const {
     return documents_.awaited(panes_[pane].wanted) || documents_.arriving(panes_[pane].wanted);
   }
-  /// Stores the result of a reading, and renews the views of an older version of the file.
-  void deliver(std::uint64_t reading, std::shared_ptr<Document> document, const glm::vec2& viewport);
-  /// Shows the partial result of a reading.
-  void preview(std::uint64_t reading, std::shared_ptr<Document> document);
-  /// Updates the views of a running world that has new nodes. Viewers that have not moved see the whole world.
-  void grow(const Document& document);
-  /// Ends a failed reading. The viewports that waited for it report the error and return to the previous file, or show
-  /// a file that no other viewport shows. Returns these viewports; empty if none waited.
-  std::vector<std::size_t> fail(std::uint64_t reading, const std::string& error = {});
-  /// Viewport that shows another file than before.
-  struct Change {
-    std::size_t pane = 0;
-    bool first = false;  // the viewport has not shown this file before
-    bool found = true;   // false if no Viewpoint has the requested name
-  };
-  /// Reports in all viewports of a file that it was read but has nothing to draw.
-  void note_failure(const std::string& path, const std::string& error);
-  /// Shows files that were read in the viewports that wait for them. `places` are the rectangles of the visible
-  /// viewports; initial views fit them until the user moves. `viewpoint` is the name of the initial Viewpoint, or
-  /// empty.
-  std::vector<Change> settle(std::span<const Viewport> places, std::string_view viewpoint);
-  /// Cancels all readings.
-  void cancel_all() { documents_.cancel_all(); }
-
-  /// Sets the style of files that are shown for the first time.
-  void set_style(const ViewStyle& style) { style_ = style; }
-  [[nodiscard]] const ViewStyle& style() const { return style_; }
   /// Links all other visible viewports to the camera of this one; see `link_view`.
   void link(std::size_t leader);
+  /// Returns true if a viewport shows this file or waits for it.
+  [[nodiscard]] bool wanted_by_any(std::string_view path) const;
   /// Releases all keys and drags.
   void release_input();
 
+  [[nodiscard]] DocumentList& documents() { return documents_; }
   [[nodiscard]] const DocumentList& documents() const { return documents_; }
   /// Returns the index in the file list of the file that the active viewport shows or waits for.
   [[nodiscard]] std::optional<std::size_t> selected() const;
@@ -134,14 +105,12 @@ class Panes {
   void want(std::size_t pane, const std::string& path);
   void fill(std::size_t pane, std::size_t model);
   [[nodiscard]] std::optional<std::size_t> free_pane() const;
-  [[nodiscard]] bool wanted_by_any(std::string_view path) const;
   void cancel_unwanted();
 
   std::array<Pane, kMostViewports> panes_;
   SplitTree split_;
   std::size_t active_ = 0;
   DocumentList documents_;
-  ViewStyle style_;
 };
 
 }  // namespace gs::app

@@ -1,11 +1,12 @@
+#include "app/session/documents/run_time_requests.h"
+
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/script/run_time_nodes.h"
-#include "app/session/documents/world_runtime.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
-// URLs and texts that a running world requests, and the network gate for them.
 namespace gs::app {
 namespace {
 
@@ -52,23 +53,29 @@ bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
 
 }  // namespace
 
+RunTimeRequests::RunTimeRequests(OpenedWorld& world, vrml::Execution& execution, WorldPrograms& programs)
+    : world_(world), execution_(execution), programs_(programs) {
+  if (world.network_allowed) gate_.allow();
+}
+
 // Requests the texts of Scripts. Each request has an own number above those of url fields, because both share one
 // range.
-void WorldRuntime::ask_for_texts() {
-  if (!scripts_) return;
-  for (ScriptRequest& one : scripts_->take_requests()) {
+void RunTimeRequests::request_texts() {
+  ScriptRunner* const runner = programs_.runner();
+  if (!runner) return;
+  for (ScriptRequest& one : runner->take_requests()) {
     if (one.kind == ScriptRequest::Kind::create_from_url) {
-      ask_for_text(std::move(one), true);
+      request_text(std::move(one), true);
     } else if (one.kind == ScriptRequest::Kind::program) {
       const bool computed = one.scene->contains(one.node) && is_computed(*one.scene, one.node, url_slot(one));
-      ask_for_text(std::move(one), computed);
+      request_text(std::move(one), computed);
     } else {
       script_requests_.push_back(std::move(one));
     }
   }
 }
 
-void WorldRuntime::ask_for_text(ScriptRequest&& one, bool computed) {
+void RunTimeRequests::request_text(ScriptRequest&& one, bool computed) {
   constexpr std::size_t kAsked = 1000;  // url fields have lower numbers
   if (!one.scene->contains(one.node)) return;
   const vrml::Node& node = one.scene->node(one.node);
@@ -93,35 +100,42 @@ void WorldRuntime::ask_for_text(ScriptRequest&& one, bool computed) {
   asked_texts_[number] = std::move(one);
 }
 
-void WorldRuntime::take_text(Arrivals::Text&& arrival) {
+void RunTimeRequests::take_text(Arrivals::Text&& arrival) {
   const auto asked = asked_texts_.extract(arrival.place.url);
-  const bool gone = is_gone(arrival.place);
+  const bool gone = is_stale(arrival.place);
   if (!asked) {
     // A Script in an Inline may not have started yet.
-    want_scripts();
-    if (!gone && scripts_)
-      scripts_->provide(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+    programs_.start();
+    if (ScriptRunner* const runner = programs_.runner(); !gone && runner)
+      runner->provide(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
     return;
   }
   if (gone) return;
   url_numbers_.erase({&arrival.place.scene->node(arrival.place.node), arrival.place.url});
   if (asked.mapped().kind == ScriptRequest::Kind::program) {
-    if (scripts_) scripts_->found(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+    if (ScriptRunner* const runner = programs_.runner())
+      runner->found(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
     return;
   }
   if (!arrival.text) return;
   vrml::Diagnostics diagnostics;
   const ScriptRequest& request = asked.mapped();
-  const vrml::RunTimeNodes made =
-      create(*request.scene, arrival.url, *arrival.text, diagnostics, request.origin, std::move(arrival.source));
+  const vrml::RunTimeNodes made = programs_.create(*request.scene, arrival.url, *arrival.text, diagnostics,
+                                                   request.origin, std::move(arrival.source));
   (void)send_made(execution_, request, made.roots);
-  for (const vrml::Diagnostic& one : diagnostics.entries()) tell_message({one, false});
+  for (const vrml::Diagnostic& one : diagnostics.entries()) programs_.tell({one, false});
 }
 
-void WorldRuntime::note_urls(std::span<const vrml::NodeChange> changes) {
+bool RunTimeRequests::is_stale(const Arrivals::Place& place) const {
+  if (!execution_.has_scene(place.scene) || !place.scene->contains(place.node)) return true;
+  const auto number = url_numbers_.find({&place.scene->node(place.node), place.url});
+  return place.request != (number == url_numbers_.end() ? 0 : number->second);
+}
+
+void RunTimeRequests::note_changes(std::span<const vrml::NodeChange> changes) {
   for (const vrml::NodeChange& change : changes) {
     const vrml::Node& node = change.scene->node(change.node);
-    if (node.type->kind == vrml::NodeType::Kind::external_prototype) ask_for_prototype(*change.scene, change.node);
+    if (node.type->kind == vrml::NodeType::Kind::external_prototype) request_prototype(*change.scene, change.node);
     if (node.type->url_content == vrml::UrlContent::none) continue;
     const auto fields = node.type->url_fields();
     for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -147,7 +161,7 @@ void WorldRuntime::note_urls(std::span<const vrml::NodeChange> changes) {
 }
 
 // Requests the body of an EXTERNPROTO in a text that was read at run time. The loader fetches those of files.
-void WorldRuntime::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
+void RunTimeRequests::request_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
   const vrml::Node& node = scene.node(instance);
   if (node.type->prototype || node.type->asked_for || url_requests_.size() >= kMaxRequests) return;
   const std::optional<std::uint32_t> owner = scene.text_declaring(node.type);
@@ -171,25 +185,25 @@ void WorldRuntime::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId insta
                            node.type->location});
 }
 
-const std::string& WorldRuntime::private_file() const {
-  return assumed_private_.empty() && scripts_ ? scripts_->private_file() : assumed_private_;
+const std::string& RunTimeRequests::private_file() const {
+  const ScriptRunner* const runner = programs_.runner();
+  return assumed_private_.empty() && runner ? runner->private_file() : assumed_private_;
 }
 
-void WorldRuntime::watch_private_files() {
+void RunTimeRequests::watch_private_files() {
   if (const std::string& file = private_file(); !file.empty()) gate_.close(file);
 }
 
-void WorldRuntime::warn_held_back(const std::vector<std::string>& messages) {
+void RunTimeRequests::warn_held_back(const std::vector<std::string>& messages) {
   for (const std::string& text : messages)
-    tell_message({{vrml::Severity::warning, world_.scene->file_name(), {}, "Script: " + text}, false});
+    programs_.tell({{vrml::Severity::warning, world_.scene->file_name(), {}, "Script: " + text}, false});
 }
 
-std::vector<UrlRequest> WorldRuntime::take_url_requests() {
-  (void)take_changes();
-  ask_for_texts();
+std::vector<UrlRequest> RunTimeRequests::take_url_requests() {
+  request_texts();
   watch_private_files();
   std::vector<UrlRequest> requests = gate_.take_url_requests();
-  std::erase_if(requests, [&](const UrlRequest& one) { return is_gone(one.place); });
+  std::erase_if(requests, [&](const UrlRequest& one) { return is_stale(one.place); });
   for (UrlRequest& one : requests) one.node = &one.place.scene->node(one.place.node);
   requests.insert(requests.end(), std::make_move_iterator(url_requests_.begin()),
                   std::make_move_iterator(url_requests_.end()));
@@ -198,8 +212,8 @@ std::vector<UrlRequest> WorldRuntime::take_url_requests() {
   return requests;
 }
 
-std::vector<ScriptRequest> WorldRuntime::take_script_requests() {
-  ask_for_texts();
+std::vector<ScriptRequest> RunTimeRequests::take_script_requests() {
+  request_texts();
   watch_private_files();
   std::vector<ScriptRequest> requests = gate_.take_script_requests();
   requests.insert(requests.end(), std::make_move_iterator(script_requests_.begin()),
@@ -209,7 +223,7 @@ std::vector<ScriptRequest> WorldRuntime::take_script_requests() {
   return requests;
 }
 
-bool WorldRuntime::open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId anchor) {
+bool RunTimeRequests::open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId anchor) {
   const vrml::InterfaceDeclaration* const url = scene.node(anchor).type->find_field("url");
   if (!url || private_file().empty() || !is_computed(scene, anchor, url->slot)) return false;
   const vrml::SourceText& text = scene.text_of(anchor, url->slot);
@@ -225,6 +239,19 @@ bool WorldRuntime::open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId an
   request.location = scene.node(anchor).location;
   script_requests_.push_back(std::move(request));
   return true;
+}
+
+void RunTimeRequests::forget_node(const vrml::Node& node) {
+  for (std::size_t i = 0, count = node.type ? node.type->url_fields().size() : 0; i < count; ++i)
+    url_numbers_.erase({&node, i});
+}
+
+void RunTimeRequests::forget_scene(const vrml::SceneGraph& scene) {
+  gate_.forget_scene(scene);
+  std::erase_if(script_requests_, [&](const auto& one) { return one.scene == &scene || one.from_scene == &scene; });
+  std::erase_if(asked_texts_,
+                [&](const auto& one) { return one.second.scene == &scene || one.second.from_scene == &scene; });
+  std::erase_if(url_requests_, [&](const UrlRequest& one) { return one.place.scene == &scene; });
 }
 
 }  // namespace gs::app

@@ -1,5 +1,5 @@
 // Tests of views of running worlds: moving geometry, Viewpoints and time.
-#include "app/session/view.h"
+#include "app/session/viewports/view.h"
 
 #include "tests/app/worlds.h"
 
@@ -92,7 +92,7 @@ TEST_CASE("frames geometry that is added to an empty world without Viewpoint") {
   vrml::SceneGraph& scene = *shared->world.scene;
   vrml::Diagnostics diagnostics;
   const auto made =
-      shared->runtime->create(scene, "test", "Shape { geometry Sphere { radius 70 } }", diagnostics, &scene);
+      shared->runtime->programs().create(scene, "test", "Shape { geometry Sphere { radius 70 } }", diagnostics, &scene);
   REQUIRE(made.roots.size() == 1);
   CHECK(shared->runtime->send(scene, scene.roots()[0], "addChildren", vrml::FieldValue(made.roots)));
   CHECK(follow_world(view));

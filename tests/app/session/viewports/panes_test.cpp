@@ -1,4 +1,4 @@
-#include "app/session/panes.h"
+#include "app/session/viewports/pane_loading.h"
 
 #include "tests/app/worlds.h"
 
@@ -30,11 +30,14 @@ std::shared_ptr<Document> document_of(const glm::vec3& lower, const glm::vec3& u
   return result;
 }
 
-std::vector<Panes::Change> settle(Panes& panes) { return panes.settle(arrange(panes.split(), kArea), {}); }
+std::vector<PaneLoading::Change> settle(Panes& panes) {
+  return PaneLoading(panes).settle(arrange(panes.split(), kArea), {});
+}
 
 /// Reads all pending files.
 void load_all(Panes& panes) {
-  while (const auto reading = panes.begin_loading()) panes.deliver(reading->number, document(), kSize);
+  while (const auto reading = PaneLoading(panes).begin())
+    PaneLoading(panes).deliver(reading->number, document(), kSize);
   settle(panes);
 }
 
@@ -44,13 +47,14 @@ TEST_CASE("opens each file of the command line in its own viewport, up to the ma
   const std::vector<std::string> all{"a", "b", "c", "d", "e"};
   for (std::size_t count = 0; count <= all.size(); ++count) {
     Panes panes;
+    PaneLoading loading(panes);
     panes.start(std::span(all).first(count));
     CHECK(layout_of(panes.split()) == layout_for(count));
     CHECK(panes.active() == 0);
     for (std::size_t i = 0; i < kMostViewportsAtStart; ++i) CHECK(panes.at(i).wanted == (i < count ? all[i] : ""));
     CHECK(panes.documents().entries().size() == count);
     std::size_t readings = 0;
-    while (const auto reading = panes.begin_loading()) {
+    while (const auto reading = loading.begin()) {
       CHECK(reading->path == all[readings]);  // the active one first
       ++readings;
     }
@@ -60,15 +64,16 @@ TEST_CASE("opens each file of the command line in its own viewport, up to the ma
 
 TEST_CASE("shows one file in several viewports, and reads it once") {
   Panes panes;
+  PaneLoading loading(panes);
   const std::string twice[] = {"a", "a"};
   panes.start(twice);
   CHECK(layout_of(panes.split()) == ViewportLayout::two);
-  const auto reading = panes.begin_loading();
+  const auto reading = loading.begin();
   REQUIRE(reading);
-  CHECK_FALSE(panes.begin_loading());
+  CHECK_FALSE(loading.begin());
   CHECK(panes.loading(0));
   CHECK(panes.loading(1));
-  panes.deliver(reading->number, document(), kSize);
+  loading.deliver(reading->number, document(), kSize);
   CHECK_FALSE(panes.loading(0));
   const auto changes = settle(panes);
   REQUIRE(changes.size() == 2);
@@ -151,7 +156,7 @@ TEST_CASE("fills a larger layout with listed files, then with open ones, in view
   panes.open(more);
   load_all(panes);
   panes.at(0).view()->navigation.pose.position = {1, 2, 3};
-  panes.set_layout(ViewportLayout::four);
+  panes.set_split(split_of(ViewportLayout::four, panes.active()));
   CHECK(panes.at(1).wanted == "a");  // listed, but never shown
   CHECK(panes.at(2).wanted == "b");
   CHECK(panes.at(2).shown == "b");
@@ -162,7 +167,7 @@ TEST_CASE("fills a larger layout with listed files, then with open ones, in view
   CHECK(panes.at(1).shown == "a");
   // One viewport is active; the others stay.
   panes.activate(2);
-  panes.set_layout(ViewportLayout::one);
+  panes.set_split(split_of(ViewportLayout::one, panes.active()));
   CHECK(panes.visible() == std::vector<std::size_t>{2});
   panes.activate(1);
   CHECK(panes.visible() == std::vector<std::size_t>{1});
@@ -176,7 +181,7 @@ TEST_CASE("never activates a hidden viewport without a file") {
   CHECK(panes.active() == 0);
   panes.activate(99);
   CHECK(panes.active() == 0);
-  panes.set_layout(ViewportLayout::two);
+  panes.set_split(split_of(ViewportLayout::two, panes.active()));
   panes.activate(1);
   CHECK(panes.active() == 1);
 }
@@ -197,86 +202,88 @@ TEST_CASE("releases held keys when another viewport becomes active") {
 
 TEST_CASE("cancels loading") {
   Panes panes;
+  PaneLoading loading(panes);
   const std::string start[] = {"a"};
   panes.start(start);
   load_all(panes);
   const std::string other[] = {"big"};
   SECTION("by the user") {
     panes.open(other);
-    const auto reading = panes.begin_loading();
+    const auto reading = loading.begin();
     REQUIRE(reading);
     CHECK_FALSE(*reading->cancelled);
-    CHECK(panes.cancel(0));
+    CHECK(loading.cancel(0));
     CHECK(*reading->cancelled);
-    CHECK_FALSE(panes.cancel(0));
+    CHECK_FALSE(loading.cancel(0));
     CHECK(panes.at(0).wanted == "a");
     CHECK(panes.documents().entries().size() == 1);
-    panes.deliver(reading->number, document(), kSize);  // delivered nevertheless
+    loading.deliver(reading->number, document(), kSize);  // delivered nevertheless
     CHECK(settle(panes).empty());
     CHECK(panes.documents().entries().size() == 1);
-    CHECK(panes.fail(reading->number).empty());
+    CHECK(loading.fail(reading->number).empty());
   }
   SECTION("because another file is wanted") {
     panes.open(other);
-    const auto reading = panes.begin_loading();
+    const auto reading = loading.begin();
     panes.select(0);
     CHECK(*reading->cancelled);
     CHECK(panes.documents().entries().size() == 2);
     panes.select(1);
-    const auto again = panes.begin_loading();
+    const auto again = loading.begin();
     REQUIRE(again);
     CHECK_FALSE(*again->cancelled);
-    panes.deliver(reading->number, document(), kSize);
+    loading.deliver(reading->number, document(), kSize);
     CHECK(settle(panes).empty());
-    panes.deliver(again->number, document(), kSize);
+    loading.deliver(again->number, document(), kSize);
     CHECK(settle(panes).size() == 1);
   }
   SECTION("but not while another viewport waits for it") {
-    panes.set_layout(ViewportLayout::two);
+    panes.set_split(split_of(ViewportLayout::two, panes.active()));
     panes.open(other);
     panes.activate(1);
     panes.open(other);
-    const auto reading = panes.begin_loading();
+    const auto reading = loading.begin();
     panes.select(0);
     CHECK_FALSE(*reading->cancelled);
-    panes.deliver(reading->number, document(), kSize);
+    loading.deliver(reading->number, document(), kSize);
     settle(panes);
     CHECK(panes.at(0).shown == "big");
     CHECK(panes.at(1).shown == "a");
   }
   SECTION("of a file that is there already") {
     panes.reload();
-    const auto reading = panes.begin_loading();
+    const auto reading = loading.begin();
     REQUIRE(reading);
-    CHECK(panes.cancel(0));
+    CHECK(loading.cancel(0));
     CHECK(*reading->cancelled);
     CHECK(panes.at(0).view());
     CHECK_FALSE(panes.loading(0));
-    CHECK_FALSE(panes.begin_loading());
+    CHECK_FALSE(loading.begin());
   }
   SECTION("at the end") {
     panes.open(other);
-    const auto reading = panes.begin_loading();
-    panes.cancel_all();
+    const auto reading = loading.begin();
+    loading.cancel_all();
     CHECK(*reading->cancelled);
   }
 }
 
 TEST_CASE("replaces a file that cannot be opened by the next one") {
   Panes panes;
+  PaneLoading loading(panes);
   const std::string start[] = {"bad", "b", "c", "d", "e"};
   panes.start(start);
-  const auto bad = panes.begin_loading();
+  const auto bad = loading.begin();
   REQUIRE(bad);
-  CHECK(panes.fail(bad->number) == std::vector<std::size_t>{0});
+  CHECK(loading.fail(bad->number) == std::vector<std::size_t>{0});
   CHECK(panes.at(0).wanted == "e");
   CHECK(panes.documents().entries().size() == 4);
   load_all(panes);
   CHECK(panes.at(0).shown == "e");
   const std::string worse[] = {"worse"};
   panes.open(worse);
-  const auto reading = panes.begin_loading();
-  CHECK(panes.fail(reading->number) == std::vector<std::size_t>{0});
+  const auto reading = loading.begin();
+  CHECK(loading.fail(reading->number) == std::vector<std::size_t>{0});
   CHECK(panes.at(0).wanted == "e");
   CHECK(panes.at(0).view());
 }
@@ -363,14 +370,15 @@ TEST_CASE("keeps a linked pose relative to its scene as the leader's") {
 
 TEST_CASE("moves linked viewports, except in worlds without movement") {
   Panes panes;
+  PaneLoading loading(panes);
   const std::string start[] = {"small", "large", "still"};
   panes.start(start);
-  auto reading = panes.begin_loading();
-  panes.deliver(reading->number, document_of({-1, -1, -1}, {1, 1, 1}), kSize);
-  reading = panes.begin_loading();
-  panes.deliver(reading->number, document_of({90, -10, -10}, {110, 10, 10}), kSize);
-  reading = panes.begin_loading();
-  panes.deliver(reading->number, document(), kSize);
+  auto reading = loading.begin();
+  loading.deliver(reading->number, document_of({-1, -1, -1}, {1, 1, 1}), kSize);
+  reading = loading.begin();
+  loading.deliver(reading->number, document_of({90, -10, -10}, {110, 10, 10}), kSize);
+  reading = loading.begin();
+  loading.deliver(reading->number, document(), kSize);
   settle(panes);
   Navigation& leader = panes.at(0).view()->navigation;
   leader.pose.position = {0, 3, 5};
@@ -395,15 +403,16 @@ TEST_CASE("shows the loaded part of a file, and frames it for an unmoved viewer"
     return result;
   };
   Panes panes;
+  PaneLoading loading(panes);
   panes.start(std::vector<std::string>{"a"});
-  const auto reading = panes.begin_loading();
+  const auto reading = loading.begin();
   REQUIRE(reading);
-  panes.preview(reading->number, preview({1, 1, 1}));
+  loading.preview(reading->number, preview({1, 1, 1}));
   settle(panes);
   REQUIRE(panes.at(0).view());
   CHECK(panes.loading(0));
   const glm::dvec3 first = panes.at(0).view()->navigation.pose.position;
-  panes.preview(reading->number, preview({9, 9, 9}));
+  loading.preview(reading->number, preview({9, 9, 9}));
   settle(panes);
   const glm::dvec3 second = panes.at(0).view()->navigation.pose.position;
   CHECK(glm::length(second) > 2 * glm::length(first));
@@ -411,10 +420,10 @@ TEST_CASE("shows the loaded part of a file, and frames it for an unmoved viewer"
   // A moved viewer stays.
   panes.at(0).view()->navigation.pose.position = {5, 6, 7};
   panes.at(0).view()->look.opacity = 3;
-  panes.preview(reading->number, preview({20, 20, 20}));
+  loading.preview(reading->number, preview({20, 20, 20}));
   CHECK(panes.at(0).view()->navigation.pose.position == glm::dvec3(5, 6, 7));
   const auto whole = document_of({0, 0, 0}, {30, 30, 30});
-  panes.deliver(reading->number, whole, kSize);
+  loading.deliver(reading->number, whole, kSize);
   settle(panes);
   CHECK_FALSE(panes.loading(0));
   CHECK(panes.at(0).view()->document == whole);
@@ -424,19 +433,20 @@ TEST_CASE("shows the loaded part of a file, and frames it for an unmoved viewer"
 
 TEST_CASE("shows the old state of a file that is read again until the new one is complete") {
   Panes panes;
+  PaneLoading loading(panes);
   panes.start(std::vector<std::string>{"a"});
   load_all(panes);
   const auto before = panes.at(0).view()->document;
   panes.reload();
-  const auto reading = panes.begin_loading();
+  const auto reading = loading.begin();
   REQUIRE(reading);
   auto part = document();
   part->is_preview = true;
-  panes.preview(reading->number, part);
+  loading.preview(reading->number, part);
   settle(panes);
   CHECK(panes.at(0).view()->document == before);
   // A load that fails after its first part keeps the former world.
-  (void)panes.fail(reading->number);
+  (void)loading.fail(reading->number);
   settle(panes);
   CHECK(panes.at(0).view()->document == before);
 }

@@ -1,5 +1,5 @@
 // Tests of views of objects with other up axes than VRML97's, and of parallel projection.
-#include "app/session/view.h"
+#include "app/session/viewports/view.h"
 
 #include "app/world/world_loader.h"
 #include "tests/app/scratch_folder.h"
@@ -28,7 +28,8 @@ std::shared_ptr<Document> standing(const std::string& body, UpRule up) {
 
 /// Reports whether a view is level and slightly from above.
 bool level(const Pose& pose, const glm::vec3& up) {
-  return std::abs(glm::dot(pose.right(), up)) < 1e-4f && glm::dot(pose.up(), up) > 0.8f && glm::dot(pose.forward(), up) < -0.4f;
+  return std::abs(glm::dot(pose.right(), up)) < 1e-4f && glm::dot(pose.up(), up) > 0.8f &&
+         glm::dot(pose.forward(), up) < -0.4f;
 }
 
 constexpr char kTower[] = "Shape { geometry Box { size 2 4 9 } }";
@@ -72,7 +73,8 @@ TEST_CASE("keeps the user's up axis when the file is read again, and Viewpoints 
   CHECK(entered.navigation.up == glm::vec3(0, 1, 0));
 }
 
-TEST_CASE("keeps parallel projection at Viewpoints, in other window sizes and after reading again") {
+TEST_CASE(
+    "keeps parallel projection at Viewpoints, in other window sizes and after reading again") {
   ViewStyle style;
   style.parallel = true;
   View view = view_of(standing(kTower, UpRule::y), kSize, {}, nullptr, style);
@@ -98,7 +100,8 @@ TEST_CASE("takes the up axis from format or header, and a look of its own from w
     return std::pair{world.upright({1, 1, 1}), world.authored};
   };
   const std::string triangle =
-      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+      "0\nendloop\nendfacet\nendsolid\n";
   CHECK(read("a.stl", triangle) == std::pair{upright_of(UpRule::z, {}), false});
   CHECK(read("a.wrl", std::string("#VRML V2.0 utf8\n") + kTower) == std::pair{Upright{}, true});
   const auto nrrd = [](const std::string& space) {

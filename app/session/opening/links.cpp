@@ -1,4 +1,4 @@
-#include "app/session/links.h"
+#include "app/session/opening/links.h"
 
 #include "app/session/documents/link_file.h"
 

@@ -1,4 +1,4 @@
-#include "app/session/travel_history.h"
+#include "app/session/opening/travel_history.h"
 
 #include <catch2/catch.hpp>
 

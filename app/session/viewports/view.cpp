@@ -1,4 +1,4 @@
-#include "app/session/view.h"
+#include "app/session/viewports/view.h"
 
 #include <glm/geometric.hpp>
 

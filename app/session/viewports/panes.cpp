@@ -1,6 +1,4 @@
-#include "app/session/panes.h"
-
-#include "app/session/documents/world_reader.h"
+#include "app/session/viewports/panes.h"
 
 #include <algorithm>
 #include <utility>
@@ -55,22 +53,6 @@ void Panes::reload() {
   panes_[active_].failure.reset();
   documents_.reload(panes_[active_].wanted);
 }
-
-bool Panes::cancel(std::size_t pane) {
-  if (pane >= kMostViewports || !loading(pane)) return false;
-  const std::string path = panes_[pane].wanted;
-  if (documents_.arriving(path) && !documents_.awaited(path)) {
-    documents_.document(path)->reader->cancel();  // keeps the parts received so far
-    return true;
-  }
-  documents_.give_up(path);
-  if (documents_.find(path)) return true;
-  for (Pane& each : panes_)
-    if (each.wanted == path) each.wanted = each.shown;
-  return true;
-}
-
-void Panes::set_layout(ViewportLayout layout) { set_split(split_of(layout, active_)); }
 
 void Panes::set_split(SplitTree split) {
   split_ = std::move(split);
@@ -146,101 +128,6 @@ void Panes::activate(std::size_t pane) {
   }
   panes_[active_].input.release();
   active_ = pane;
-}
-
-std::optional<DocumentList::Reading> Panes::begin_loading() {
-  if (auto reading = documents_.begin(panes_[active_].wanted)) return reading;
-  for (const std::size_t i : visible())
-    if (auto reading = documents_.begin(panes_[i].wanted)) return reading;
-  return std::nullopt;
-}
-
-void Panes::preview(std::uint64_t reading, std::shared_ptr<Document> document) {
-  const std::optional<std::string> path = documents_.preview(reading, document);
-  if (!path) return;
-  for (Pane& pane : panes_) {
-    const auto place = pane.views.find(*path);
-    if (place == pane.views.end()) continue;
-    place->second = grown(place->second, document, place->second.home_size);
-  }
-}
-
-void Panes::deliver(std::uint64_t reading, std::shared_ptr<Document> document, const glm::vec2& viewport) {
-  const std::shared_ptr<Document> before = documents_.document_of(reading);
-  const bool grows = before && before->is_preview;
-  const std::optional<std::string> path = documents_.deliver(reading, document);
-  if (!path) return;
-  for (Pane& pane : panes_) {
-    if (pane.failure && pane.failure->path == *path) pane.failure.reset();
-    const auto place = pane.views.find(*path);
-    if (place == pane.views.end()) continue;
-    place->second =
-        grows ? grown(place->second, document, place->second.home_size) : renewed(place->second, document, viewport);
-  }
-}
-
-void Panes::grow(const Document& document) {
-  for (Pane& pane : panes_)
-    for (auto& [path, view] : pane.views)
-      if (view.document.get() == &document) {
-        // The LOD distances now depend on this viewer, so a shared list must be replaced by an own one.
-        constexpr long kOwnUsers = 2;  // this view, and the document's reference for later views
-        if (document.viewer_dependent && view.scene.use_count() > kOwnUsers) {
-          view.scene = document.runtime->look(view.navigation.pose.position, true);
-          view.list = view.scene->scene.shared_list();
-        }
-        const bool stays = at_home(view);
-        (void)follow_world(view);
-        if (!stays) continue;
-        // New parts are visible at once. They do not start the animation that re-frames moving objects.
-        if (std::exchange(view.navigation.transition, std::nullopt)) view.navigation.pose = view.home;
-        view = grown(view, view.document, view.home_size);
-      }
-}
-
-std::vector<std::size_t> Panes::fail(std::uint64_t reading, const std::string& error) {
-  std::vector<std::size_t> waited;
-  const std::optional<std::string> path = documents_.fail(reading);
-  if (!path) return waited;
-  for (std::size_t i = 0; i < kMostViewports; ++i)
-    if (panes_[i].wanted == *path) waited.push_back(i);
-  for (const std::size_t i : waited) panes_[i].failure = {*path, error};
-  if (documents_.find(*path)) return waited;
-  for (const std::size_t i : waited) panes_[i].wanted = panes_[i].shown;
-  for (const std::size_t i : waited) {
-    if (!panes_[i].wanted.empty()) continue;
-    for (const DocumentList::Entry& entry : documents_.entries())
-      if (!wanted_by_any(entry.path)) {
-        panes_[i].wanted = entry.path;
-        break;
-      }
-  }
-  return waited;
-}
-
-void Panes::note_failure(const std::string& path, const std::string& error) {
-  for (Pane& pane : panes_)
-    if (pane.wanted == path) pane.failure = {path, error};
-}
-
-std::vector<Panes::Change> Panes::settle(std::span<const Viewport> places, std::string_view viewpoint) {
-  std::vector<Change> changes;
-  const std::vector<std::size_t> sight = visible();
-  for (std::size_t i = 0; i < sight.size() && i < places.size(); ++i) {
-    Pane& pane = panes_[sight[i]];
-    if (View* view = pane.view()) fit_home(*view, places[i].size());
-    std::shared_ptr<Document> document = documents_.document(pane.wanted);
-    if (!document || (pane.shown == pane.wanted && pane.view())) continue;
-    Change change{sight[i], false, true};
-    pane.shown = pane.wanted;
-    pane.input.release();
-    if (!pane.view()) {
-      change.first = true;
-      pane.views[pane.shown] = view_of(std::move(document), places[i].size(), viewpoint, &change.found, style_);
-    }
-    changes.push_back(change);
-  }
-  return changes;
 }
 
 void Panes::link(std::size_t leader) {

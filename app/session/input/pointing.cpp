@@ -1,0 +1,153 @@
+#include "app/session/input/pointing.h"
+
+#include "app/session/navigation/camera_control.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+
+// Points at the world of a viewport. Returns true if a sensor grabs the pointer, so that it does not move the viewer.
+bool Pointing::point_at_world(std::size_t pane, bool down) {
+  View* seen = viewports_.panes().at(pane).view();
+  if (!seen || !seen->document->runtime) return false;
+  vrml::Execution& execution = seen->document->runtime->execution();
+  if (!execution.has_pointing_sensors()) return false;
+  const Viewport place = viewports_.place_of(pane);
+  (void)seen->document->runtime->step(step_.now);
+  (void)follow_world(*seen);
+  (void)point(execution, picker_, *seen->list, sight_line(seen->navigation.pose, place.inside(pointer_), place.size()),
+              down, pick_options(*seen, place.size()));
+  pane_ = pane;
+  links_.follow_anchors(pane);
+  return execution.pointed_at().active;
+}
+
+void Pointing::leave() {
+  if (!pane_) return;
+  View* seen = viewports_.panes().at(*std::exchange(pane_, std::nullopt)).view();
+  if (seen && seen->document->runtime) seen->document->runtime->execution().point({});
+  sensor_has_pointer_ = false;
+}
+
+Pointing::Pointed Pointing::pointed() const {
+  const View* seen = viewports_.view();
+  if (pane_ != viewports_.panes().active() || !seen || !seen->document->runtime) return {};
+  const vrml::PointedAt at = seen->document->runtime->execution().pointed_at();
+  return {at.sensor || at.active, at.description};
+}
+
+void Pointing::repeat() {
+  if (!pane_) return;
+  const std::vector<std::size_t> sight = viewports_.panes().visible();
+  if (std::find(sight.begin(), sight.end(), *pane_) == sight.end()) return leave();
+  if (!viewports_.panes().at(*pane_).input.holding()) (void)point_at_world(*pane_, sensor_has_pointer_);
+}
+
+void Pointing::repeat_in(std::size_t pane) {
+  if (pane_ == pane) repeat();
+}
+
+void Pointing::note_viewer_moved(std::size_t pane) {
+  if (pane_ == pane) moved_ = true;
+}
+
+void Pointing::update() {
+  if (std::exchange(moved_, false)) repeat();
+}
+
+bool Pointing::take(const WindowEvent& event, std::size_t pane) {
+  using Kind = WindowEvent::Kind;
+  pointer_ = event.pointer;
+  if (sensor_has_pointer_ && pane_) {
+    if (event.kind == Kind::pointer) {
+      moved_ = true;
+      return true;
+    }
+    if (event.kind == Kind::button_up && event.button == MouseButton::left) {
+      (void)point_at_world(*pane_, false);
+      sensor_has_pointer_ = false;
+      return true;
+    }
+    return event.kind == Kind::button_down;
+  }
+  if (pane_ && *pane_ != pane) leave();
+  pane_ = pane;
+  if (event.kind == Kind::pointer) moved_ = true;
+  if (event.kind != Kind::button_down || event.button != MouseButton::left || event.shift || event.control)
+    return false;
+  sensor_has_pointer_ = point_at_world(pane, true);
+  if (!sensor_has_pointer_) (void)point_at_world(pane, false);
+  return sensor_has_pointer_;
+}
+
+std::optional<Pointing::Picked> Pointing::pick_at(const glm::vec2& pixel) {
+  const std::vector<std::size_t> sight = viewports_.panes().visible();
+  const std::vector<Viewport> rectangles = viewports_.places();
+  for (std::size_t i = 0; i < sight.size(); ++i) {
+    if (!rectangles[i].contains(pixel)) continue;
+    View* seen = viewports_.panes().at(sight[i]).view();
+    if (!seen) return std::nullopt;
+    const glm::vec2 size = rectangles[i].size();
+    const Ray ray = ray_through(seen->navigation.pose, rectangles[i].inside(pixel), size);
+    const std::optional<Hit> hit = picker_.pick(*seen->list, ray, pick_options(*seen, size));
+    if (!hit) return std::nullopt;
+    return Picked{sight[i], path_of(*seen->list, *hit)};
+  }
+  return std::nullopt;
+}
+
+// Pressing sensors without a pointer -------------------------------------------------------------------------
+
+void Pointing::point_at_held_sensor(bool down) {
+  View& seen = *viewports_.view();
+  vrml::Execution& execution = seen.document->runtime->execution();
+  (void)follow_world(seen);
+  std::vector<std::size_t> items;
+  for (SensorGeometry& one : sensor_geometry(execution, *seen.list))
+    if (one.sensor.scene == held_sensor_->sensor.scene && one.sensor.node == held_sensor_->sensor.node)
+      items = std::move(one.items);
+  const render::RenderList alone = only(*seen.list, items);
+  (void)point(execution, picker_, alone, held_sensor_->line, down);
+  links_.follow_anchors(viewports_.panes().active());
+}
+
+bool Pointing::press_sensor(const vrml::NodePlace& sensor) {
+  View* const seen = viewports_.view();
+  if (held_sensor_ || sensor_has_pointer_ || !seen || !seen->document->runtime) return false;
+  (void)follow_world(*seen);
+  for (const SensorGeometry& one : sensor_geometry(seen->document->runtime->execution(), *seen->list)) {
+    if (one.sensor.scene != sensor.scene || !(one.sensor.node == sensor.node)) continue;
+    const auto line = line_that_meets(only(*seen->list, one.items), seen->navigation.pose.position);
+    if (!line) return false;
+    pane_.reset();  // the pointer is no longer in a world
+    held_sensor_ = {sensor, *line};
+    point_at_held_sensor(true);
+    return true;
+  }
+  return false;
+}
+
+void Pointing::drag_sensor(const glm::dvec2& pixels) {
+  const View* const seen = viewports_.view();
+  if (!held_sensor_ || !seen || !seen->document->runtime) return;
+  glm::dvec3& direction = held_sensor_->line.direction;
+  const glm::dvec3 up = seen->navigation.pose.up();
+  glm::dvec3 right = glm::cross(direction, up);
+  if (!(glm::length(right) > 0)) right = seen->navigation.pose.right();
+  right = glm::normalize(right);
+  const glm::vec2 size = viewports_.place_of(viewports_.panes().active()).size();
+  const double pixel = pick_options(*seen, size).pixel;
+  direction = glm::normalize(direction + pixel * (pixels.x * right - pixels.y * glm::cross(right, direction)));
+  point_at_held_sensor(true);
+}
+
+void Pointing::release_sensor() {
+  if (!held_sensor_) return;
+  if (const View* const seen = viewports_.view(); seen && seen->document->runtime) point_at_held_sensor(false);
+  held_sensor_.reset();
+}
+
+}  // namespace gs::app

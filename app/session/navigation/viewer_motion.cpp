@@ -1,0 +1,86 @@
+#include "app/session/navigation/viewer_motion.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kMostMet = 20'000;                       // triangles around a moving viewer
+constexpr std::size_t kMostRemembered = std::size_t{1} << 24;  // triangles
+
+}  // namespace
+
+// Moves the viewer to `after`, as far as collisions allow.
+void ViewerMotion::move(View& seen, Navigation after, bool loading, float seconds) {
+  const render::RenderList& list = *seen.list;
+  Obstacles obstacles;
+  obstacles.near = [&](const glm::dvec3& lower, const glm::dvec3& upper) {
+    return picker_.items().near(list, lower, upper, kMostMet);
+  };
+  obstacles.distance = [&](const glm::dvec3& origin, const glm::dvec3& direction) -> std::optional<double> {
+    const auto hit = picker_.items().nearest(list, {origin, direction}, kMostRemembered, render::Sought::met);
+    return hit ? std::optional(hit->triangle.distance) : std::nullopt;
+  };
+  Avatar avatar = seen.rules.avatar;
+  avatar.radius *= seen.scale;
+  avatar.height *= seen.scale;
+  avatar.step *= seen.scale;
+  avatar.gravity = !loading;  // the ground may not be loaded yet
+  const std::optional<std::size_t> before = seen.navigation.body.item;
+  seen.navigation = with_body(seen.navigation, std::move(after), avatar, obstacles, seconds);
+  const std::optional<std::size_t> met = seen.navigation.body.item;
+  if (!met || met == before || !seen.document->runtime) return;
+  Hit hit;
+  hit.item = *met;
+  (void)seen.document->runtime->execution().collide(path_of(list, hit));
+}
+
+std::vector<std::size_t> ViewerMotion::advance(float seconds, bool look) {
+  Panes& panes = viewports_.panes();
+  const std::vector<std::size_t> sight = panes.visible();
+  const std::vector<Viewport> rectangles = viewports_.places();
+  std::vector<std::size_t> moved;
+  for (std::size_t i = 0; i < sight.size(); ++i) {
+    Pane& pane = panes.at(sight[i]);
+    View* seen = pane.view();
+    if (!seen) continue;
+    const Pose before = seen->navigation.pose;
+    const NavigationInput input = pane.input.input(seen->navigation.mode, rectangles[i]);
+    if (input.any()) {
+      viewports_.lead(sight[i]);
+      seen->history.interrupt();
+    }
+    move(*seen, app::step(seen->navigation, input, seconds), panes.loading(sight[i]), seconds);
+    const Pose& after = seen->navigation.pose;
+    if (before.position == after.position && before.orientation == after.orientation && before.height == after.height)
+      continue;
+    seen->history.moved(before, after, step_.now);
+    moved.push_back(sight[i]);
+    step_.frame.changed = true;
+  }
+  if (viewports_.linked() && !moved.empty()) link(moved);
+  if (look)
+    for (const std::size_t i : sight)
+      if (View* seen = panes.at(i).view()) (void)follow_world(*seen);
+  return moved;
+}
+
+// Links the cameras to one that moved: that of the leader, else of the active viewport, else any.
+void ViewerMotion::link(std::span<const std::size_t> moved) {
+  const auto has_moved = [&](std::size_t pane) { return std::find(moved.begin(), moved.end(), pane) != moved.end(); };
+  const std::size_t leader = viewports_.leader(), active = viewports_.panes().active();
+  viewports_.panes().link(has_moved(leader) ? leader : has_moved(active) ? active : moved.front());
+}
+
+bool ViewerMotion::moving() const {
+  for (const std::size_t i : viewports_.panes().visible()) {
+    const Pane& pane = viewports_.panes().at(i);
+    const View* seen = pane.view();
+    if (seen && (seen->navigation.moving() || pane.input.holding())) return true;
+  }
+  return false;
+}
+
+}  // namespace gs::app

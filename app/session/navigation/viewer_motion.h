@@ -1,0 +1,35 @@
+#pragma once
+
+#include "app/session/viewports/session_viewports.h"
+#include "app/session/viewports/step.h"
+#include "app/view/picking.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace gs::app {
+
+/// Motion of the viewers in the visible viewports, by held keys, drags and animations, as far as collisions allow. One
+/// thread.
+class ViewerMotion {
+ public:
+  ViewerMotion(StepContext& step, SessionViewports& viewports, Picker& picker)
+      : step_(step), viewports_(viewports), picker_(picker) {}
+
+  /// Moves the viewers by `seconds`. With `look`, updates the render lists for their new positions. Returns the
+  /// viewports with viewers that moved.
+  std::vector<std::size_t> advance(float seconds, bool look);
+  /// Returns true if a viewer moves, or if the user holds a key or button.
+  [[nodiscard]] bool moving() const;
+
+ private:
+  void move(View& view, Navigation after, bool loading, float seconds);
+  void link(std::span<const std::size_t> moved);
+
+  StepContext& step_;
+  SessionViewports& viewports_;
+  Picker& picker_;
+};
+
+}  // namespace gs::app
