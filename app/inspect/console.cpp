@@ -53,6 +53,7 @@ bool ScriptConsole::enter(const std::string& line) {
   entered_.push_back(line);
   recalled_ = entered_.size();
   edited_.clear();
+  waiting_.push_back(line);
   add({ProgramLine::Kind::entered, {}, line});
   return true;
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -33,8 +34,11 @@ class ScriptConsole {
   /// Reads new entries from the log of a world's file. Another world's entries replace the present ones. Returns true
   /// if the lines changed.
   bool take(const SessionLog& log, const std::string& path);
-  /// Shows an input line and adds it to the history. Returns false if it is empty.
+  /// Shows an input line, adds it to the history, and queues it to run. Returns false if it is empty.
   bool enter(const std::string& line);
+  /// Returns the input lines that wait to run.
+  [[nodiscard]] std::vector<std::string> take_entered() { return std::exchange(waiting_, {}); }
+  [[nodiscard]] bool has_entered() const { return !waiting_.empty(); }
   void answer(const std::string& text, bool failed);
   void clear() { lines_.clear(); }
   /// Returns the lines, oldest first; old lines are dropped after kMostLines.
@@ -46,8 +50,9 @@ class ScriptConsole {
  private:
   void add(ProgramLine line);
   std::vector<ProgramLine> lines_;
-  std::vector<std::string> entered_;
-  std::size_t recalled_ = 0;  // index in entered_; its size means the edited line
+  std::vector<std::string> entered_;  // history
+  std::vector<std::string> waiting_;  // not run yet
+  std::size_t recalled_ = 0;          // index in entered_; its size means the edited line
   std::string edited_;
   std::string path_;
   std::size_t taken_ = 0;  // number of diagnostics read from the log

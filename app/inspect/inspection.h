@@ -2,13 +2,13 @@
 
 #include "app/inspect/console.h"
 #include "app/inspect/event_watch.h"
+#include "app/inspect/node_editor.h"
 #include "app/inspect/route_list.h"
 #include "app/inspect/scene_index.h"
 #include "app/inspect/scene_outline.h"
 #include "app/inspect/selection_marks.h"
 #include "app/inspect/stream_list.h"
 #include "app/session/session.h"
-#include "vrml/events/node_names.h"
 
 #include <cstddef>
 #include <memory>
@@ -16,7 +16,6 @@
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace gs::app {
 
@@ -38,7 +37,6 @@ class Inspection final : public SessionExtension {
   Inspection& operator=(const Inspection&) = delete;
 
   bool act(Session& session) override;
-  void step_is_over() override {}
   /// Updates all data below to the present world. Call before drawing the interface, with the pictures of the worlds.
   /// `now` is in seconds of any clock.
   void prepare(Session& session, std::span<const Frame::Picture> pictures, double now);
@@ -58,12 +56,13 @@ class Inspection final : public SessionExtension {
   [[nodiscard]] SceneOutline& outline() { return outline_; }
   [[nodiscard]] SceneIndex& index() { return index_; }
   [[nodiscard]] const EventWatch& events() const { return watch_; }
-  [[nodiscard]] const RouteList& routes() const { return routes_; }
-  /// Limits the list to ROUTEs of the selected node.
-  void set_routes_only(bool only) { routes_only_ = only; }
-  [[nodiscard]] bool routes_only() const { return routes_only_; }
+  [[nodiscard]] RouteList& routes() { return routes_; }
   [[nodiscard]] ScriptConsole& console() { return console_; }
-  [[nodiscard]] const StreamList& streams() const { return streams_; }
+  [[nodiscard]] StreamList& streams() { return streams_; }
+  /// Returns the values of the selected node, and edits of them.
+  [[nodiscard]] NodeEditor& editor() { return editor_; }
+  /// Returns the outline of the selected node in the pictures.
+  [[nodiscard]] const SelectionMark& mark() const { return mark_; }
 
   /// Selects a node; null selects none. `reveal` expands the tree and scrolls to the node.
   void select(const NodeAt& node, bool reveal);
@@ -83,53 +82,10 @@ class Inspection final : public SessionExtension {
   void find(const std::string& text);
   /// Returns the index of the selected match.
   [[nodiscard]] std::optional<std::size_t> match() const { return match_; }
-  /// Outline of the selected node in framebuffer pixels, with the viewport that clips it.
-  struct Mark {
-    Viewport viewport;
-    std::vector<PixelLine> lines;
-  };
-  [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
-  [[nodiscard]] const render::WorldBounds& selected_bounds() const { return bounds_; }
-
-  /// Returns the displayed value of an interface of the selected node; null for an eventIn. Valid until the world's
-  /// next step.
-  [[nodiscard]] const vrml::FieldValue* value_of(const vrml::InterfaceDeclaration& interface) const;
-  /// Send an event to the selected node, from VRML97 text or a value. They return a message, and send nothing, if the
-  /// value is invalid.
-  [[nodiscard]] std::optional<std::string> send_text(const vrml::InterfaceDeclaration& event_in,
-                                                     const std::string& text);
-  [[nodiscard]] std::optional<std::string> send(const vrml::InterfaceDeclaration& event_in, vrml::FieldValue value);
-  /// Resolves a url of the selected node, so that the caller can open it. Returns nullopt if it cannot be resolved.
-  [[nodiscard]] std::optional<std::string> target_of_url(const vrml::InterfaceDeclaration& url,
-                                                         std::size_t index) const;
-  /// Send a list with one element replaced.
-  [[nodiscard]] std::optional<std::string> send_element(const vrml::InterfaceDeclaration& event_in,
-                                                        const vrml::FieldValue& list, std::size_t index,
-                                                        const vrml::FieldValue& element);
-  [[nodiscard]] std::optional<std::string> send_element_text(const vrml::InterfaceDeclaration& event_in,
-                                                             const vrml::FieldValue& list, std::size_t index,
-                                                             const std::string& text);
-
-  /// Evaluates a line of the script console, in the selected node if that is a Script, else on its own.
-  void evaluate(const std::string& line);
-  /// Returns the Script in which console lines run; null if there is none.
-  [[nodiscard]] NodeAt console_script() const;
-
-  /// Cancel a stream, or load it again: through its node's url, or with the whole world.
-  void cancel(const StreamList::Row& row) const { row.ledger->cancel(row.load.number); }
-  void retry(const StreamList::Row& row);
 
  private:
-  struct Edit {
-    NodeAt node;
-    const vrml::InterfaceDeclaration* event_in;
-    vrml::FieldValue value;
-  };
   void enter(const std::shared_ptr<Document>& document);
-  bool deliver();
   void reveal_pending();
-  void find_bounds(const View& view, double now);
-  void send_again(Session& session, const StreamList::Row& row);
 
   InspectionWants wants_, drawn_;
   std::shared_ptr<Document> document_;  // declared before all members that refer to it
@@ -140,20 +96,15 @@ class Inspection final : public SessionExtension {
   RouteList routes_;
   ScriptConsole console_;
   StreamList streams_;
-  std::unique_ptr<vrml::NodeNames> names_;
+  NodeEditor editor_;
+  SelectionMark mark_;
 
   NodeAt selected_;
   bool finds_ = false;  // select the first match when it is found
-  bool reveal_ = false, picking_ = false, fly_ = false, more_ = false, routes_only_ = false;
+  bool reveal_ = false, picking_ = false, fly_ = false, more_ = false;
   std::optional<std::size_t> revealed_, match_;
-  render::WorldBounds bounds_;
-  NodeAt bounds_of_;
-  double bounds_due_ = 0, last_news_ = 0, shown_at_ = 0, clock_ = 0;
+  double last_news_ = 0, shown_at_ = 0, clock_ = 0;
   bool news_ = false;
-  std::vector<Mark> marks_;
-  std::vector<Edit> edits_;
-  std::vector<std::string> entered_;
-  std::vector<StreamList::Row> retried_;
 };
 
 }  // namespace gs::app

@@ -13,7 +13,8 @@ std::string label_of(const NodeAt& node) {
   return shortened(of.name.empty() ? std::string_view(of.type->name) : of.name, kMost);
 }
 
-void RouteList::refresh(const vrml::Execution* world, const NodeAt& only) {
+void RouteList::refresh(const vrml::Execution* world, const NodeAt& selected) {
+  const NodeAt only = only_selected_ ? selected : NodeAt{};
   const std::uint64_t revision = world ? world->routes_revision() : 0;
   if (world == world_ && only == only_ && revision == revision_) return;
   world_ = world;

@@ -22,8 +22,11 @@ class RouteList {
     const vrml::InterfaceDeclaration* event_out = nullptr;
     const vrml::InterfaceDeclaration* event_in = nullptr;
   };
-  /// Updates the list, of all ROUTEs or those of one node. Rebuilds it only if ROUTEs changed.
-  void refresh(const vrml::Execution* world, const NodeAt& only = {});
+  /// Updates the list, of all ROUTEs or those of the selected node. Rebuilds it only if ROUTEs changed.
+  void refresh(const vrml::Execution* world, const NodeAt& selected = {});
+  /// Limits the list to ROUTEs of the selected node.
+  void set_only_selected(bool only) { only_selected_ = only; }
+  [[nodiscard]] bool only_selected() const { return only_selected_; }
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
   /// Returns the number of ROUTEs in the world, even if `rows` shows only those of one node.
   [[nodiscard]] std::size_t all() const { return all_; }
@@ -38,6 +41,7 @@ class RouteList {
  private:
   const vrml::Execution* world_ = nullptr;
   NodeAt only_;
+  bool only_selected_ = false;
   std::uint64_t revision_ = 0, made_ = 0;
   std::size_t all_ = 0;
   std::vector<Row> rows_;

@@ -82,4 +82,18 @@ std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose
   return lines;
 }
 
+void SelectionMark::find_bounds(const NodeAt& node, const SceneIndex& index, const View& view, double now) {
+  if (node_ == node && now < due_) return;
+  const auto begin = world_time();
+  node_ = node;
+  std::vector<NodeAt> nodes{node};
+  const std::vector<HeldStep> way = index.way_to(node);
+  for (auto step = way.rbegin(); step != way.rend(); ++step)
+    if (!(step->node == node)) nodes.push_back(step->node);
+  bounds_ = bounds_in(*view.list, nodes);
+  // Limit the share of time in large worlds.
+  constexpr double kShare = 30;
+  due_ = now + kShare * (world_time() - begin);
+}
+
 }  // namespace gs::app

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "app/inspect/node_children.h"
+#include "app/inspect/scene_index.h"
+#include "app/session/viewports/view.h"
 #include "app/view/navigation.h"
 #include "app/view/viewports.h"
 #include "render/scene/render_list.h"
@@ -24,5 +26,33 @@ using PixelLine = std::pair<glm::vec2, glm::vec2>;
 /// Projects the edges of a box into a viewport. Clips them to the front of the viewer, not to the viewport.
 [[nodiscard]] std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose,
                                               const Viewport& viewport);
+
+/// Bounds of the selected node, and its outline in the pictures.
+class SelectionMark {
+ public:
+  /// Finds the bounds of a node in a view, at a rate that limits the time in large worlds. `now` is in seconds.
+  void find_bounds(const NodeAt& node, const SceneIndex& index, const View& view, double now);
+  /// Returns the bounds in world space. Empty if nothing of the node is visible.
+  [[nodiscard]] const render::WorldBounds& bounds() const { return bounds_; }
+  void forget_bounds() { bounds_ = {}; }
+
+  /// Outline in framebuffer pixels, with the viewport that clips it.
+  struct Outline {
+    Viewport viewport;
+    std::vector<PixelLine> lines;
+  };
+  void add_outline(const Viewport& viewport, const Pose& pose) {
+    outlines_.push_back({viewport, edges_of(bounds_, pose, viewport)});
+  }
+  [[nodiscard]] const std::vector<Outline>& outlines() const { return outlines_; }
+  void clear_outlines() { outlines_.clear(); }
+  void clear() { *this = {}; }
+
+ private:
+  render::WorldBounds bounds_;
+  NodeAt node_;     // node of `bounds_`
+  double due_ = 0;  // time at which to find the bounds again
+  std::vector<Outline> outlines_;
+};
 
 }  // namespace gs::app

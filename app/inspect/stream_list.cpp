@@ -1,5 +1,6 @@
 #include "app/inspect/stream_list.h"
 
+#include "app/session/session.h"
 #include "app/streams/stream_feed.h"
 
 #include <algorithm>
@@ -25,6 +26,33 @@ std::string detail_of(const Document& document, const LoadRow& load) {
     return text;
   }
   return {};
+}
+
+// Finds the node by address only, because it may no longer exist.
+void send_again(Session& session, const StreamList::Row& row) {
+  const std::shared_ptr<Document>& document = row.document;
+  if (document && document->runtime && row.load.node) {
+    vrml::Execution& execution = document->runtime->execution();
+    std::vector<const vrml::SceneGraph*> scenes{&execution.root()};
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      for (const auto& [place, content] : scenes[i]->inlines())
+        if (content && execution.has_scene(content.get())) scenes.push_back(content.get());
+      for (std::uint32_t place = 1; place <= scenes[i]->node_count(); ++place) {
+        const vrml::Node& node = scenes[i]->node_at(place);
+        const vrml::NodeId id = scenes[i]->id_at(place);
+        if (&node != row.load.node || !scenes[i]->contains(id)) continue;
+        execution.begin_update();
+        for (const vrml::InterfaceDeclaration* const url : node.type->url_fields())
+          (void)execution.post(*scenes[i], id, *url, node.values[url->slot]);
+        execution.end_update();
+        return;
+      }
+    }
+  }
+  if (session.panes().documents().find(row.world))
+    session.panes().reload(row.world);
+  else
+    session.opening().open_files({row.world});
 }
 
 }  // namespace
@@ -63,18 +91,22 @@ std::vector<float> RateHistory::samples() const {
   return result;
 }
 
+void StreamList::send_retries(Session& session) {
+  for (const Row& row : std::exchange(retried_, {})) send_again(session, row);
+}
+
 void StreamList::clear() {
   rows_.clear();
   histories_.clear();
   next_.reset();
 }
 
-void StreamList::refresh(Session& session, double now) {
+void StreamList::refresh(const DocumentReaders& readers, double now) {
   if (next_ && now < *next_) return;
   next_ = now + RateHistory::kSeconds;
   rows_.clear();
   std::map<Key, RateHistory> kept;
-  for (const DocumentReaders::Loads& loads : session.readers().loads())
+  for (const DocumentReaders::Loads& loads : readers.loads())
     for (LoadRow& load : loads.ledger->rows()) {
       Row row;
       const Key key{loads.ledger.get(), load.number};

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/session.h"
+#include "app/session/opening/document_readers.h"
 #include "app/streams/load_ledger.h"
 
 #include <array>
@@ -15,6 +15,8 @@
 #include <vector>
 
 namespace gs::app {
+
+class Session;
 
 /// History of a download rate in bits/s: one sample per quarter second, for the last half minute.
 class RateHistory {
@@ -50,9 +52,16 @@ class StreamList {
     [[nodiscard]] bool ended() const { return load.ended.has_value(); }
   };
   /// Updates all rows, at most four times a second. `now` is in seconds of any clock.
-  void refresh(Session& session, double now);
+  void refresh(const DocumentReaders& readers, double now);
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
   [[nodiscard]] std::size_t arriving() const;
+  /// Cancels a stream.
+  static void cancel(const Row& row) { row.ledger->cancel(row.load.number); }
+  /// Marks a stream to be loaded again.
+  void retry(const Row& row) { retried_.push_back(row); }
+  [[nodiscard]] bool has_retries() const { return !retried_.empty(); }
+  /// Loads the marked streams again: through their nodes' urls, or with the whole worlds.
+  void send_retries(Session& session);
   /// Discards measurements when the list is no longer displayed.
   void clear();
 
@@ -61,6 +70,7 @@ class StreamList {
   std::vector<Row> rows_;
   std::map<Key, RateHistory> histories_;
   std::optional<double> next_;
+  std::vector<Row> retried_;
 };
 
 /// Formats a rate: "1.5 Mbit/s".

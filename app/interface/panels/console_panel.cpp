@@ -53,7 +53,7 @@ void ConsolePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   shown_ = console.lines().size();
   ImGui::EndChild();
 
-  const NodeAt script = inspection.console_script();
+  const NodeAt script = inspection.editor().script();
   const std::string context = script ? "in " + label_of(script) : "in Browser";
   ImGui::AlignTextToFramePadding();
   colored_text(script ? UiColors::kAccent : UiColors::kQuiet, context);
@@ -66,7 +66,7 @@ void ConsolePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   const FieldKeys keys{nullptr, [&](bool up, const std::string& present) { return console.recall(up, present); }};
   ImGui::BeginDisabled(!inspection.world());
   if (text_field("##line", "Browser.getName()", line_, -clear, false, keys).entered) {
-    inspection.evaluate(line_);
+    (void)inspection.console().enter(line_);
     line_.clear();
     ImGui::SetKeyboardFocusHere(-1);
   }

@@ -84,7 +84,7 @@ void InspectorPanel::head(const PanelFrame& frame, Inspection& inspection) {
     colored_text(UiColors::kQuiet, shortened(file.substr(file.rfind('/') + 1), 60) + ":" +
                                        std::to_string(node.location.line) + ":" + std::to_string(node.location.column));
   }
-  const render::WorldBounds& bounds = inspection.selected_bounds();
+  const render::WorldBounds& bounds = inspection.mark().bounds();
   ImGui::BeginDisabled(bounds.empty());
   if (ImGui::SmallButton("Fly to")) (void)inspection.fly_to_selected();
   ImGui::EndDisabled();
@@ -108,7 +108,7 @@ void InspectorPanel::row(const PanelFrame& frame, Inspection& inspection, const 
                     type,
                     interface,
                     setter_of(type, interface),
-                    inspection.value_of(interface),
+                    inspection.editor().value_of(interface),
                     unit_of(type, interface)};
   // Skip the eventIn set_x of a field x, which is already listed.
   if (interface.access == vrml::AccessType::eventIn && interface.name.starts_with("set_"))
@@ -186,37 +186,39 @@ void InspectorPanel::value(const Field& field, UiActions& actions) {
     ImGui::PopTextWrapPos();
   } else if (field.interface.access == vrml::AccessType::eventIn && std::holds_alternative<vrml::SFBool>(value)) {
     for (const bool sent : {true, false}) {
-      if (ImGui::SmallButton(sent ? "Send TRUE" : "Send FALSE")) note(field, inspection.send(*field.setter, sent));
+      if (ImGui::SmallButton(sent ? "Send TRUE" : "Send FALSE"))
+        note(field, inspection.editor().send(*field.setter, sent));
       if (sent) ImGui::SameLine();
     }
   } else if (const auto* flag = std::get_if<vrml::SFBool>(&value)) {
     bool on = *flag;
-    if (ImGui::Checkbox("##flag", &on)) note(field, inspection.send(*field.setter, on));
+    if (ImGui::Checkbox("##flag", &on)) note(field, inspection.editor().send(*field.setter, on));
   } else if (const auto* color = std::get_if<vrml::SFColor>(&value)) {
     float parts[3] = {color->r, color->g, color->b};
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::ColorEdit3("##color", parts, ImGuiColorEditFlags_Float))
-      note(field, inspection.send(*field.setter,
-                                  vrml::SFColor{std::clamp(parts[0], 0.0f, 1.0f), std::clamp(parts[1], 0.0f, 1.0f),
-                                                std::clamp(parts[2], 0.0f, 1.0f)}));
+      note(field, inspection.editor().send(
+                      *field.setter, vrml::SFColor{std::clamp(parts[0], 0.0f, 1.0f), std::clamp(parts[1], 0.0f, 1.0f),
+                                                   std::clamp(parts[2], 0.0f, 1.0f)}));
   } else if (const auto* rotation = std::get_if<vrml::SFRotation>(&value)) {
     float axis[3] = {rotation->x, rotation->y, rotation->z};
     float degrees = rotation->angle * kDegrees;
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::InputFloat3("##axis", axis, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue))
-      note(field, inspection.send(*field.setter, vrml::SFRotation{axis[0], axis[1], axis[2], rotation->angle}));
+      note(field,
+           inspection.editor().send(*field.setter, vrml::SFRotation{axis[0], axis[1], axis[2], rotation->angle}));
     field.frame.tooltips.show("Axis of rotation");
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::DragFloat("##angle", &degrees, 1, 0, 0, "%.1f deg"))
-      note(field,
-           inspection.send(*field.setter, vrml::SFRotation{rotation->x, rotation->y, rotation->z, degrees / kDegrees}));
+      note(field, inspection.editor().send(
+                      *field.setter, vrml::SFRotation{rotation->x, rotation->y, rotation->z, degrees / kDegrees}));
     char radians[48];
     std::snprintf(radians, sizeof radians, "%.5g rad", static_cast<double>(rotation->angle));
     field.frame.tooltips.show(std::string("Angle: ") + radians + "; drag, or Ctrl+click to type");
     return;
   } else {
     std::string entered;
-    if (edited_text("##text", value, entered)) note(field, inspection.send_text(*field.setter, entered));
+    if (edited_text("##text", value, entered)) note(field, inspection.editor().send_text(*field.setter, entered));
   }
   if (const auto* node = std::get_if<vrml::SFNode>(&value); node && *node) {
     if (ImGui::SmallButton("Select")) inspection.select({node_.scene, *node}, true);
@@ -228,7 +230,7 @@ void InspectorPanel::value(const Field& field, UiActions& actions) {
     colored_text(UiColors::kQuiet, is_date(*time) ? "s = " + time_text(*time) : std::string(symbol_of(field.unit)));
     if (!field.setter) return;
     ImGui::SameLine();
-    if (ImGui::SmallButton("Now")) note(field, inspection.send(*field.setter, inspection.world()->now()));
+    if (ImGui::SmallButton("Now")) note(field, inspection.editor().send(*field.setter, inspection.world()->now()));
     field.frame.tooltips.show("Sends the current time");
   } else if (field.unit != Unit::none)
     colored_text(UiColors::kQuiet, symbol_of(field.unit));
@@ -255,7 +257,7 @@ void InspectorPanel::list(const Field& field, UiActions& actions) {
     if (count > 0) text(value_text(*field.value, *node_.scene));
     std::string entered;
     if (count == 0 && field.setter && edited_text("##whole", *field.value, entered))
-      note(field, field.inspection.send_text(*field.setter, entered));
+      note(field, field.inspection.editor().send_text(*field.setter, entered));
     return;
   }
   if (count > kPage) {
@@ -287,7 +289,7 @@ void InspectorPanel::element(const Field& field, std::size_t index, UiActions& a
   const auto urls = field.type.url_fields();
   if (std::find(urls.begin(), urls.end(), &field.interface) != urls.end()) {
     if (ImGui::SmallButton("Open"))
-      if (auto target = inspection.target_of_url(field.interface, index)) actions.open = std::move(*target);
+      if (auto target = inspection.editor().target_of_url(field.interface, index)) actions.open = std::move(*target);
     ImGui::SameLine();
   }
   if (!field.setter) {
@@ -296,12 +298,12 @@ void InspectorPanel::element(const Field& field, std::size_t index, UiActions& a
     float parts[3] = {color->r, color->g, color->b};
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::ColorEdit3("##color", parts, ImGuiColorEditFlags_Float))
-      note(field,
-           inspection.send_element(*field.setter, *field.value, index, vrml::SFColor{parts[0], parts[1], parts[2]}));
+      note(field, inspection.editor().send_element(*field.setter, *field.value, index,
+                                                   vrml::SFColor{parts[0], parts[1], parts[2]}));
   } else {
     std::string entered;
     if (edited_text("##text", one, entered))
-      note(field, inspection.send_element_text(*field.setter, *field.value, index, entered));
+      note(field, inspection.editor().send_element_text(*field.setter, *field.value, index, entered));
   }
   ImGui::PopID();
 }

@@ -35,8 +35,8 @@ void RoutesPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&
     if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
     return;
   }
-  bool only = inspection.routes_only();
-  if (ImGui::Checkbox("Of the selected node", &only)) inspection.set_routes_only(only);
+  bool only = inspection.routes().only_selected();
+  if (ImGui::Checkbox("Of the selected node", &only)) inspection.routes().set_only_selected(only);
   frame.tooltips.show("Shows only ROUTEs from and to the selected node");
   const RouteList& routes = inspection.routes();
   ImGui::SameLine();

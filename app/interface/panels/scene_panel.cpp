@@ -166,7 +166,7 @@ void draw_marks(const Inspection& inspection) {
   const float x = 1 / std::max(scale.x, 0.01f), y = 1 / std::max(scale.y, 0.01f);
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImU32 color = ImGui::GetColorU32(UiColors::kAccent), shade = IM_COL32(0, 0, 0, 110);
-  for (const Inspection::Mark& mark : inspection.marks()) {
+  for (const SelectionMark::Outline& mark : inspection.mark().outlines()) {
     const auto left = static_cast<float>(mark.viewport.left) * x, top = static_cast<float>(mark.viewport.top) * y;
     draw.PushClipRect({left, top}, {left + static_cast<float>(mark.viewport.width) * x,
                                     top + static_cast<float>(mark.viewport.height) * y});

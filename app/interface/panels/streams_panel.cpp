@@ -134,8 +134,8 @@ void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
     ImGui::EndTable();
   }
   if (chosen != rows.end()) plot(*chosen, "##rate", {ImGui::GetContentRegionAvail().x, 46 * frame.scale});
-  if (cancelled) inspection.cancel(rows[*cancelled]);
-  if (retried) inspection.retry(rows[*retried]);
+  if (cancelled) inspection.streams().cancel(rows[*cancelled]);
+  if (retried) inspection.streams().retry(rows[*retried]);
 }
 
 }  // namespace gs::app

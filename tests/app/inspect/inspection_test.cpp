@@ -44,7 +44,7 @@ struct Inspected : OneWorld {
   }
   template <class T>
   [[nodiscard]] T value(std::string_view name) const {
-    return std::get<T>(*inspection.value_of(interface(name)));
+    return std::get<T>(*inspection.editor().value_of(interface(name)));
   }
 
   InspectionWants wants;
@@ -77,7 +77,7 @@ TEST_CASE("reads no values while no inspector is open") {
 TEST_CASE("sends an entered value in the next step, and along ROUTEs") {
   Inspected world(kLamp);
   world.choose("Bright");
-  CHECK_FALSE(world.inspection.send_text(world.interface("set_fraction"), "0.25"));
+  CHECK_FALSE(world.inspection.editor().send_text(world.interface("set_fraction"), "0.25"));
   CHECK(world.inspection.busy());
   world.watch();
   const NodeAt paint = world.node("Paint");
@@ -92,19 +92,19 @@ TEST_CASE("rejects an invalid value, and reports why") {
   Inspected world(kLamp);
   world.choose("Paint");
   const auto before = world.value<vrml::SFFloat>("transparency");
-  const auto why = world.inspection.send_text(world.interface("transparency"), "7");
+  const auto why = world.inspection.editor().send_text(world.interface("transparency"), "7");
   REQUIRE(why);
   CHECK(*why == "7 is out of range; expected at least 0 and at most 1");
-  CHECK(world.inspection.send(world.interface("transparency"), vrml::SFBool(true)));
+  CHECK(world.inspection.editor().send(world.interface("transparency"), vrml::SFBool(true)));
   CHECK_FALSE(world.inspection.busy());
   world.look();
   CHECK(world.value<vrml::SFFloat>("transparency") == before);
   // A node of a list.
   world.choose("Bright");
-  const vrml::FieldValue list = *world.inspection.value_of(world.interface("keyValue"));
-  CHECK(world.inspection.send_element_text(world.interface("keyValue"), list, 1, "x"));
-  CHECK_FALSE(world.inspection.send_element_text(world.interface("keyValue"), list, 1, "0.75"));
-  CHECK(world.inspection.send_element_text(world.interface("keyValue"), list, 2, "1") ==
+  const vrml::FieldValue list = *world.inspection.editor().value_of(world.interface("keyValue"));
+  CHECK(world.inspection.editor().send_element_text(world.interface("keyValue"), list, 1, "x"));
+  CHECK_FALSE(world.inspection.editor().send_element_text(world.interface("keyValue"), list, 1, "0.75"));
+  CHECK(world.inspection.editor().send_element_text(world.interface("keyValue"), list, 2, "1") ==
         "the element no longer exists");
   world.look();
   CHECK(world.value<vrml::MFFloat>("keyValue") == vrml::MFFloat{0, 0.75f});
@@ -121,7 +121,7 @@ TEST_CASE("shows current values, and the times at which eventOuts were sent") {
   CHECK(seen->time == Approx(kStart + 0.5));
   CHECK(world.inspection.take_news(world.now + 1));
   CHECK(world.inspection.routes().rows().size() == 2);
-  world.inspection.set_routes_only(true);
+  world.inspection.routes().set_only_selected(true);
   world.look();
   CHECK(world.inspection.routes().rows().size() == 1);
 }
@@ -145,23 +145,23 @@ TEST_CASE("marks the selected node in the picture, and flies to it") {
   Inspected world(kLamp);
   // A geometry node has the position of its Shape.
   world.choose("Ball");
-  const render::WorldBounds& bounds = world.inspection.selected_bounds();
+  const render::WorldBounds& bounds = world.inspection.mark().bounds();
   CHECK(bounds.lower.x == Approx(3).margin(0.1));
   CHECK(bounds.upper.x == Approx(7).margin(0.1));
-  REQUIRE(world.inspection.marks().size() == 1);
-  CHECK(world.inspection.marks()[0].lines.size() == 12);
+  REQUIRE(world.inspection.mark().outlines().size() == 1);
+  CHECK(world.inspection.mark().outlines()[0].lines.size() == 12);
   CHECK(world.inspection.fly_to_selected());
   world.look();
   world.look(1);
   // After that, the centre of its edges is the centre of the picture.
   glm::vec2 middle(0);
-  for (const auto& [a, b] : world.inspection.marks()[0].lines) middle += (a + b) / 24.0f;
+  for (const auto& [a, b] : world.inspection.mark().outlines()[0].lines) middle += (a + b) / 24.0f;
   CHECK(middle.x == Approx(100).margin(1));
   CHECK(middle.y == Approx(50).margin(1));
   // The camera does not fly to a node without a position.
   world.choose("Clock");
   CHECK_FALSE(world.inspection.fly_to_selected());
-  CHECK(world.inspection.marks()[0].lines.empty());
+  CHECK(world.inspection.mark().outlines()[0].lines.empty());
 }
 
 TEST_CASE("finds nodes during typing, one after the other") {
@@ -187,24 +187,24 @@ TEST_CASE("runs lines in the selected Script, or alone") {
       "DEF G Group {} DEF Java Script { url \"a.class\" }");
   const auto last = [&] { return world.inspection.console().lines().back(); };
   CHECK(world.inspection.console().lines().front().text == "begun");
-  world.inspection.evaluate("x + 1");
+  world.inspection.console().enter("x + 1");
   world.look();
   CHECK(last().kind == ProgramLine::Kind::failure);  // of no Script
   world.choose("S");
-  world.inspection.evaluate("x + 1");
+  world.inspection.console().enter("x + 1");
   CHECK(world.inspection.busy());
   world.look();
   CHECK(last().text == "3");
   CHECK(last().kind == ProgramLine::Kind::result);
   world.choose("G");
-  world.inspection.evaluate("var kept = Browser.getName(); kept.length > 0");
+  world.inspection.console().enter("var kept = Browser.getName(); kept.length > 0");
   world.look();
   CHECK(last().text == "true");
-  world.inspection.evaluate("typeof kept");
+  world.inspection.console().enter("typeof kept");
   world.look();
   CHECK(last().text == "\"string\"");
   world.choose("Java");
-  world.inspection.evaluate("1");
+  world.inspection.console().enter("1");
   world.look();
   CHECK(last().text == "this Script has no running program");
 }
@@ -212,7 +212,7 @@ TEST_CASE("runs lines in the selected Script, or alone") {
 // In a world without Scripts the console's own Script is not in the tree.
 TEST_CASE("runs lines in a world without programs") {
   Inspected world("DEF G Group {}");
-  world.inspection.evaluate("Browser.createVrmlFromString('Group {}').length");
+  world.inspection.console().enter("Browser.createVrmlFromString('Group {}').length");
   world.look();
   CHECK(world.inspection.console().lines().back().text == "1");
   CHECK(world.inspection.outline().size() == 1);

@@ -22,6 +22,7 @@ struct Routed {
     return {};
   }
   Lines lines(const NodeAt& only = {}) {
+    routes.set_only_selected(true);
     routes.refresh(&execution, only);
     Lines all;
     for (const RouteList::Row& row : routes.rows()) all.push_back(RouteList::text_of(row));

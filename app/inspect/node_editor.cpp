@@ -1,0 +1,96 @@
+#include "app/inspect/node_editor.h"
+
+#include "app/inspect/field_edits.h"
+#include "app/inspect/field_values.h"
+#include "app/script/run_time_nodes.h"
+#include "app/session/opening/links.h"
+
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kMostEdits = 10'000;  // max pending edits
+
+}  // namespace
+
+void NodeEditor::set_world(vrml::Execution* world) {
+  world_ = world;
+  node_ = {};
+  names_.reset();
+  edits_.clear();
+}
+
+vrml::NodeNames& NodeEditor::names() {
+  if (!names_) names_ = std::make_unique<vrml::NodeNames>(world_->root());
+  return *names_;
+}
+
+const vrml::FieldValue* NodeEditor::value_of(const vrml::InterfaceDeclaration& interface) const {
+  return world_ && node_ ? world_->last_value(*node_.scene, node_.id, interface) : nullptr;
+}
+
+std::optional<std::string> NodeEditor::send_text(const vrml::InterfaceDeclaration& event_in, const std::string& text) {
+  if (!world_ || !node_) return "the node no longer exists";
+  // DEF names resolve in the world's main file only.
+  if (vrml::holds_nodes(event_in.type) && node_.scene != &world_->root())
+    return "nodes of Inlines cannot be set to nodes here";
+  auto read = read_edit(*node_.scene->node(node_.id).type, event_in, text, names());
+  if (auto* why = std::get_if<std::string>(&read)) return std::move(*why);
+  return send(event_in, std::move(std::get<vrml::FieldValue>(read)));
+}
+
+std::optional<std::string> NodeEditor::send(const vrml::InterfaceDeclaration& event_in, vrml::FieldValue value) {
+  if (!world_ || !node_) return "the node no longer exists";
+  if (auto why = why_not_valid(*node_.scene->node(node_.id).type, event_in, value)) return why;
+  if (edits_.size() >= kMostEdits) return "too many changes are pending; try again";
+  edits_.push_back({node_, &event_in, std::move(value)});
+  return std::nullopt;
+}
+
+std::optional<std::string> NodeEditor::target_of_url(const vrml::InterfaceDeclaration& url, std::size_t index) const {
+  const vrml::FieldValue* const value = value_of(url);
+  const auto* const urls = value ? std::get_if<vrml::MFString>(value) : nullptr;
+  if (!urls || index >= urls->size() || url.slot < 0) return std::nullopt;
+  const Link link = link_of({(*urls)[index].str()}, {}, node_.scene->text_of(node_.id, url.slot).origin());
+  if (link.places.empty() || !link.places.front().problem.empty() || link.places.front().target.empty())
+    return std::nullopt;
+  return link.places.front().target;
+}
+
+std::optional<std::string> NodeEditor::send_element(const vrml::InterfaceDeclaration& event_in,
+                                                    const vrml::FieldValue& list, std::size_t index,
+                                                    const vrml::FieldValue& element) {
+  vrml::FieldValue changed = list;
+  if (!set_element(changed, index, element)) return "the element no longer exists";
+  return send(event_in, std::move(changed));
+}
+
+std::optional<std::string> NodeEditor::send_element_text(const vrml::InterfaceDeclaration& event_in,
+                                                         const vrml::FieldValue& list, std::size_t index,
+                                                         const std::string& text) {
+  if (!world_ || !node_ || index >= element_count(list)) return "the element no longer exists";
+  const vrml::FieldType type = vrml::type_of(element_of(list, index));
+  if (vrml::holds_nodes(type) && node_.scene != &world_->root()) return "nodes of Inlines cannot be set to nodes here";
+  const auto value = read_value(text, type, names());
+  if (!value) return "'" + text.substr(0, 80) + "' is no " + std::string(vrml::name_of(type));
+  return send_element(event_in, list, index, *value);
+}
+
+NodeAt NodeEditor::script() const {
+  if (!world_ || !node_ || !is_in(*world_, node_)) return {};
+  const vrml::NodeId id = node_.scene->resolve(node_.id);
+  return id && vrml::has(node_.scene->node(id).type->role, vrml::Role::script) ? NodeAt{node_.scene, id} : NodeAt{};
+}
+
+bool NodeEditor::deliver() {
+  if (edits_.empty()) return false;
+  world_->begin_update();
+  for (Edit& one : std::exchange(edits_, {}))
+    if (is_in(*world_, one.node)) (void)world_->post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value));
+  world_->end_update();
+  return true;
+}
+
+}  // namespace gs::app
