@@ -1,4 +1,5 @@
 #include "app/interface/ui_state.h"
+#include "app/interface/viewport_widgets.h"
 
 #include <imgui.h>
 
@@ -64,7 +65,7 @@ void draw_axis(ImDrawList& draw, const AxisEnd& end, const ImVec2& center, const
 
 }  // namespace
 
-void UiOverlay::State::grid_line(const UiViewport& viewport, const std::string& grid) {
+void ViewportWidgets::grid_line(const UiViewport& viewport, const std::string& grid) {
   const float em = ImGui::GetFontSize();
   const Viewport& place = viewport.place;
   const ImVec2 lower = in_units(glm::vec2(place.left, place.top + place.height));
@@ -75,7 +76,7 @@ void UiOverlay::State::grid_line(const UiViewport& viewport, const std::string& 
   draw.AddText(at, ImGui::GetColorU32(UiColors::kOnPicture), grid.c_str());
 }
 
-void UiOverlay::State::axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
+void ViewportWidgets::axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
   if (viewport.active && model.has_world) grid_line(viewport, model.grid_text);
   const float em = ImGui::GetFontSize(), half = kAxesHalf * em;
   const Viewport& place = viewport.place;
@@ -89,7 +90,7 @@ void UiOverlay::State::axes_widget(const UiViewport& viewport, const UiModel& mo
   if (!viewport.active) {
     // A click there activates the viewport.
     for (const AxisEnd& end : axis_ends(viewport.pose))
-      draw_axis(*ImGui::GetBackgroundDrawList(), end, center, place_of(end), dot, scale);
+      draw_axis(*ImGui::GetBackgroundDrawList(), end, center, place_of(end), dot, scale_);
     return;
   }
   ImGui::SetNextWindowPos({lower.x, lower.y - 2 * half});
@@ -109,10 +110,10 @@ void UiOverlay::State::axes_widget(const UiViewport& viewport, const UiModel& mo
     ImGui::PushID(name.c_str());
     if (ImGui::InvisibleButton("##end", {2 * dot, 2 * dot})) actions.run = side_along(end.along, model.upright);
     const bool hovered = ImGui::IsItemHovered();
-    tooltip("From " + name);
+    tooltips_.show("From " + name);
     ImGui::PopID();
-    draw_axis(draw, end, center, at, dot, scale);
-    if (hovered) draw.AddCircle(at, dot + scale, ImGui::GetColorU32(UiColors::kOnPicture), 0, 1.5f * scale);
+    draw_axis(draw, end, center, at, dot, scale_);
+    if (hovered) draw.AddCircle(at, dot + scale_, ImGui::GetColorU32(UiColors::kOnPicture), 0, 1.5f * scale_);
   }
   ImGui::End();
 }

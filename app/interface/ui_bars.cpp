@@ -1,4 +1,5 @@
 #include "app/interface/ui_state.h"
+#include "app/interface/viewport_widgets.h"
 
 #include <imgui.h>
 
@@ -256,17 +257,17 @@ void UiOverlay::State::status_bar(const UiModel& model) {
   ImGui::End();
 }
 
-void UiOverlay::State::travel_mark(const UiModel& model) {
+void ViewportWidgets::travel_mark(const UiModel& model) {
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
   const ImVec2 anchor(model.travel_anchor->x / std::max(pixels.x, 0.01f),
                       model.travel_anchor->y / std::max(pixels.y, 0.01f));
   const ImVec2 pointer(model.pointer.x / std::max(pixels.x, 0.01f), model.pointer.y / std::max(pixels.y, 0.01f));
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImU32 light = IM_COL32(255, 255, 255, 190), dark = IM_COL32(0, 0, 0, 110);
-  draw.AddLine(anchor, pointer, dark, 4 * scale);
-  draw.AddLine(anchor, pointer, light, 2 * scale);
-  draw.AddCircle(anchor, 7 * scale, dark, 0, 4 * scale);
-  draw.AddCircle(anchor, 7 * scale, light, 0, 2 * scale);
+  draw.AddLine(anchor, pointer, dark, 4 * scale_);
+  draw.AddLine(anchor, pointer, light, 2 * scale_);
+  draw.AddCircle(anchor, 7 * scale_, dark, 0, 4 * scale_);
+  draw.AddCircle(anchor, 7 * scale_, light, 0, 2 * scale_);
 }
 
 }  // namespace gs::app

@@ -1,5 +1,6 @@
 #include "app/interface/base/fonts.h"
 #include "app/interface/ui_state.h"
+#include "app/interface/viewport_widgets.h"
 
 #include <imgui.h>
 
@@ -87,7 +88,7 @@ void draw_bar(ImDrawList& draw, const ColorBar& bar, const MarkArea& area, float
 }  // namespace
 
 // Draws ruler and colour bar over the active viewport.
-void UiOverlay::State::tool_marks(const UiModel& model) const {
+void ViewportWidgets::tool_marks(const UiModel& model) const {
   const auto active = std::find_if(model.viewports.begin(), model.viewports.end(),
                                    [](const UiViewport& viewport) { return viewport.active; });
   if (active == model.viewports.end()) return;
@@ -96,11 +97,11 @@ void UiOverlay::State::tool_marks(const UiModel& model) const {
                       units_of(glm::vec2(place.left + place.width, place.top + place.height))};
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   draw.PushClipRect(area.from, area.to, true);
-  if (model.tools.color_bar && model.tools.bar) draw_bar(draw, *model.tools.bar, area, scale);
-  draw_slice_edge(draw, model.tools, scale);
-  draw_ruler(draw, model.tools, scale);
+  if (model.tools.color_bar && model.tools.bar) draw_bar(draw, *model.tools.bar, area, scale_);
+  draw_slice_edge(draw, model.tools, scale_);
+  draw_ruler(draw, model.tools, scale_);
   if (model.tools.measuring)
-    draw_label(draw, {area.from.x + 12 * scale, area.to.y - 2 * ImGui::GetFontSize()}, model.tools.measured, scale);
+    draw_label(draw, {area.from.x + 12 * scale_, area.to.y - 2 * ImGui::GetFontSize()}, model.tools.measured, scale_);
   draw.PopClipRect();
 }
 

@@ -121,14 +121,14 @@ bool UiOverlay::State::is_possible(Action action, const UiModel& model) {
   return !row.of_world || model.has_world;
 }
 
-void UiOverlay::State::menu_item(const ActionRow& row, const UiModel& model, UiActions& actions) {
+void UiOverlay::State::MenuBar::menu_item(const ActionRow& row, const UiModel& model, UiActions& actions) {
   // A panel's menu item has the title of its tab.
   const auto panel = panel_of(row.action);
   const std::string_view words = panel ? panel_rows()[*panel].title : row.help;
   const ImVec2 place = ImGui::GetCursorScreenPos();
   const float line = ImGui::GetTextLineHeight();
-  if (ImGui::MenuItem(("      " + label_of(words, row.help)).c_str(), keys_of(row).c_str(), is_on(row.action, model),
-                      is_possible(row.action, model)))
+  if (ImGui::MenuItem(("      " + label_of(words, row.help)).c_str(), keys_of(row).c_str(),
+                      ui_.is_on(row.action, model), ui_.is_possible(row.action, model)))
     actions.run = row.action;
   if (const auto icon = icon_of(row.action))
     draw_icon(*ImGui::GetWindowDrawList(), *icon, {place.x, place.y + std::round(line * 0.02f)}, line,
@@ -136,15 +136,15 @@ void UiOverlay::State::menu_item(const ActionRow& row, const UiModel& model, UiA
 }
 
 // Begins a menu that fits the window below the menu bar, scrolling if needed.
-bool UiOverlay::State::begin_menu(const std::string& label, bool enabled) {
-  const float below = ImGui::GetIO().DisplaySize.y - menu_bar_height() - ImGui::GetStyle().DisplaySafeAreaPadding.y;
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {FLT_MAX, std::max(below, menu_bar_height())});
+bool UiOverlay::State::MenuBar::begin_menu(const std::string& label, bool enabled) {
+  const float below = ImGui::GetIO().DisplaySize.y - ui_.menu_bar_height() - ImGui::GetStyle().DisplaySafeAreaPadding.y;
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {FLT_MAX, std::max(below, ui_.menu_bar_height())});
   return ImGui::BeginMenu(label.c_str(), enabled);
 }
 
 // Begins a submenu. In a narrow window, where it would cover its parent, adds its items to the parent instead. Call
 // `end_part` if this returns true.
-bool UiOverlay::State::begin_part(const std::string& title, bool enabled) {
+bool UiOverlay::State::MenuBar::begin_part(const std::string& title, bool enabled) {
   const std::string label = "      " + title;
   if (ImGui::GetIO().DisplaySize.x >= kRoomForTwo * ImGui::GetFontSize()) return begin_menu(label, enabled);
   if (!enabled) return false;
@@ -152,14 +152,14 @@ bool UiOverlay::State::begin_part(const std::string& title, bool enabled) {
   colored_text(UiColors::kQuiet, label);
   return true;
 }
-void UiOverlay::State::end_part() {
+void UiOverlay::State::MenuBar::end_part() {
   if (ImGui::GetIO().DisplaySize.x >= kRoomForTwo * ImGui::GetFontSize())
     ImGui::EndMenu();
   else
     ImGui::Separator();
 }
 
-void UiOverlay::State::recent_menu(const UiModel& model, UiActions& actions) {
+void UiOverlay::State::MenuBar::recent_menu(const UiModel& model, UiActions& actions) {
   if (!begin_part("Open recent", !model.recent.empty())) return;
   for (std::size_t i = 0; i < std::min(model.recent.size(), kMostShown); ++i)
     if (ImGui::MenuItem(("      " + label_of(shortened(without_home(model.recent[i]), 90), std::to_string(i))).c_str()))
@@ -167,7 +167,7 @@ void UiOverlay::State::recent_menu(const UiModel& model, UiActions& actions) {
   end_part();
 }
 
-void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
+void UiOverlay::State::MenuBar::bookmark_menu(const UiModel& model, UiActions& actions) {
   if (!begin_menu("Bookmarks")) return;
   menu_item(row_of(Action::bookmark), model, actions);
   if (!model.bookmarks.empty()) ImGui::Separator();
@@ -175,7 +175,8 @@ void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
     const Bookmark& one = model.bookmarks[i];
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::MenuItem(("      " + label_of(shortened(one.title, 80), "bookmark")).c_str())) actions.open_bookmark = i;
-    tooltip(without_home(one.place) + (one.viewpoint.empty() ? "" : "\n" + one.viewpoint) + "\nRight-click to remove");
+    ui_.tooltip(without_home(one.place) + (one.viewpoint.empty() ? "" : "\n" + one.viewpoint) +
+                "\nRight-click to remove");
     if (ImGui::BeginPopupContextItem("##remove")) {
       if (ImGui::MenuItem("Remove bookmark")) actions.remove_bookmark = i;
       ImGui::EndPopup();
@@ -186,7 +187,7 @@ void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
 }
 
 // Draws the submenu of a group at its first row.
-void UiOverlay::State::group_menu(const ActionRow& first, const UiModel& model, UiActions& actions) {
+void UiOverlay::State::MenuBar::group_menu(const ActionRow& first, const UiModel& model, UiActions& actions) {
   const ActionRow* before = &first == app::actions().data() ? nullptr : &first - 1;
   if (before && before->group == first.group && before->menu == first.menu) return;
   const bool possible = !first.of_world || model.has_world;
@@ -196,7 +197,7 @@ void UiOverlay::State::group_menu(const ActionRow& first, const UiModel& model, 
   end_part();
 }
 
-void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {
+void UiOverlay::State::MenuBar::menus(const UiModel& model, UiActions& actions) {
   for (std::size_t i = 0; i < kMenus; ++i) {
     const auto menu = static_cast<Menu>(i);
     if (menu == Menu::help) bookmark_menu(model, actions);
@@ -223,24 +224,26 @@ void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {
   }
 }
 
-void UiOverlay::State::menu_bar(const UiModel& model, UiActions& actions) {
-  const float width = ImGui::GetIO().DisplaySize.x, height = menu_bar_height();
-  const ImVec2 frame(8 * scale, std::round(6 * scale));
+void UiOverlay::State::MenuBar::draw(const UiModel& model, UiActions& actions) {
+  const float width = ImGui::GetIO().DisplaySize.x, height = ui_.menu_bar_height();
+  const ImVec2 frame(8 * ui_.scale, std::round(6 * ui_.scale));
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, frame);
-  begin_row("##menus", 0, menus_width > 0 ? std::min(menus_width, width) : width, height, {4 * scale, 0}, true);
+  begin_row("##menus", 0, ui_.menus_width > 0 ? std::min(ui_.menus_width, width) : width, height, {4 * ui_.scale, 0},
+            true);
   if (ImGui::BeginMenuBar()) {
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {8 * scale, std::round(4 * scale)});
-    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {10 * scale, 6 * scale});
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {8 * ui_.scale, std::round(4 * ui_.scale)});
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {10 * ui_.scale, 6 * ui_.scale});
     menus(model, actions);
-    menus_width = std::round(ImGui::GetCursorPosX());
+    ui_.menus_width = std::round(ImGui::GetCursorPosX());
     ImGui::PopStyleVar(2);
     ImGui::EndMenuBar();
   }
   ImGui::End();
   ImGui::PopStyleVar();
-  if (menus_width <= 0 || menus_width >= width) return;
-  begin_row("##travel", menus_width, width - menus_width, height, {2 * scale, std::round(3 * scale)}, false);
-  places_of_travel(model, actions);
+  if (ui_.menus_width <= 0 || ui_.menus_width >= width) return;
+  begin_row("##travel", ui_.menus_width, width - ui_.menus_width, height, {2 * ui_.scale, std::round(3 * ui_.scale)},
+            false);
+  ui_.places_of_travel(model, actions);
   ImGui::End();
 }
 

@@ -2,6 +2,7 @@
 
 #include "app/interface/panels/inspect_panels.h"
 #include "app/interface/ui_state.h"
+#include "app/interface/viewport_widgets.h"
 
 #include <imgui.h>
 #include <imgui_internal.h>
@@ -18,12 +19,6 @@ constexpr int kFramesToFocus = 4;  // max frames until a new text field has the 
 const std::string kSideNames[kDockSides] = {"left", "right", "bottom"};
 
 }  // namespace
-
-bool UiOverlay::State::toggle_panel(Action action) {
-  const auto panel = panel_of(action);
-  if (panel) dock.dock().toggle(*panel);
-  return panel.has_value();
-}
 
 // Applies colours and text size, and adds glyphs that the last frame lacked.
 void UiOverlay::State::apply_appearance(bool at_first) {
@@ -82,7 +77,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   state.settings = model.settings;
   state.to_restore = model.to_restore;
   state.tooltips.begin(state.now, !state.dialog.open && !state.palette.open);
-  state.menu_bar(model, actions);
+  State::MenuBar(state).draw(model, actions);
   state.tool_bar(model, actions);
   state.restore_line(model, actions);
   if (state.statistics) state.status_bar(model);
@@ -92,28 +87,29 @@ UiActions UiOverlay::build(const UiModel& model) {
   state.preferences_dialog(model, actions);
   state.palette_dialog(model, actions);
   state.question_panel(model, actions);
-  state.viewport_marks(model);
+  ViewportWidgets widgets(state.scale, state.now, state.tooltips);
+  widgets.viewport_marks(model);
   if (model.inspection) draw_marks(*model.inspection);
-  state.tool_marks(model);
-  for (const UiViewport& viewport : model.viewports) state.axes_widget(viewport, model, actions);
-  state.divider_handles(model, actions);
+  widgets.tool_marks(model);
+  for (const UiViewport& viewport : model.viewports) widgets.axes_widget(viewport, model, actions);
+  widgets.divider_handles(model, actions);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
-    if (model.panes > 1) state.pane_bar(viewport, model, actions);
+    if (model.panes > 1) widgets.pane_bar(viewport, model, actions);
     // A playing series loads its next file all the time.
     const bool plays = viewport.active && model.tools.playing;
     if (!viewport.loading.empty() && !plays)
-      state.loading_line(viewport, i, actions);
+      widgets.loading_line(viewport, i, actions);
     else if (!viewport.failed.empty())
-      state.failure_card(viewport, model, actions);
+      widgets.failure_card(viewport, model, state.is_on(Action::log, model), actions);
     else if (viewport.label.empty() && !state.dialog.open)
-      state.welcome(viewport, i);
+      widgets.welcome(viewport, i);
     // The ruler's own line takes their position.
     else if (model.first_steps && viewport.active && !state.dialog.open && !model.tools.measuring)
-      state.first_steps(viewport, model, actions);
+      widgets.first_steps(viewport, model, actions);
   }
   state.notice_lines();
-  if (model.travel_anchor) state.travel_mark(model);
+  if (model.travel_anchor) widgets.travel_mark(model);
   if (!model.tools.slice_edge.empty() && !ImGui::GetIO().WantCaptureMouse) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
   if (model.over_sensor && !ImGui::GetIO().WantCaptureMouse) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
@@ -190,7 +186,11 @@ bool UiOverlay::run(Action action) {
       state.statistics = !state.statistics;
       return true;
     default:
-      return state.toggle_panel(action);
+      if (const auto panel = panel_of(action)) {
+        state.dock.dock().toggle(*panel);
+        return true;
+      }
+      return false;
   }
 }
 

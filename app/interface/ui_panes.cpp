@@ -2,6 +2,7 @@
 #include "app/interface/base/rate_choice.h"
 #include "app/interface/base/viewport_area.h"
 #include "app/interface/ui_state.h"
+#include "app/interface/viewport_widgets.h"
 
 #include <imgui.h>
 
@@ -46,12 +47,12 @@ PaneRequest wish(PaneRequest::Kind kind, const UiViewport& viewport, std::size_t
 
 }  // namespace
 
-void UiOverlay::State::divider_handles(const UiModel& model, UiActions& actions) {
+void ViewportWidgets::divider_handles(const UiModel& model, UiActions& actions) {
   const ImVec2 unit = units_of_pixel();
   for (std::size_t i = 0; i < model.dividers.size(); ++i) {
     const SplitDivider& divider = model.dividers[i];
     const ViewportArea line = area_of(divider.place);
-    const float handle = std::round(kHandle * scale);
+    const float handle = std::round(kHandle * scale_);
     const ImVec2 size = divider.upright ? ImVec2(handle, line.height()) : ImVec2(line.width(), handle);
     ImGui::SetNextWindowPos(divider.upright ? ImVec2(line.lower.x - handle / 2, line.lower.y)
                                             : ImVec2(line.lower.x, line.lower.y - handle / 2));
@@ -67,7 +68,7 @@ void UiOverlay::State::divider_handles(const UiModel& model, UiActions& actions)
       const bool held = ImGui::IsItemActive();
       if (held || ImGui::IsItemHovered()) {
         ImGui::SetMouseCursor(divider.upright ? ImGuiMouseCursor_ResizeEW : ImGuiMouseCursor_ResizeNS);
-        const float half = std::max(1.0f, std::round(1.5f * scale));
+        const float half = std::max(1.0f, std::round(1.5f * scale_));
         ImGui::GetForegroundDrawList()->AddRectFilled(
             {line.lower.x - (divider.upright ? half : 0), line.lower.y - (divider.upright ? 0 : half)},
             {line.upper.x + (divider.upright ? half : 0), line.upper.y + (divider.upright ? 0 : half)},
@@ -79,21 +80,21 @@ void UiOverlay::State::divider_handles(const UiModel& model, UiActions& actions)
         const ImVec2 pointer = ImGui::GetIO().MousePos;
         actions.divider = {divider,
                            static_cast<int>(std::lround(divider.upright ? pointer.x / unit.x : pointer.y / unit.y)),
-                           static_cast<int>(std::lround(kLeastViewport * scale / unit.x)), !held};
+                           static_cast<int>(std::lround(kLeastViewport * scale_ / unit.x)), !held};
       }
-      tooltip("Drag to resize viewports.  Double-click to equalise their sizes");
+      tooltips_.show("Drag to resize viewports.  Double-click to equalise their sizes");
     }
     ImGui::End();
   }
 }
 
-void UiOverlay::State::pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
+void ViewportWidgets::pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
   const ViewportArea area = area_of(viewport.place);
-  const float gap = std::round(6 * scale);
-  if (area.width() < 40 * scale || area.height() < ImGui::GetFrameHeight() + 2 * gap) return;
+  const float gap = std::round(6 * scale_);
+  if (area.width() < 40 * scale_ || area.height() < ImGui::GetFrameHeight() + 2 * gap) return;
   ImGui::SetNextWindowPos({area.lower.x + gap, area.lower.y + gap});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {area.width() - 2 * gap, area.height()});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {6 * scale, std::round(1 * scale)});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {6 * scale_, std::round(1 * scale_)});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, with_alpha(UiColors::kBar, 0.88f));
   ImGui::Begin(("##pane" + std::to_string(viewport.pane)).c_str(), nullptr, kLineFlags);
@@ -102,24 +103,24 @@ void UiOverlay::State::pane_bar(const UiViewport& viewport, const UiModel& model
   ImGui::AlignTextToFramePadding();
   colored_text(viewport.active ? UiColors::kText : UiColors::kQuiet,
                name_of_pane(viewport.pane, shortened(viewport.label, kBarLabel)));
-  tooltip("Ctrl+" + std::to_string(viewport.pane + 1) + ": focus this viewport.  Right-click for its menu");
+  tooltips_.show("Ctrl+" + std::to_string(viewport.pane + 1) + ": focus this viewport.  Right-click for its menu");
   const bool several = std::count_if(model.viewports.begin(), model.viewports.end(),
                                      [](const UiViewport& one) { return one.vectors > 0; }) > 1;
   if (viewport.vectors > 0 && several) {
     ImGui::SameLine();
     colored_text(UiColors::kQuiet, percent(viewport.vectors));
-    tooltip("Share of the drawn vectors: " + thousands(viewport.budget));
+    tooltips_.show("Share of the drawn vectors: " + thousands(viewport.budget));
   }
   if ((viewport.reading > 0 && viewport.rate > 0) || viewport.arriving > 0) {
     ImGui::SameLine();
     colored_text(UiColors::kQuiet, arriving_text(viewport));
-    tooltip("Rate of received data; the menu sets its limit");
+    tooltips_.show("Rate of received data; the menu sets its limit");
   }
   // Show buttons only in the active or hovered viewport, because they cover the picture.
   const bool wanted = viewport.active || area.contains(ImGui::GetIO().MousePos);
   const auto button = [&](const char* id, Icon icon, const std::string& words) {
     const bool pressed = icon_button(id, icon, "");
-    tooltip(words);
+    tooltips_.show(words);
     return pressed;
   };
   const float needed = ImGui::GetItemRectMax().x - area.lower.x + 5 * icon_button_width("") + 4 * gap;
@@ -148,8 +149,8 @@ void UiOverlay::State::pane_bar(const UiViewport& viewport, const UiModel& model
   ImGui::End();
 }
 
-void UiOverlay::State::pane_menu(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * scale, 8 * scale});
+void ViewportWidgets::pane_menu(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * scale_, 8 * scale_});
   const bool open = ImGui::BeginPopup("##panemenu");
   ImGui::PopStyleVar();
   if (!open) return;
@@ -175,61 +176,63 @@ void UiOverlay::State::pane_menu(const UiViewport& viewport, const UiModel& mode
 }
 
 // Draws the viewport's weight in the shared resources.
-void UiOverlay::State::pane_shares(const UiViewport& viewport, UiActions& actions) {
+void ViewportWidgets::pane_shares(const UiViewport& viewport, UiActions& actions) {
   colored_text(UiColors::kQuiet, "Weight");
   auto weight = static_cast<float>(viewport.weight);
-  ImGui::SetNextItemWidth(180 * scale);
+  ImGui::SetNextItemWidth(180 * scale_);
   if (ImGui::SliderFloat("##weight", &weight, 0.25f, 4, "%.2f times", ImGuiSliderFlags_Logarithmic)) {
     actions.pane = wish(PaneRequest::Kind::weigh, viewport);
     actions.pane->weight = static_cast<double>(std::abs(weight - 1) < 0.04f ? 1.0f : weight);
   }
-  tooltip("Multiplies this viewport's share of vectors and bandwidth.  Ctrl+click to type a number");
+  tooltips_.show(
+      "Multiplies this viewport's share of vectors and bandwidth.  Ctrl+click to type a number");
   text("Vectors: " +
        (viewport.vectors > 0 ? percent(viewport.vectors) + ", " + thousands(viewport.budget) : std::string("none")));
   const std::string share = viewport.reading > 0 ? percent(viewport.reading) + ", " : "";
   text("Reading: " + (viewport.reading > 0 || viewport.arriving > 0 ? share + readable_rate(viewport.arriving)
                                                                     : std::string("nothing")));
   colored_text(UiColors::kQuiet, "Bandwidth limit");
-  if (const auto rate = rate_choice("##rate", viewport.rate, 180 * scale)) {
+  if (const auto rate = rate_choice("##rate", viewport.rate, 180 * scale_)) {
     actions.pane = wish(PaneRequest::Kind::limit, viewport);
     actions.pane->rate = *rate;
   }
-  tooltip("Limits the network traffic of this viewport (--rate)");
+  tooltips_.show("Limits the network traffic of this viewport (--rate)");
 }
 
-void UiOverlay::State::failure_card(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
+void ViewportWidgets::failure_card(const UiViewport& viewport, const UiModel& model, bool log_open,
+                                   UiActions& actions) {
   const ViewportArea area = area_of(viewport.place);
-  const float gap = std::round(10 * scale), width = std::min(area.width() - 2 * gap, 460 * scale);
-  if (width < 60 * scale) return;
+  const float gap = std::round(10 * scale_), width = std::min(area.width() - 2 * gap, 460 * scale_);
+  if (width < 60 * scale_) return;
   // Do not cover a world that is still displayed.
   const bool beside = !viewport.label.empty();
   ImGui::SetNextWindowPos({std::floor((area.lower.x + area.upper.x) / 2),
                            beside ? area.upper.y - gap : std::floor((area.lower.y + area.upper.y) / 2)},
                           ImGuiCond_Always, {0.5f, beside ? 1.0f : 0.5f});
-  ImGui::SetNextWindowSizeConstraints({std::min(width, 240 * scale), 0}, {width, area.height() - gap});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale, 8 * scale});
+  ImGui::SetNextWindowSizeConstraints({std::min(width, 240 * scale_), 0}, {width, area.height() - gap});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale_, 8 * scale_});
   ImGui::PushStyleColor(ImGuiCol_Border, UiColors::kError);
   ImGui::Begin(("##failed" + std::to_string(viewport.pane)).c_str(), nullptr, kLineFlags);
   ImGui::PopStyleColor();
   ImGui::PopStyleVar();
-  ImGui::PushTextWrapPos(width - 24 * scale);
+  ImGui::PushTextWrapPos(width - 24 * scale_);
   colored_text(UiColors::kError, shortened(viewport.failed, 80) + " cannot be opened");
   text(shortened(viewport.reason, 300));
   ImGui::PopTextWrapPos();
   if (ImGui::Button("Retry")) actions.pane = wish(PaneRequest::Kind::open_again, viewport);
   ImGui::SameLine();
-  if (ImGui::Button("Show log") && !is_on(Action::log, model)) actions.run = Action::log;
-  tooltip(tooltip_of(Action::log));
+  if (ImGui::Button("Show log") && !log_open) actions.run = Action::log;
+  tooltips_.show(tooltip_of(Action::log));
   if (viewport.reason.find("--memory") != std::string::npos) {
     ImGui::SameLine();
     if (ImGui::Button("Raise memory limit")) actions.run = Action::preferences;
-    tooltip("Opens the preferences, which set the memory limit of a file");
+    tooltips_.show("Opens the preferences, which set the memory limit of a file");
   }
   ImGui::SameLine();
   const bool goes = viewport.label.empty() && model.panes > 1;
   if (ImGui::Button("Close"))
     actions.pane = wish(goes ? PaneRequest::Kind::close : PaneRequest::Kind::dismiss, viewport);
-  tooltip(goes ? "Close this viewport" : "Close this message");
+  tooltips_.show(goes ? "Close this viewport" : "Close this message");
   ImGui::End();
 }
 

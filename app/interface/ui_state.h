@@ -83,17 +83,27 @@ struct UiOverlay::State {
   Tooltips tooltips;
   DockView dock;
 
+  /// Menus of one frame.
+  class MenuBar {
+   public:
+    explicit MenuBar(State& ui) : ui_(ui) {}
+    void draw(const UiModel& model, UiActions& actions);
+
+   private:
+    void menus(const UiModel& model, UiActions& actions);
+    [[nodiscard]] bool begin_menu(const std::string& label, bool enabled = true);
+    [[nodiscard]] bool begin_part(const std::string& title, bool enabled);
+    static void end_part();
+    void group_menu(const ActionRow& first, const UiModel& model, UiActions& actions);
+    void menu_item(const ActionRow& row, const UiModel& model, UiActions& actions);
+    void recent_menu(const UiModel& model, UiActions& actions);
+    void bookmark_menu(const UiModel& model, UiActions& actions);
+
+    State& ui_;
+  };
+
   void apply_appearance(bool at_first);
 
-  void menu_bar(const UiModel& model, UiActions& actions);
-  void menus(const UiModel& model, UiActions& actions);
-  [[nodiscard]] bool begin_menu(const std::string& label, bool enabled = true);
-  [[nodiscard]] bool begin_part(const std::string& title, bool enabled);
-  static void end_part();
-  void group_menu(const ActionRow& first, const UiModel& model, UiActions& actions);
-  void menu_item(const ActionRow& row, const UiModel& model, UiActions& actions);
-  void recent_menu(const UiModel& model, UiActions& actions);
-  void bookmark_menu(const UiModel& model, UiActions& actions);
   void places_of_travel(const UiModel& model, UiActions& actions);
   [[nodiscard]] bool is_on(Action action, const UiModel& model) const;
   [[nodiscard]] static bool is_possible(Action action, const UiModel& model);
@@ -123,20 +133,6 @@ struct UiOverlay::State {
   void question_panel(const UiModel& model, UiActions& actions);
   void notice_lines();
 
-  void viewport_marks(const UiModel& model) const;
-  void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
-  void welcome(const UiViewport& viewport, std::size_t index);
-  void first_steps(const UiViewport& viewport, const UiModel& model, UiActions& actions);
-  void divider_handles(const UiModel& model, UiActions& actions);
-  void pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions);
-  void pane_menu(const UiViewport& viewport, const UiModel& model, UiActions& actions);
-  void pane_shares(const UiViewport& viewport, UiActions& actions);
-  void failure_card(const UiViewport& viewport, const UiModel& model, UiActions& actions);
-  void travel_mark(const UiModel& model);
-  void tool_marks(const UiModel& model) const;
-  void axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions);
-  void grid_line(const UiViewport& viewport, const std::string& grid);
-
   // Heights in Dear ImGui units.
   [[nodiscard]] float menu_bar_height() const;
   [[nodiscard]] float tool_bar_height() const;
@@ -147,7 +143,6 @@ struct UiOverlay::State {
   [[nodiscard]] float status_bar_height() const;  // 0 if it is hidden
   /// Sets the tooltip of the previous item.
   void tooltip(std::string_view text) { tooltips.show(text); }
-  bool toggle_panel(Action action);
 };
 
 }  // namespace gs::app

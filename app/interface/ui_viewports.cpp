@@ -1,5 +1,6 @@
 #include "app/interface/base/viewport_area.h"
 #include "app/interface/ui_state.h"
+#include "app/interface/viewport_widgets.h"
 
 #include <imgui.h>
 
@@ -64,10 +65,10 @@ void UiOverlay::State::layout_buttons(const UiModel& model, UiActions& actions, 
   tooltip("Link viewports (L)");
 }
 
-void UiOverlay::State::viewport_marks(const UiModel& model) const {
+void ViewportWidgets::viewport_marks(const UiModel& model) const {
   if (model.viewports.size() < 2) return;
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const float line = std::max(1.0f, std::round(scale));
+  const float line = std::max(1.0f, std::round(scale_));
   for (const UiViewport& viewport : model.viewports) {
     const ViewportArea area = area_of(viewport.place);
     draw.AddRect(area.lower, area.upper, ImGui::GetColorU32(UiColors::kBar), 0, 0, 2 * line);
@@ -80,36 +81,36 @@ void UiOverlay::State::viewport_marks(const UiModel& model) const {
   }
 }
 
-void UiOverlay::State::loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions) {
+void ViewportWidgets::loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions) {
   const ViewportArea area = area_of(viewport.place);
-  const float thickness = std::round(3 * scale);
+  const float thickness = std::round(3 * scale_);
   // Draw an indeterminate progress bar along the upper edge.
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const float phase = static_cast<float>(std::fmod(now * 0.8, 1.0));
+  const float phase = static_cast<float>(std::fmod(now_ * 0.8, 1.0));
   const float from = area.lower.x + (phase * 1.3f - 0.3f) * area.width();
   draw.AddRectFilled({std::max(area.lower.x, from), area.lower.y},
                      {std::min(area.upper.x, from + 0.3f * area.width()), area.lower.y + thickness},
                      ImGui::GetColorU32(UiColors::kAccent));
-  ImGui::SetNextWindowPos({std::floor((area.lower.x + area.upper.x) / 2), area.lower.y + std::round(46 * scale)},
+  ImGui::SetNextWindowPos({std::floor((area.lower.x + area.upper.x) / 2), area.lower.y + std::round(46 * scale_)},
                           ImGuiCond_Always, {0.5f, 0});
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(area.width() - 16 * scale, 40.0f), area.height()});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale, 5 * scale});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(area.width() - 16 * scale_, 40.0f), area.height()});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale_, 5 * scale_});
   ImGui::Begin(("##loading" + std::to_string(index)).c_str(), nullptr, kLineFlags);
   ImGui::PopStyleVar();
   ImGui::AlignTextToFramePadding();
   text("Loading " + shortened(viewport.loading, 60) + "...");
   ImGui::SameLine();
   if (ImGui::SmallButton("x")) actions.cancel_loading = index;
-  tooltip("Stop loading (Esc)");
+  tooltips_.show("Stop loading (Esc)");
   ImGui::End();
 }
 
-void UiOverlay::State::welcome(const UiViewport& viewport, std::size_t index) {
+void ViewportWidgets::welcome(const UiViewport& viewport, std::size_t index) {
   const ViewportArea area = area_of(viewport.place);
   if (area.height() < 3 * ImGui::GetTextLineHeight()) return;
   static constexpr const char* kFirst = "Drop a file here";
   static constexpr const char* kSecond = "or press Ctrl+O to open one.  F1 lists all keys.";
-  const float least = ImGui::CalcTextSize(kFirst).x + 24 * scale;
+  const float least = ImGui::CalcTextSize(kFirst).x + 24 * scale_;
   if (area.width() < least) return;
   ImGui::SetNextWindowPos({(area.lower.x + area.upper.x) / 2, area.lower.y + area.height() * 0.45f}, ImGuiCond_Always,
                           {0.5f, 0.5f});
@@ -117,11 +118,11 @@ void UiOverlay::State::welcome(const UiViewport& viewport, std::size_t index) {
   ImGui::Begin(("##welcome" + std::to_string(index)).c_str(), nullptr,
                kLineFlags | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoInputs);
   colored_text(UiColors::kOnPicture, kFirst);
-  if (area.width() >= ImGui::CalcTextSize(kSecond).x + 24 * scale) colored_text(UiColors::kQuietOnPicture, kSecond);
+  if (area.width() >= ImGui::CalcTextSize(kSecond).x + 24 * scale_) colored_text(UiColors::kQuietOnPicture, kSecond);
   ImGui::End();
 }
 
-void UiOverlay::State::first_steps(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
+void ViewportWidgets::first_steps(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
   static constexpr struct {
     const char *keys, *text;
   } kSteps[] = {
@@ -133,14 +134,14 @@ void UiOverlay::State::first_steps(const UiViewport& viewport, const UiModel& mo
   float keys = 0, width = 0;
   for (const auto& step : kSteps) keys = std::max(keys, ImGui::CalcTextSize(step.keys).x);
   for (const auto& step : kSteps) width = std::max(width, ImGui::CalcTextSize(step.text).x);
-  keys += 16 * scale;
+  keys += 16 * scale_;
   const float close = ImGui::CalcTextSize("Got it").x + 2 * ImGui::GetStyle().FramePadding.x;
-  width += keys + close + 36 * scale;
-  const float height = 3 * ImGui::GetTextLineHeightWithSpacing() + 12 * scale;
-  if (area.width() < width + 16 * scale || area.height() < 3 * height) return;
-  ImGui::SetNextWindowPos({area.lower.x + 12 * scale, area.upper.y - 12 * scale}, ImGuiCond_Always, {0, 1});
+  width += keys + close + 36 * scale_;
+  const float height = 3 * ImGui::GetTextLineHeightWithSpacing() + 12 * scale_;
+  if (area.width() < width + 16 * scale_ || area.height() < 3 * height) return;
+  ImGui::SetNextWindowPos({area.lower.x + 12 * scale_, area.upper.y - 12 * scale_}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowSize({width, height});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale, 8 * scale});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale_, 8 * scale_});
   ImGui::SetNextWindowBgAlpha(0.8f);
   ImGui::Begin("##first steps", nullptr, kLineFlags & ~ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PopStyleVar();
@@ -150,12 +151,12 @@ void UiOverlay::State::first_steps(const UiViewport& viewport, const UiModel& mo
     ImGui::SameLine(left + keys);
     ImGui::TextUnformatted(step.text);
   }
-  ImGui::SetCursorPos({width - close - 8 * scale, 6 * scale});
+  ImGui::SetCursorPos({width - close - 8 * scale_, 6 * scale_});
   if (ImGui::SmallButton("Got it")) {
     actions.settings = model.settings;
     actions.settings->first_steps = false;
   }
-  tooltip("Hides the first steps; the preferences (Ctrl+,) show them again");
+  tooltips_.show("Hides the first steps; the preferences (Ctrl+,) show them again");
   ImGui::End();
 }
 

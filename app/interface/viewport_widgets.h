@@ -1,0 +1,40 @@
+#pragma once
+
+#include "app/interface/base/ui_model.h"
+#include "app/interface/base/ui_style.h"
+
+#include <cstddef>
+#include <string>
+
+namespace gs::app {
+
+/// Widgets over the pictures of the viewports: bars, dividers, progress, errors, axes and marks. Valid for one frame.
+class ViewportWidgets {
+ public:
+  /// `scale` is the size of a unit in pixels, `now` the time of the frame in seconds.
+  ViewportWidgets(float scale, double now, Tooltips& tooltips) : scale_(scale), now_(now), tooltips_(tooltips) {}
+
+  /// Draws the borders of the viewports, and marks the active one.
+  void viewport_marks(const UiModel& model) const;
+  void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
+  void welcome(const UiViewport& viewport, std::size_t index);
+  void first_steps(const UiViewport& viewport, const UiModel& model, UiActions& actions);
+  void divider_handles(const UiModel& model, UiActions& actions);
+  void pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions);
+  /// Shows the error of a viewport. `log_open` hides the button that opens the log.
+  void failure_card(const UiViewport& viewport, const UiModel& model, bool log_open, UiActions& actions);
+  void travel_mark(const UiModel& model);
+  void tool_marks(const UiModel& model) const;
+  void axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions);
+
+ private:
+  void pane_menu(const UiViewport& viewport, const UiModel& model, UiActions& actions);
+  void pane_shares(const UiViewport& viewport, UiActions& actions);
+  void grid_line(const UiViewport& viewport, const std::string& grid);
+
+  float scale_;
+  double now_;
+  Tooltips& tooltips_;
+};
+
+}  // namespace gs::app
