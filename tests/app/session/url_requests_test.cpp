@@ -190,13 +190,13 @@ TEST_CASE("set_url of an Inline twice within a step stops the fetches of its inn
   World world(files);
   const vrml::NodeId inlined = world.scene().roots()[0];
   world.set_url(inlined, "nested.wrl");
-  world.loading.request(world.living->take_url_requests());
+  world.loading.request(world.runtime->take_url_requests());
   while (!asked) (void)world.loading.step(std::chrono::milliseconds(5));
   for (const char* const url : {"one.wrl", "two.wrl"}) {
     world.set_url(inlined, url);
-    world.loading.request(world.living->take_url_requests());
+    world.loading.request(world.runtime->take_url_requests());
   }
-  world.living->arrive(world.fetch());
+  world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 200, -1, 10});
 }
 
