@@ -24,7 +24,7 @@ struct ProgressiveBytes {
 /// returns nullopt if that is impossible.
 [[nodiscard]] std::optional<ProgressiveBytes> encode_progressive(const exact::ExactMesh& mesh, std::size_t most_front);
 
-/// Reports whether a header section is a front and not the first stage of a displaced surface.
+/// Reports whether a header section begins like a front. A damaged first stage of a displaced surface does not.
 [[nodiscard]] bool is_front(std::span<const std::byte> section);
 
 /// Reports whether a header section is a front of a mesh with more than `most_vertices` vertices.

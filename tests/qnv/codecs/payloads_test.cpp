@@ -46,17 +46,20 @@ TEST_CASE("detects the payload of a stream from its first twelve bytes") {
   }
 }
 
-TEST_CASE("tells progressive streams from displaced ones by the first byte of their section") {
+TEST_CASE("tells progressive streams from displaced ones by the front in their section") {
   StreamHeader header;
   header.payload = Payload::displaced;
-  header.base = {std::byte{255}, std::byte{12}};
+  header.base.assign(13, std::byte{0});
+  header.base[0] = std::byte{255};
+  header.base[1] = std::byte{12};  // bits
   CHECK(row_of(header).name == "progressive");
+  header.base[1] = std::byte{255};
+  CHECK(row_of(header).name == "displaced");
   header.base[0] = std::byte{6};
   CHECK(row_of(header).name == "displaced");
   header.base.clear();
   CHECK(row_of(header).name == "displaced");
   header.payload = Payload::records;
-  header.base = {std::byte{255}};
   CHECK(row_of(header).name == "records");
 }
 

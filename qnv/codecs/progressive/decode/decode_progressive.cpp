@@ -34,9 +34,7 @@ std::optional<FrontHeader> decode_front(std::span<const std::byte> section) {
 
 }  // namespace
 
-bool is_front(std::span<const std::byte> section) {
-  return !section.empty() && section.front() == std::byte{kFrontMark};
-}
+bool is_front(std::span<const std::byte> section) { return decode_front(section).has_value(); }
 
 bool promises_more(std::span<const std::byte> section, std::size_t most_vertices) {
   const auto header = decode_front(section);
