@@ -4,6 +4,8 @@
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
 #include "app/formats/volume/volume.h"
+#include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/records/encode/encode_cloud.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/stream_decoder.h"

@@ -43,7 +43,7 @@ struct Inspected : OneWorld {
     return *at.scene->node(at.id).type->find(name);
   }
   template <class T>
-  [[nodiscard]] T value(std::string_view name) const {
+  [[nodiscard]] T value(std::string_view name) {
     return std::get<T>(*inspection.editor().value_of(interface(name)));
   }
 
