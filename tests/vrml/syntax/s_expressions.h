@@ -162,6 +162,8 @@ class SceneReader {
         std::get<SFBool>(*target.value) = forms[i].atom.text == "TRUE";
       }
     }
+    std::size_t charged = 0;
+    if (is_multiple(type) && !holds_nodes(type)) sink_.limits().charge_growth(*target.value, charged, true);
   }
 
   String string_of(const Form& form) {
