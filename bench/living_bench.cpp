@@ -32,7 +32,7 @@ double median(std::vector<double>& values) {
 
 render::BoundNodes bound(const vrml::Execution& execution) {
   const auto node_of = [&](vrml::NodeKind kind) -> const vrml::Node* {
-    const vrml::NodeChange found = execution.bound(vrml::built_in_node_type(kind));
+    const vrml::NodeChange found = execution.stacks().bound(vrml::built_in_node_type(kind));
     return found.scene ? &found.scene->node(found.node) : nullptr;
   };
   return {node_of(vrml::NodeKind::viewpoint), node_of(vrml::NodeKind::navigation_info),
@@ -80,7 +80,7 @@ int main(int count, char** arguments) {
     for (int frame = 1; frame <= frames; ++frame) {
       const Clock::time_point begin = Clock::now();
       execution.step(kStart + frame / 60.0);
-      const auto changes = execution.take_changes();
+      const auto changes = execution.changes().take();
       events.push_back(milliseconds(begin));
       const Clock::time_point following = Clock::now();
       render::forget_changed(meshes, changes);

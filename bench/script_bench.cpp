@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
   const auto begin = std::chrono::steady_clock::now();
   const auto runner = app::ScriptRunner::make(execution, {0, true});
   if (!runner) return 1;
-  execution.set_script_host(runner.get());
+  execution.scripts().set_host(runner.get());
   execution.start(1000);
   std::printf("%d Scripts: begin %.1f ms, %.1f KiB each\n", scripts, milliseconds_since(begin),
               static_cast<double>(peak_kib() - before) / scripts);

@@ -50,7 +50,7 @@ void tell_of_simulation(const SimulationOptions& options, const std::string& pat
     complain("%s: note: %zu of %zu sensors and Anchors pressed, %zu of %zu ProximitySensors visited", file,
              counts.pressed, counts.sensors, counts.visited, counts.places);
   }
-  if (const std::string& problem = simulation.execution().problem(); !problem.empty())
+  if (const std::string& problem = simulation.execution().budget().problem(); !problem.empty())
     complain("%s: warning: %s", file, problem.c_str());
 }
 
@@ -85,7 +85,7 @@ int run_trace(const TraceCommand& options) {
   if (!plan_input(options, simulation)) return kFailed;
   vrml::NodeNames names(*simulation.world().scene);
   std::string line;
-  simulation.execution().observe([&](const vrml::SentEvent& event) {
+  simulation.execution().cascade().observe([&](const vrml::SentEvent& event) {
     char digits[64];
     line.assign(digits, std::to_chars(digits, digits + sizeof digits, event.time).ptr);
     line += ' ' + names.of(*event.scene, event.node) + '.' + event.event->name;

@@ -110,7 +110,7 @@ Control::~Control() {
   for (auto& [number, client] : clients_) leave_world(client);
   for (const auto& world : worlds_)
     if (const auto document = world->document.lock(); document && document->runtime)
-      document->runtime->execution().observe({}, this);
+      document->runtime->execution().cascade().observe({}, this);
 }
 
 // Steps -------------------------------------------------------------------------------------------
@@ -196,7 +196,7 @@ void Control::leave_world(ControlClient& client) {
   if (document && document->runtime) {
     vrml::Execution& execution = document->runtime->execution();
     for (const auto& [number, node] : client.nodes)
-      if (execution.has_scene(node.scene)) execution.release(*node.scene, node.id);
+      if (execution.scenes().has(node.scene)) execution.lifetime().release(*node.scene, node.id);
   }
   client.nodes.clear();
   client.known_nodes.clear();
@@ -286,7 +286,7 @@ std::uint64_t Control::number_of(ControlClient& client, vrml::SceneGraph& scene,
   const auto [known, is_new] = client.known_nodes.try_emplace(node_key(node), client.last_node + 1);
   if (!is_new) return known->second;
   const auto document = client.world->document.lock();
-  document->runtime->execution().hold(scene, node);
+  document->runtime->execution().lifetime().hold(scene, node);
   client.nodes[++client.last_node] = {&scene, node};
   return client.last_node;
 }
@@ -297,7 +297,7 @@ void Control::dispose(ControlClient& client, std::uint64_t number) {
   client.known_nodes.erase(node_key(node.mapped().id));
   const auto document = client.world->document.lock();
   vrml::Execution& execution = document->runtime->execution();
-  if (execution.has_scene(node.mapped().scene)) execution.release(*node.mapped().scene, node.mapped().id);
+  if (execution.scenes().has(node.mapped().scene)) execution.lifetime().release(*node.mapped().scene, node.mapped().id);
 }
 
 vrml::NodeId Control::find_name(ControlClient& client, std::string_view name) {
@@ -333,9 +333,10 @@ void Control::observe(ControlledWorld& world) {
   const auto document = world.document.lock();
   if (!document || !document->runtime) return;
   if (world.watched.empty()) {
-    document->runtime->execution().observe({}, this);
+    document->runtime->execution().cascade().observe({}, this);
   } else {
-    document->runtime->execution().observe([this, &world](const vrml::SentEvent& event) { note(world, event); }, this);
+    document->runtime->execution().cascade().observe(
+        [this, &world](const vrml::SentEvent& event) { note(world, event); }, this);
   }
 }
 
@@ -368,7 +369,7 @@ void Control::append_event(std::string& out, ControlClient& client, std::uint64_
   append_json_number(out, time);
   out += ",\"value\":";
   append_json_value(out, value, [&](std::string& to, vrml::NodeId node) {
-    const bool there = execution.has_scene(watch.scene) && watch.scene->contains(node);
+    const bool there = execution.scenes().has(watch.scene) && watch.scene->contains(node);
     to += there ? std::to_string(number_of(client, *watch.scene, node)) : "null";
   });
   if (missed > 0) out += ",\"missed\":" + std::to_string(missed);

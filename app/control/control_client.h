@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/session/documents/documents.h"
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>

@@ -29,7 +29,7 @@ std::optional<PlacedNode> ServiceCall::read_node(JsonCursor& json) {
     const auto found = whole ? client.nodes.find(static_cast<std::uint64_t>(number)) : client.nodes.end();
     if (found == client.nodes.end()) {
       problem = "unknown node number; expected a number from getNode";
-    } else if (!execution.has_scene(found->second.scene) || !found->second.scene->contains(found->second.id)) {
+    } else if (!execution.scenes().has(found->second.scene) || !found->second.scene->contains(found->second.id)) {
       problem = "the node no longer exists";
     } else {
       return found->second;
@@ -204,8 +204,8 @@ bool ServiceCall::deliver(std::vector<ClientEvent>&& events) {
   execution.begin_update();
   std::size_t sent = 0;
   for (ClientEvent& event : events) {
-    if (!execution.has_scene(event.node.scene)) continue;
-    if (execution.post(*event.node.scene, event.node.id, *event.event_in, std::move(event.value))) ++sent;
+    if (!execution.scenes().has(event.node.scene)) continue;
+    if (execution.cascade().post(*event.node.scene, event.node.id, *event.event_in, std::move(event.value))) ++sent;
   }
   execution.end_update();
   changes = true;

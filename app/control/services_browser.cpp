@@ -152,7 +152,7 @@ bool replace_world(ServiceCall& call) {
   vrml::Execution& execution = call.document->runtime->execution();
   execution.begin_update();
   vrml::SceneGraph& scene = nodes->first ? *nodes->first : *call.document->world.scene;
-  if (!execution.replace_world(scene, nodes->second)) {
+  if (!execution.lifetime().replace_world(scene, nodes->second)) {
     call.problem = "expected nodes of the world";
     return false;
   }
@@ -180,7 +180,7 @@ bool change_route(ServiceCall& call) {
   const vrml::Route& route = std::get<vrml::Route>(found);
   vrml::Execution& execution = call.document->runtime->execution();
   // Adding an existing ROUTE or removing a missing one has no effect (VRML97 4.10.2).
-  const bool done = kAdd ? execution.add_route(*from->scene, route) : execution.remove_route(*from->scene, route);
+  const bool done = kAdd ? execution.routes().add(*from->scene, route) : execution.routes().remove(*from->scene, route);
   call.result = done ? "{\"changed\":true}" : "{\"changed\":false}";
   return true;
 }

@@ -76,7 +76,8 @@ bool get_value(ServiceCall& call) {
   std::optional<PlacedNode> node;
   const vrml::InterfaceDeclaration* const event = event_out(call, node);
   if (!event) return false;
-  const vrml::FieldValue* const value = call.document->runtime->execution().last_value(*node->scene, node->id, *event);
+  const vrml::FieldValue* const value =
+      call.document->runtime->execution().cascade().last_value(*node->scene, node->id, *event);
   if (!value) {
     call.problem = "the value exceeds the limit of pending events";
     return false;

@@ -105,7 +105,7 @@ bool set_viewer(ServiceCall& call) {
   pose.height = height;
   call.view->navigation.transition.reset();
   call.view->navigation.pose = pose;
-  call.document->runtime->execution().viewer_jumped();
+  call.document->runtime->execution().viewer().jump();
   call.changes = true;
   return true;
 }

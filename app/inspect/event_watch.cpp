@@ -8,13 +8,13 @@ EventWatch::~EventWatch() { watch(nullptr); }
 
 void EventWatch::watch(vrml::Execution* world) {
   if (world == world_) return;
-  if (world_) world_->observe({}, this);
+  if (world_) world_->cascade().observe({}, this);
   world_ = world;
   seen_ = {};
   news_ = false;
   if (!world_) return;
   second_ = world_->now();
-  world_->observe(
+  world_->cascade().observe(
       [this](const vrml::SentEvent& event) {
         const Key key{event.node, event.event};
         auto found = seen_.find(key);

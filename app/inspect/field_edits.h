@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <optional>

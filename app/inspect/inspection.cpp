@@ -56,7 +56,7 @@ bool Inspection::act(Session& session) {
   for (const std::string& line : console_.take_entered()) {
     const NodeAt script = editor_.script();
     const ScriptRunner::Evaluation answer =
-        document_->runtime->programs().evaluate(script ? *script.scene : world_->root(), script.id, line);
+        document_->runtime->programs().evaluate(script ? *script.scene : world_->scenes().root(), script.id, line);
     console_.answer(answer.text, answer.failed);
     changed = true;
   }

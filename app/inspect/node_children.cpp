@@ -3,13 +3,13 @@
 namespace gs::app {
 
 bool is_in(const vrml::Execution& world, const NodeAt& node) {
-  return node && world.has_scene(node.scene) && node.scene->contains(node.id);
+  return node && world.scenes().has(node.scene) && node.scene->contains(node.id);
 }
 
 void held_nodes(const vrml::Execution& world, const NodeAt& at, std::vector<HeldNodes>& held) {
   held.clear();
   if (!at) {
-    const vrml::SceneGraph& root = world.root();
+    const vrml::SceneGraph& root = world.scenes().root();
     if (!root.roots().empty()) held.push_back({0, {}, &root, root.roots().span(), true});
     return;
   }
@@ -31,7 +31,7 @@ void held_nodes(const vrml::Execution& world, const NodeAt& at, std::vector<Held
   if (!node.expansion.empty())
     held.push_back({HeldNodes::kBody, "body", at.scene, node.expansion.span(), node.expansion.size() > 1});
   if (const vrml::SceneGraph* const content = at.scene->inlined(at.id);
-      content && world.has_scene(content) && !content->roots().empty())
+      content && world.scenes().has(content) && !content->roots().empty())
     held.push_back({HeldNodes::kContent, "content", content, content->roots().span(), true});
 }
 

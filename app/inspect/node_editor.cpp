@@ -23,18 +23,18 @@ void NodeEditor::set_world(vrml::Execution* world) {
 }
 
 vrml::NodeNames& NodeEditor::names() {
-  if (!names_) names_ = std::make_unique<vrml::NodeNames>(world_->root());
+  if (!names_) names_ = std::make_unique<vrml::NodeNames>(world_->scenes().root());
   return *names_;
 }
 
 const vrml::FieldValue* NodeEditor::value_of(const vrml::InterfaceDeclaration& interface) const {
-  return world_ && node_ ? world_->last_value(*node_.scene, node_.id, interface) : nullptr;
+  return world_ && node_ ? world_->cascade().last_value(*node_.scene, node_.id, interface) : nullptr;
 }
 
 std::optional<std::string> NodeEditor::send_text(const vrml::InterfaceDeclaration& event_in, const std::string& text) {
   if (!world_ || !node_) return "the node no longer exists";
   // DEF names resolve in the world's main file only.
-  if (vrml::holds_nodes(event_in.type) && node_.scene != &world_->root())
+  if (vrml::holds_nodes(event_in.type) && node_.scene != &world_->scenes().root())
     return "nodes of Inlines cannot be set to nodes here";
   auto read = read_edit(*node_.scene->node(node_.id).type, event_in, text, names());
   if (auto* why = std::get_if<std::string>(&read)) return std::move(*why);
@@ -72,7 +72,8 @@ std::optional<std::string> NodeEditor::send_element_text(const vrml::InterfaceDe
                                                          const std::string& text) {
   if (!world_ || !node_ || index >= element_count(list)) return "the element no longer exists";
   const vrml::FieldType type = vrml::type_of(element_of(list, index));
-  if (vrml::holds_nodes(type) && node_.scene != &world_->root()) return "nodes of Inlines cannot be set to nodes here";
+  if (vrml::holds_nodes(type) && node_.scene != &world_->scenes().root())
+    return "nodes of Inlines cannot be set to nodes here";
   const auto value = read_value(text, type, names());
   if (!value) return "'" + text.substr(0, 80) + "' is no " + std::string(vrml::name_of(type));
   return send_element(event_in, list, index, *value);
@@ -88,7 +89,8 @@ bool NodeEditor::deliver() {
   if (edits_.empty()) return false;
   world_->begin_update();
   for (Edit& one : std::exchange(edits_, {}))
-    if (is_in(*world_, one.node)) (void)world_->post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value));
+    if (is_in(*world_, one.node))
+      (void)world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value));
   world_->end_update();
   return true;
 }

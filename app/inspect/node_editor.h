@@ -2,7 +2,7 @@
 
 #include "app/inspect/node_children.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 
 #include <cstddef>
 #include <memory>

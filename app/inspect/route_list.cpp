@@ -15,7 +15,7 @@ std::string label_of(const NodeAt& node) {
 
 void RouteList::refresh(const vrml::Execution* world, const NodeAt& selected) {
   const NodeAt only = only_selected_ ? selected : NodeAt{};
-  const std::uint64_t revision = world ? world->routes_revision() : 0;
+  const std::uint64_t revision = world ? world->routes().revision() : 0;
   if (world == world_ && only == only_ && revision == revision_) return;
   world_ = world;
   only_ = only;
@@ -24,7 +24,7 @@ void RouteList::refresh(const vrml::Execution* world, const NodeAt& selected) {
   rows_.clear();
   all_ = 0;
   if (!world) return;
-  for (const vrml::Execution::PlacedRoute& one : world->placed_routes()) {
+  for (const vrml::PlacedRoute& one : world->routes().all()) {
     ++all_;
     const Row row{{one.scene, one.route.from}, {one.scene, one.route.to}, one.route.event_out, one.route.event_in};
     if (!only || row.from == only || row.to == only) rows_.push_back(row);

@@ -30,7 +30,7 @@ void SceneIndex::begin() {
   entries_ = {};
   scenes_.clear();
   scene_numbers_.clear();
-  share_ = world_ ? vrml::Share(world_->root().budget(), vrml::Resource::nodes) : vrml::Share();
+  share_ = world_ ? vrml::Share(world_->scenes().root().budget(), vrml::Resource::nodes) : vrml::Share();
   way_.clear();
   depth_ = 0;
   walked_ = world_ == nullptr;
@@ -44,12 +44,12 @@ void SceneIndex::begin() {
 }
 
 std::uint64_t SceneIndex::revision() const {
-  std::vector<const vrml::SceneGraph*> scenes{&world_->root()};
+  std::vector<const vrml::SceneGraph*> scenes{&world_->scenes().root()};
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     sum = sum * 31 + scenes[i]->revision();
     for (const auto& [place, content] : scenes[i]->inlines())
-      if (content && world_->has_scene(content.get())) scenes.push_back(content.get());
+      if (content && world_->scenes().has(content.get())) scenes.push_back(content.get());
   }
   return sum;
 }

@@ -33,17 +33,17 @@ void send_again(Session& session, const StreamList::Row& row) {
   const std::shared_ptr<Document>& document = row.document;
   if (document && document->runtime && row.load.node) {
     vrml::Execution& execution = document->runtime->execution();
-    std::vector<const vrml::SceneGraph*> scenes{&execution.root()};
+    std::vector<const vrml::SceneGraph*> scenes{&execution.scenes().root()};
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       for (const auto& [place, content] : scenes[i]->inlines())
-        if (content && execution.has_scene(content.get())) scenes.push_back(content.get());
+        if (content && execution.scenes().has(content.get())) scenes.push_back(content.get());
       for (std::uint32_t place = 1; place <= scenes[i]->node_count(); ++place) {
         const vrml::Node& node = scenes[i]->node_at(place);
         const vrml::NodeId id = scenes[i]->id_at(place);
         if (&node != row.load.node || !scenes[i]->contains(id)) continue;
         execution.begin_update();
         for (const vrml::InterfaceDeclaration* const url : node.type->url_fields())
-          (void)execution.post(*scenes[i], id, *url, node.values[url->slot]);
+          (void)execution.cascade().post(*scenes[i], id, *url, node.values[url->slot]);
         execution.end_update();
         return;
       }

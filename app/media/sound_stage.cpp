@@ -1,5 +1,7 @@
 #include "app/media/sound_stage.h"
 
+#include "vrml/behaviours/browser_events.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -15,7 +17,7 @@ void SoundStage::add(const render::RenderList& list, vrml::Execution& execution,
     const std::size_t number = places[sound.node]++;
     const auto file = media.find(&sound.scene->node(sound.source));
     if (file == media.end() || !file->second->info.sound) continue;
-    const auto play = execution.media_play(*sound.scene, sound.source);
+    const auto play = vrml::media_play(execution, *sound.scene, sound.source);
     // Reversed and stopped sounds are silent.
     if (!play || !play->active || !(play->rate > 0)) continue;
     const Heard heard = sound_attenuation(sound, world_from_viewer);

@@ -69,7 +69,7 @@ bool replace_world(JSContext* context, unsigned argc, JS::Value* vp) {
   args.rval().setUndefined();
   if (world.ends() || world.running().ended) return true;
   if (!to_field(context, args.get(0), vrml::FieldType::MFNode, world.running().scene, nodes)) return false;
-  if (!world.execution().replace_world(std::get<vrml::MFNode>(nodes)))
+  if (!world.execution().lifetime().replace_world(std::get<vrml::MFNode>(nodes)))
     return fail(context, "replaceWorld expects nodes of the world's own file");
   return true;
 }
@@ -128,9 +128,9 @@ bool change_route(JSContext* context, unsigned argc, JS::Value* vp) {
   if (kAdd && sets_program(*target.type, *route.event_in) && !world.may_read(target)) return true;
   // A second ROUTE between the same events changes nothing (4.10.2).
   if (kAdd)
-    (void)world.execution().add_route(*scene, route);
+    (void)world.execution().routes().add(*scene, route);
   else
-    (void)world.execution().remove_route(*scene, route);
+    (void)world.execution().routes().remove(*scene, route);
   return true;
 }
 
@@ -192,14 +192,14 @@ bool give_empty(JSContext* context, unsigned argc, JS::Value* vp) {
 // ---- Where the viewer is (Blaxxun Contact)
 
 bool viewpoint_position(JSContext* context, unsigned argc, JS::Value* vp) {
-  const glm::dmat4 viewer = world_of(context).execution().viewer();
+  const glm::dmat4 viewer = world_of(context).execution().viewer().pose();
   const double c[] = {viewer[3][0], viewer[3][1], viewer[3][2]};
   JSObject* const made = make_tuple(context, vrml::FieldType::SFVec3f, c);
   JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(made);
   return made != nullptr;
 }
 bool viewpoint_orientation(JSContext* context, unsigned argc, JS::Value* vp) {
-  const glm::dmat4 viewer = world_of(context).execution().viewer();
+  const glm::dmat4 viewer = world_of(context).execution().viewer().pose();
   const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(viewer)));
   const glm::dvec3 v(q.x, q.y, q.z);
   const double size = glm::length(v);

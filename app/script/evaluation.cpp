@@ -26,14 +26,14 @@ bool text_of_result(JSContext* context, JS::HandleValue value, std::string& text
 
 ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::NodeId script, const std::string& line) {
   const auto no = [](std::string why) { return Evaluation{std::move(why), true}; };
-  const vrml::EventNode node = execution_.event_node(scene, script);
+  const vrml::EventNode node = execution_.scenes().event_node(scene, script);
   Program* const program = node == 0 ? nullptr : program_of(node);
   if (!program) return no("not a Script, or its program has not started");
   if (program->waits) return no("the program of this Script is still loading");
   if (program->off) return no("the program of this Script is switched off after three faults");
   if (!program->runs || !program->global) return no("this Script has no running program");
   JSContext* const context = engine_.context();
-  const vrml::Limits& limits = execution_.root().limits();
+  const vrml::Limits& limits = execution_.scenes().root().limits();
   Evaluation result;
   Program* const outer = std::exchange(running_, program);
   if (!outer) clock_looks_ = 0;

@@ -100,7 +100,7 @@ bool get_own(JSContext* context, unsigned argc, JS::Value* vp) {
   }
   World& world = *program->world;
   const vrml::InterfaceDeclaration& declaration =
-      *world.execution().schema_of_node(program->node).interfaces[place].declaration;
+      *world.execution().nodes().schema_of(program->node).interfaces[place].declaration;
   if (vrml::is_multiple(declaration.type)) {
     auto& known = program->lists[place];
     if (!known) {
@@ -116,7 +116,7 @@ bool get_own(JSContext* context, unsigned argc, JS::Value* vp) {
     return true;
   }
   if (declaration.type == vrml::FieldType::SFImage && !world.flush_changed(context)) return false;
-  const vrml::FieldValue value = world.execution().own_value(program->node, place);
+  const vrml::FieldValue value = world.execution().nodes().own_value(program->node, place);
   return to_value(context, program->scene, value, {program->global, place}, args.rval());
 }
 
@@ -170,7 +170,7 @@ bool World::make_global(Program& program) {
   program.global.init(context, global);
   const JSAutoRealm realm(context, global);
   if (!bound_natives(context, global)) return false;
-  const auto& interfaces = execution_.schema_of_node(program.node).interfaces;
+  const auto& interfaces = execution_.nodes().schema_of(program.node).interfaces;
   program.names.resize(interfaces.size());
   program.lists.resize(interfaces.size());
   program.unsent.resize(interfaces.size());

@@ -52,7 +52,7 @@ std::size_t count_of(const FieldValue& value) {
 
 void release(ListBox& box) {
   if (const vrml::SceneGraph* const scene = box.scene.in(box.link.get()))
-    for (const vrml::NodeId id : box.held) box.link->execution->release(*scene, id);
+    for (const vrml::NodeId id : box.held) box.link->execution->lifetime().release(*scene, id);
   box.held.clear();
 }
 
@@ -71,8 +71,8 @@ void keep(ListBox& box) {
   const vrml::SceneGraph* const scene = box.scene.in(box.link.get());
   if (const auto* nodes = std::get_if<vrml::MFNode>(&box.value); nodes && scene) {
     const std::vector<vrml::NodeId> before = std::exchange(box.held, {nodes->begin(), nodes->end()});
-    for (const vrml::NodeId id : box.held) box.link->execution->hold(*scene, id);
-    for (const vrml::NodeId id : before) box.link->execution->release(*scene, id);
+    for (const vrml::NodeId id : box.held) box.link->execution->lifetime().hold(*scene, id);
+    for (const vrml::NodeId id : before) box.link->execution->lifetime().release(*scene, id);
   }
 }
 
@@ -354,7 +354,7 @@ ListBox* list_of(JSObject* object) {
 
 FieldValue* list_value(ListBox& box) {
   if (!box.program) return &box.value;
-  return &box.program->world->execution().own_value(box.program->node, box.place);
+  return &box.program->world->execution().nodes().own_value(box.program->node, box.place);
 }
 
 JSObject* make_list(JSContext* context, ListBox box, Source source) {
@@ -362,7 +362,7 @@ JSObject* make_list(JSContext* context, ListBox box, Source source) {
   World& world = *library.world;
   JS::RootedObject parent(context, source.parent);
   const FieldType type =
-      box.program ? world.execution().schema_of_node(box.program->node).interfaces[box.place].declaration->type
+      box.program ? world.execution().nodes().schema_of(box.program->node).interfaces[box.place].declaration->type
                   : vrml::type_of(box.value);
   auto own = std::make_unique<ListBox>(std::move(box));
   own->link = library.link;

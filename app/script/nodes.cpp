@@ -77,7 +77,8 @@ class NodeHandler final : public LiveProxyHandler {
     auto* const box = static_cast<NodeBox*>(js::GetProxyPrivate(proxy).toPrivate());
     if (const auto own = box->link->objects.find(key_of(*box)); own != box->link->objects.end() && own->second == proxy)
       box->link->objects.erase(own);
-    if (vrml::SceneGraph* const scene = box->scene.in(box->link.get())) box->link->execution->release(*scene, box->id);
+    if (vrml::SceneGraph* const scene = box->scene.in(box->link.get()))
+      box->link->execution->lifetime().release(*scene, box->id);
     delete box;
   }
   bool ownPropertyKeys(JSContext* context, JS::HandleObject proxy, JS::MutableHandleIdVector keys) const override {
@@ -141,7 +142,7 @@ class NodeHandler final : public LiveProxyHandler {
     vrml::SceneGraph* const scene = box.live_scene();  // flushing runs setters of the program
     if (!scene) return true;
     const vrml::FieldValue* value = world.posted(*scene, box.id, *declaration);
-    if (!value) value = world.execution().last_value(*scene, box.id, *declaration);
+    if (!value) value = world.execution().cascade().last_value(*scene, box.id, *declaration);
     if (!value) {
       result.setUndefined();
       return true;
@@ -254,7 +255,7 @@ JSObject* object_of_node(JSContext* context, vrml::SceneGraph& scene, vrml::Node
   JSObject* const made = js::NewProxyObject(context, &kNodeHandler, place, library.prototype(vrml::FieldType::SFNode));
   if (!made) return nullptr;
   (void)box.release();
-  world.execution().hold(scene, id);
+  world.execution().lifetime().hold(scene, id);
   objects[key] = made;
   return made;
 }

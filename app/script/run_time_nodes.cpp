@@ -47,15 +47,15 @@ vrml::RunTimeNodes make_nodes(vrml::Execution& execution, vrml::SceneGraph& scen
                               std::string_view text, vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
                               std::shared_ptr<const vrml::TextSource> fetched_from) {
   vrml::RunTimeNodes made = vrml::read_into(scene, label, text, diagnostics, written_by, std::move(fetched_from));
-  execution.attach(scene);
+  execution.scenes().attach(scene);
   return made;
 }
 
 bool send_made(vrml::Execution& execution, const ScriptRequest& request, const vrml::MFNode& nodes) {
-  if (!execution.has_scene(request.scene) || !request.scene->contains(request.node)) return false;
-  for (const vrml::NodeId id : nodes) execution.hold(*request.scene, id);
+  if (!execution.scenes().has(request.scene) || !request.scene->contains(request.node)) return false;
+  for (const vrml::NodeId id : nodes) execution.lifetime().hold(*request.scene, id);
   const bool sent = execution.send(*request.scene, request.node, *request.event_in, vrml::FieldValue(nodes));
-  for (const vrml::NodeId id : nodes) execution.release(*request.scene, id);
+  for (const vrml::NodeId id : nodes) execution.lifetime().release(*request.scene, id);
   return sent;
 }
 

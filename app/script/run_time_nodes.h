@@ -2,7 +2,7 @@
 
 #include "app/script/script_runner.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 #include "vrml/syntax/parser.h"
 
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "vrml/event_model/script_host.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/script_host.h"
 #include "vrml/scene/diagnostic.h"
 
 #include <cstdint>

@@ -83,7 +83,7 @@ Program* World::program_of(vrml::EventNode node) const {
 
 std::string World::modern_text_of(const Program& program, std::string_view text) {
   std::vector<std::string> values;
-  for (const auto& interface : execution_.schema_of_node(program.node).interfaces)
+  for (const auto& interface : execution_.nodes().schema_of(program.node).interfaces)
     if (interface.declaration->access != vrml::AccessType::eventIn && is_object(interface.declaration->type))
       values.push_back(interface.declaration->name);
   return modern_text(text, values);
@@ -111,7 +111,7 @@ void World::run(Program& program, const Do& what) {
   JSContext* const context = engine_.context();
   Program* const outer = std::exchange(running_, &program);
   if (!outer) clock_looks_ = 0;
-  const vrml::Limits& limits = execution_.root().limits();
+  const vrml::Limits& limits = execution_.scenes().root().limits();
   {
     Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap, program.late_message);
     const JSAutoRealm realm(context, program.global);
@@ -142,7 +142,7 @@ void World::report_failure(Program& program, const Engine::Turn& turn) {
   if (turn.stop() == Stop::none && JS_IsExceptionPending(context)) {
     report_exception(program);
   } else if (turn.stop() == Stop::memory) {
-    fault(program, "the program exceeds the " + std::to_string(execution_.root().limits().script_heap >> 20) +
+    fault(program, "the program exceeds the " + std::to_string(execution_.scenes().root().limits().script_heap >> 20) +
                        " MiB limit for the programs of a world");
   } else {
     fault(program, turn.stop() == Stop::time ? kLate : "the program failed");
@@ -157,12 +157,12 @@ void World::send_all(Program& program) {
   last_posts_.clear();
   for (const std::uint32_t place : std::exchange(program.to_send, {})) {
     program.unsent[place] = false;
-    if (!ends_) execution_.send_own(program.node, place);
+    if (!ends_) execution_.cascade().send_own(program.node, place);
   }
   if (ends_) return;
   for (Post& post : posts)
-    if (execution_.has_scene(post.scene))
-      (void)execution_.post(*post.scene, post.node, *post.event_in, std::move(post.value));
+    if (execution_.scenes().has(post.scene))
+      (void)execution_.cascade().post(*post.scene, post.node, *post.event_in, std::move(post.value));
 }
 
 bool World::begin(vrml::EventNode node) {
@@ -173,12 +173,12 @@ bool World::begin(vrml::EventNode node) {
     end(node);
     forget(node);
   }
-  const vrml::NodePlace at = execution_.place_of(node);
+  const vrml::NodePlace at = execution_.nodes().place_of(node);
   auto made = std::make_unique<Program>();
   made->world = this;
   made->node = node;
   made->id = at.node;
-  made->scene = execution_.own_scene(*at.scene);
+  made->scene = execution_.scenes().own(*at.scene);
   made->source = text_of_program(*made).source();
   made->faults = faults;
   made->off = faults >= kMostFaults;
@@ -337,24 +337,24 @@ void World::begin_step() {
 
 void World::found(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
                   const std::string& url) {
-  const vrml::EventNode node = execution_.event_node(scene, script);
+  const vrml::EventNode node = execution_.scenes().event_node(scene, script);
   Program* const program = node == 0 ? nullptr : program_of(node);
   if (!program || !program->waits) return;
   texts_[node] = {std::move(text), url};
   (void)go_on(node);
-  execution_.program_came(scene, script);
+  execution_.scripts().program_came(scene, script);
 }
 
 void World::provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
                     const std::string& url) {
-  if (const vrml::EventNode node = execution_.event_node(scene, script)) texts_[node] = {std::move(text), url};
+  if (const vrml::EventNode node = execution_.scenes().event_node(scene, script)) texts_[node] = {std::move(text), url};
 }
 
 // ---- What programs write
 
 void World::own_changed(Program& program, std::uint32_t place) {
-  const auto& interface = execution_.schema_of_node(program.node).interfaces[place];
-  execution_.own_value_changed(program.node, place);
+  const auto& interface = execution_.nodes().schema_of(program.node).interfaces[place];
+  execution_.cascade().own_value_changed(program.node, place);
   if (interface.declaration->access == vrml::AccessType::field || program.unsent[place]) return;
   program.unsent[place] = true;
   program.to_send.push_back(place);

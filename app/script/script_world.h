@@ -75,7 +75,7 @@ class SceneRef {
   SceneRef(vrml::SceneGraph* scene) : scene_(scene), serial_(scene ? scene->serial() : 0) {}
   /// Returns null if the scene is no longer part of the world.
   [[nodiscard]] vrml::SceneGraph* in(const Link* link) const {
-    return scene_ && link && link->execution && link->execution->has_scene(scene_) && scene_->serial() == serial_
+    return scene_ && link && link->execution && link->execution->scenes().has(scene_) && scene_->serial() == serial_
                ? scene_
                : nullptr;
   }

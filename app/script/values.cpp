@@ -364,7 +364,7 @@ bool to_field(JSContext* context, JS::HandleValue value, FieldType type, vrml::S
 
 bool set_own(JSContext* context, Program& program, std::uint32_t place, JS::HandleValue value) {
   vrml::Execution& execution = program.world->execution();
-  const FieldType type = execution.schema_of_node(program.node).interfaces[place].declaration->type;
+  const FieldType type = execution.nodes().schema_of(program.node).interfaces[place].declaration->type;
   FieldValue field;
   if (!to_field(context, value, type, program.scene, field)) return false;
   Engine& engine = program.world->engine();
@@ -377,7 +377,7 @@ bool set_own(JSContext* context, Program& program, std::uint32_t place, JS::Hand
     return false;
   }
   engine.add_bytes(static_cast<std::ptrdiff_t>(bytes));
-  execution.own_value(program.node, place) = std::move(field);
+  execution.nodes().own_value(program.node, place) = std::move(field);
   program.world->own_changed(program, place);
   return true;
 }

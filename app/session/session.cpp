@@ -111,14 +111,14 @@ std::optional<double> Session::next_event() const {
 void Session::place_viewer(Document& document, const View& leader) const {
   vrml::Execution& execution = document.runtime->execution();
   if (const Viewport place = viewports_.place_of(leader); place.height > 0)
-    execution.set_aspect(static_cast<double>(place.width) / place.height);
+    execution.viewer().set_aspect(static_cast<double>(place.width) / place.height);
   const std::optional<Transition>& way = leader.navigation.transition;
   const std::optional<glm::dvec3> before =
       std::exchange(document.destination, way ? std::optional(way->to.position) : std::nullopt);
-  if (way && before != document.destination) execution.viewer_jumped();
+  if (way && before != document.destination) execution.viewer().jump();
   const bool at_viewpoint = at_home(leader) && (leader.viewpoint || step_.simulated);
-  if (execution.is_told_viewer() || !at_viewpoint)
-    execution.set_viewer(world_from_viewer(way ? way->to : leader.navigation.pose));
+  if (execution.viewer().is_set() || !at_viewpoint)
+    execution.viewer().set(world_from_viewer(way ? way->to : leader.navigation.pose));
 }
 
 // Advances the visible worlds. Returns true if the picture changed.
@@ -148,7 +148,7 @@ bool Session::advance_world(Document& document, bool look) {
   vrml::Execution& execution = document.runtime->execution();
   // Changing the viewport moves the viewer without walking.
   const void* before = std::exchange(document.viewer, leader);
-  if (before && before != leader) execution.viewer_jumped();
+  if (before && before != leader) execution.viewer().jump();
   place_viewer(document, *leader);
   const bool moved = document.runtime->step(step_.now);
   links_.take_script_news(document);

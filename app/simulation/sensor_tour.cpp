@@ -68,7 +68,7 @@ bool SensorTour::press_next() {
 
 void SensorTour::visit_next() {
   if (came_from_) return session_.camera().move_viewer_to(*std::exchange(came_from_, std::nullopt));
-  std::vector<vrml::NodePlace> found = sensors_of(world()->root(), false);
+  std::vector<vrml::NodePlace> found = sensors_of(world()->scenes().root(), false);
   if (found.empty()) return;
   const auto visits = [&](const vrml::NodePlace& one) { return visits_[&one.scene->node(one.node)]; };
   const auto next =
@@ -76,10 +76,10 @@ void SensorTour::visit_next() {
                        [&](const vrml::NodePlace& a, const vrml::NodePlace& b) { return visits(a) < visits(b); });
   ++visits_[&next->scene->node(next->node)];
   vrml::Execution& execution = *world();
-  const vrml::EventNode sensor = execution.event_node(*next->scene, next->node);
+  const vrml::EventNode sensor = execution.scenes().event_node(*next->scene, next->node);
   if (sensor == 0) return;
   const glm::dvec3 place = next->scene->node(next->node).type->behaviour->sensed_place(execution, sensor);
-  const auto frames = execution.places_of(sensor);
+  const auto frames = execution.viewer().places_of(sensor);
   if (frames.empty()) return;
   came_from_ = session_.view()->navigation.pose.position;
   session_.camera().move_viewer_to(glm::dvec3(frames.front() * glm::dvec4(place, 1)));
@@ -110,12 +110,12 @@ void SensorTour::step() {
 SensorTour::Counts SensorTour::counts() {
   Counts result;
   if (!world()) return result;
-  for (const vrml::NodePlace& one : sensors_of(world()->root(), true)) {
+  for (const vrml::NodePlace& one : sensors_of(world()->scenes().root(), true)) {
     ++result.sensors;
     const auto found = presses_.find(&one.scene->node(one.node));
     if (found != presses_.end() && found->second > 0) ++result.pressed;
   }
-  for (const vrml::NodePlace& one : sensors_of(world()->root(), false)) {
+  for (const vrml::NodePlace& one : sensors_of(world()->scenes().root(), false)) {
     ++result.places;
     const auto found = visits_.find(&one.scene->node(one.node));
     if (found != visits_.end() && found->second > 0) ++result.visited;

@@ -29,7 +29,7 @@ SessionOptions simulated(const ViewStyle& style) {
 Simulation::Simulation(OpenedWorld world, const glm::ivec2& size, const ViewStyle& style)
     : document_(hold_world(std::move(world))), session_(simulated(style), {}, [] {}) {
   input_.area = Viewport{0, 0, size.x, size.y};
-  execution().set_aspect(static_cast<double>(size.x) / size.y);
+  execution().viewer().set_aspect(static_cast<double>(size.x) / size.y);
 }
 
 std::optional<std::string> Simulation::bind_action(const std::string& viewpoint, Action& action) {
@@ -156,12 +156,12 @@ render::Camera Simulation::camera() {
 void Simulation::stand_at(const render::Camera& camera) {
   constexpr double kSame = 1e-9;  // relative to the distance from the origin
   vrml::Execution& world = execution();
-  const glm::dmat4 before = world.viewer(), &after = camera.world_from_camera;
+  const glm::dmat4 before = world.viewer().pose(), &after = camera.world_from_camera;
   bool there = true;
   for (int i = 0; i < 4; ++i)
     there = there && glm::distance(before[i], after[i]) <= kSame * std::max(glm::length(after[i]), 1.0);
-  if (there || sensors_of(world.root(), false).empty()) return;
-  world.set_viewer(after);
+  if (there || sensors_of(world.scenes().root(), false).empty()) return;
+  world.viewer().set(after);
   world.begin_update();
   (void)document_->runtime->step(world.now());
 }

@@ -4,7 +4,7 @@
 #include "app/simulation/input_rows.h"
 #include "app/simulation/sensor_tour.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

@@ -116,7 +116,7 @@ std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render
     if (fresh) {
       Hit hit;
       hit.item = i;
-      for (const vrml::NodePlace& sensor : world.sensors_of(path_of(list, hit))) {
+      for (const vrml::NodePlace& sensor : world.pointing().sensors_of(path_of(list, hit))) {
         const auto [number, first] = known.try_emplace(&sensor.scene->node(sensor.node), result.size());
         if (first) result.push_back({sensor, {}});
         found->second.push_back(number->second);
@@ -205,7 +205,7 @@ std::optional<Hit> point(vrml::Execution& world, Picker& picker, const render::R
     pointer.bearing.normal = hit->normal;
     pointer.bearing.texture_coordinate = glm::dvec2(hit->texture_coordinate);
   }
-  world.point(pointer);
+  world.pointing().point(pointer);
   return hit;
 }
 

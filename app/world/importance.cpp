@@ -1,6 +1,6 @@
 #include "app/world/importance.h"
 
-#include "vrml/events/behaviour.h"
+#include "vrml/event_model/behaviour.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>

@@ -53,7 +53,7 @@ struct OneWorld {
     return static_cast<double>(std::count(events.begin(), events.end(), name));
   }
   void watch() {
-    document->runtime->execution().observe(
+    document->runtime->execution().cascade().observe(
         [this](const vrml::SentEvent& event) { events.push_back(event.event->name); });
   }
 

@@ -241,7 +241,7 @@ bool run_program(std::span<const std::byte> bytes) {
   vrml::Execution execution(scene);
   const auto runner = ScriptRunner::make(execution, {0, true});
   require(runner != nullptr);
-  execution.set_script_host(runner.get());
+  execution.scripts().set_host(runner.get());
   execution.start(1000);
   for (int i = 1; i <= 3; ++i) {
     runner->begin_step();

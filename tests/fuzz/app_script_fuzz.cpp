@@ -85,8 +85,8 @@ void check_nodes(const vrml::SceneGraph& scene) {
 
 /// Ends the program if a ROUTE leads from or to a node that is gone, or has ends of different types.
 void check_routes(const vrml::Execution& execution) {
-  for (const auto& [scene, route] : execution.placed_routes()) {
-    require(execution.has_scene(scene) && scene->contains(route.from) && scene->contains(route.to));
+  for (const auto& [scene, route] : execution.routes().all()) {
+    require(execution.scenes().has(scene) && scene->contains(route.from) && scene->contains(route.to));
     require(route.event_out->type == route.event_in->type);
   }
 }
@@ -101,7 +101,7 @@ class Trace {
     if (!world.scene) return;
     simulation_ = std::make_unique<Simulation>(std::move(world), kSize);
     simulation_->fetch_with(loading_);
-    simulation_->execution().observe([this](const vrml::SentEvent& event) { check(event); });
+    simulation_->execution().cascade().observe([this](const vrml::SentEvent& event) { check(event); });
     simulation_->observe_scripts([verbose](const ScriptMessage& message) {
       require(message.printed || !message.diagnostic.message.empty());
       if (verbose) std::printf("%s\n", message.diagnostic.text().c_str());
@@ -121,7 +121,7 @@ class Trace {
     for (; time_ < until; time_ += kPiece) {
       simulation_->run(time_ + kPiece, [this] { return !is_long(began_); });
       if (is_long(began_)) return;
-      (void)simulation_->execution().remove_unheld();
+      (void)simulation_->execution().lifetime().remove_unheld();
       (void)simulation_->look();
       check_nodes(*simulation_->world().scene);
       check_routes(simulation_->execution());
@@ -132,7 +132,7 @@ class Trace {
   // Each eventOut sends at most one event of a timestamp (VRML97 4.10.4), and time does not go back.
   void check(const vrml::SentEvent& event) {
     const vrml::Execution& execution = simulation_->execution();
-    require(execution.has_scene(event.scene) && event.scene->contains(event.node));
+    require(execution.scenes().has(event.scene) && event.scene->contains(event.node));
     require(vrml::type_of(*event.value) == event.event->type);
     require(event.time >= last_time_);
     if (event.time > last_time_) sent_.clear();

@@ -1,6 +1,7 @@
 // Any bytes, whole and in pieces, must parse without harm and to the same scene, print, tessellate, and send the same
 // events.
 #include "tests/fuzz/fuzz_target.h"
+#include "vrml/behaviours/browser_events.h"
 #include "vrml/events/execution.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/syntax/parser.h"
@@ -42,11 +43,11 @@ void touch(Execution& execution, const SceneGraph& scene, NodeId id, double& now
     const double to = 0.25 * i * i;
     pointer.bearing = {{0, 0, 10}, {to, to / 2, -9}, {to, to / 2, 1}, {0, 0, 1}, {to, to}};
     pointer.down = i < 3;
-    execution.point(pointer);
+    execution.pointing().point(pointer);
     execution.step(now += 0.25);
   }
-  (void)execution.collide(path);
-  (void)execution.pointed_at();
+  (void)collide(execution, path);
+  (void)execution.pointing().pointed_at();
 }
 
 // Returns a digest of the events that a world sends in some steps, after an event to each eventIn of its first nodes
@@ -57,7 +58,7 @@ std::uint64_t live(SceneGraph& scene) {
   std::uint64_t digest = 14695981039346656037u;
   std::size_t events = 0;
   Execution execution(scene);
-  execution.observe([&](const SentEvent& event) {
+  execution.cascade().observe([&](const SentEvent& event) {
     check_numbers(event);
     if (++events > kEvents) return;
     std::string line = event.event->name;

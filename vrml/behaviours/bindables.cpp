@@ -12,7 +12,7 @@ void tell_bound(Execution& execution, EventNode node, bool bound) {
   // Each eventOut sends once per timestamp (4.10.4). If the node was bound and unbound with one timestamp, the second
   // event waits for the next.
   if (execution.has_sent(node, BindableEvents::is_bound)) {
-    execution.call_at(node, execution.now());
+    execution.timers().call_at(node, execution.now());
     return;
   }
   execution.send(node, BindableEvents::is_bound, SFBool{bound});
@@ -24,21 +24,21 @@ void tell_bound(Execution& execution, EventNode node, bool bound) {
 // to be the top send isBound with the same timestamp. Sends nothing if nothing changes.
 bool set_bind(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != BindableEvents::set_bind) return true;
-  const NodeType& type = execution.type_of(node);
-  const EventNode before = execution.top_of(type);
+  const NodeType& type = execution.nodes().type_of(node);
+  const EventNode before = execution.stacks().top_of(type);
   const bool to_top = std::get<SFBool>(value);
   if (to_top && before == node) return false;
-  execution.bind(node, to_top);
-  const EventNode after = execution.top_of(type);
+  execution.stacks().bind(node, to_top);
+  const EventNode after = execution.stacks().top_of(type);
   if (before == after) return false;
   if (before != 0) tell_bound(execution, before, false);
   if (after != 0) tell_bound(execution, after, true);
-  if (type.behaviour->parent_from_local) execution.viewer_jumped();
+  if (type.behaviour->parent_from_local) execution.viewer().jump();
   return false;
 }
 
 void tell_late(Execution& execution, EventNode node) {
-  const bool bound = execution.top_of(execution.type_of(node)) == node;
+  const bool bound = execution.stacks().top_of(execution.nodes().type_of(node)) == node;
   if (execution.get<SFBool>(node, BindableEvents::is_bound) != bound) tell_bound(execution, node, bound);
 }
 

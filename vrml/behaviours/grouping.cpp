@@ -18,7 +18,7 @@ bool change_children(Execution& execution, EventNode node, int event, const Fiel
   if (event >= GroupingEvents::children) return true;
   const MFNode given = std::get<MFNode>(value);
   const MFNode old = execution.get<MFNode>(node, GroupingEvents::children);
-  if (given.empty() || !execution.spend(old.size() + given.size())) return false;
+  if (given.empty() || !execution.budget().spend(old.size() + given.size())) return false;
   const bool add = event == GroupingEvents::add_children;
   std::unordered_set<std::uint32_t> named;
   for (const NodeId child : add ? old : given) named.insert(child.index);
@@ -32,8 +32,8 @@ bool change_children(Execution& execution, EventNode node, int event, const Fiel
       if (!named.contains(child.index)) made.push_back(child);
   }
   if (made.size() == old.size()) return false;
-  if (!add) execution.nodes_leave();
-  if (add && !execution.afford_most(node, made.size() * sizeof(NodeId))) return false;
+  if (!add) execution.stacks().nodes_leave();
+  if (add && !execution.nodes().afford_most(node, made.size() * sizeof(NodeId))) return false;
   execution.send(node, GroupingEvents::children, std::move(made));
   return false;
 }
@@ -63,7 +63,7 @@ constexpr PointingSensor kAnchorSensor = {
     .of_children = true,
     .release =
         [](Execution& execution, EventNode node, bool over) {
-          if (over) execution.request(node);
+          if (over) execution.pointing().request(node);
         },
 };
 

@@ -1,6 +1,6 @@
 #include "vrml/behaviours/interpolation.h"
+#include "vrml/event_model/states.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/states.h"
 #include "vrml/mesh/nurbs.h"
 
 #include <algorithm>
@@ -41,7 +41,9 @@ bool first_list(Execution& execution, EventNode node, FieldValue& value) {
   const MFFloat& keys = execution.get<MFFloat>(node, InterpolatorEvents::key);
   const MFVec3f& values = execution.get<MFVec3f>(node, InterpolatorEvents::key_value);
   const std::size_t count = keys.empty() ? 0 : values.size() / keys.size();
-  if (count == 0 || !execution.spend(count) || !execution.afford_most(node, 2 * count * sizeof(SFVec3f))) return false;
+  if (count == 0 || !execution.budget().spend(count) ||
+      !execution.nodes().afford_most(node, 2 * count * sizeof(SFVec3f)))
+    return false;
   value = MFVec3f(values.span().first(count));
   return true;
 }
@@ -54,27 +56,27 @@ bool set_fraction_of_list(Execution& execution, EventNode node, int event, const
   const MFFloat& keys = execution.get<MFFloat>(node, InterpolatorEvents::key);
   const MFVec3f& values = execution.get<MFVec3f>(node, InterpolatorEvents::key_value);
   const std::size_t count = keys.empty() ? 0 : values.size() / keys.size();
-  if (count == 0 || !execution.spend(count) || execution.has_sent(node, InterpolatorEvents::value_changed))
+  if (count == 0 || !execution.budget().spend(count) || execution.has_sent(node, InterpolatorEvents::value_changed))
     return false;
   const KeyPlace place = find_key(keys.span(), std::get<SFFloat>(value));
-  std::uint32_t& state = execution.state_of(node);
+  std::uint32_t& state = execution.nodes().state_of(node);
   auto& spares = execution.states().spares;
   if (state == 0) state = spares.take();
   MFVec3f& spare = spares[state];
-  if (!execution.afford_most(node, 2 * count * sizeof(SFVec3f))) return false;
+  if (!execution.nodes().afford_most(node, 2 * count * sizeof(SFVec3f))) return false;
   if (spare.shared()) spare = {};
   spare.resize(count);
   SFVec3f* to = spare.mutable_data();
   const SFVec3f* first = values.data() + place.first * count;
   const SFVec3f* second = values.data() + place.second * count;
   for (std::size_t i = 0; i < count; ++i) to[i] = place.part == 0 ? first[i] : between(first[i], second[i], place.part);
-  if (FieldValue* out = execution.place_to_send(node, InterpolatorEvents::value_changed))
+  if (FieldValue* out = execution.cascade().place_to_send(node, InterpolatorEvents::value_changed))
     std::swap(*std::get_if<MFVec3f>(out), spare);
   return false;
 }
 
 void list_is_removed(Execution& execution, EventNode node) {
-  execution.states().spares.give_back(execution.state_of(node));
+  execution.states().spares.give_back(execution.nodes().state_of(node));
 }
 
 // Interface of an interpolator along a NURBS curve (Amendment 1). `dimension` is the number of control points; 0 means
@@ -89,7 +91,7 @@ bool set_fraction_of_curve(Execution& execution, EventNode node, int event, cons
   const SFInt32 dimension = execution.get<SFInt32>(node, NurbsEvents::dimension);
   const std::size_t count =
       dimension > 0 ? std::min(static_cast<std::size_t>(dimension), points.size()) : points.size();
-  if (!execution.spend(knots.size())) return false;
+  if (!execution.budget().spend(knots.size())) return false;
   const auto axis = NurbsAxis::make(count, execution.get<SFInt32>(node, NurbsEvents::order), knots.span());
   if (!axis) return false;
   execution.send(

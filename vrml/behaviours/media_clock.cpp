@@ -1,6 +1,7 @@
-#include "vrml/events/behaviour.h"
+#include "vrml/behaviours/browser_events.h"
+#include "vrml/event_model/behaviour.h"
+#include "vrml/event_model/states.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/states.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,7 @@ struct Media {
 constexpr double kUnending = std::numeric_limits<double>::infinity();
 
 MediaState& state_of_media(Execution& execution, EventNode node) {
-  return execution.states().media[execution.state_of(node)];
+  return execution.states().media[execution.nodes().state_of(node)];
 }
 
 struct MediaFields {
@@ -25,7 +26,7 @@ struct MediaFields {
   bool loop;
 };
 
-MediaFields media_fields(const Execution& execution, EventNode node, bool backwards) {
+MediaFields media_fields(Execution& execution, EventNode node, bool backwards) {
   MediaFields f{execution.get<SFTime>(node, Media::start_time), execution.get<SFTime>(node, Media::stop_time),
                 execution.get<SFFloat>(node, Media::rate), execution.get<SFBool>(node, Media::loop)};
   // Replaces values that the standard forbids (a pitch outside (0,inf), non-finite numbers) by the default.
@@ -33,8 +34,8 @@ MediaFields media_fields(const Execution& execution, EventNode node, bool backwa
   return f;
 }
 
-MediaFields media_fields(const Execution& execution, EventNode node) {
-  return media_fields(execution, node, execution.behaviour_of(node).media_backwards);
+MediaFields media_fields(Execution& execution, EventNode node) {
+  return media_fields(execution, node, execution.nodes().behaviour_of(node).media_backwards);
 }
 
 // Returns the duration of one cycle (6.4, 6.28); infinite if unknown or if the rate is 0.
@@ -43,7 +44,7 @@ double cycle_of(const MediaFields& f, const MediaState& state) {
 }
 
 // Reports whether the sound or movie may still load. If it cannot, it has no cycle.
-bool may_come(const Execution& execution, EventNode node, const MediaState& state) {
+bool may_come(Execution& execution, EventNode node, const MediaState& state) {
   return !state.told && !execution.get<MFString>(node, Media::url).empty();
 }
 
@@ -67,10 +68,10 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
   const double now = execution.now();
   const bool delayed = std::exchange(state.delayed, false);
   if (f.start > now) {
-    execution.call_at(node, f.start);
+    execution.timers().call_at(node, f.start);
     return;
   }
-  const bool since_last_step = delayed || f.start > execution.previous();
+  const bool since_last_step = delayed || f.start > execution.cascade().previous();
   const bool stopped = f.stop > f.start && now >= f.stop;
   if (!(f.start <= now) || (stopped && !since_last_step)) return;
   if (!f.loop) {
@@ -80,13 +81,13 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
   }
   if (execution.has_sent(node, Media::is_active)) {
     state.delayed = true;
-    execution.call_at(node, now);
+    execution.timers().call_at(node, now);
     return;
   }
   state.active = true;
   state.cycle = 0;
   execution.send(node, Media::is_active, SFBool{true});
-  execution.call_at(node, end_of(f, state));
+  execution.timers().call_at(node, end_of(f, state));
 }
 
 void media_stop(Execution& execution, EventNode node, MediaState& state, const MediaFields& f, double end) {
@@ -113,9 +114,9 @@ void media_time(Execution& execution, EventNode node) {
   const bool over = !f.loop && state.duration < 0 && !may_come(execution, node, state);
   const double end = over ? std::min(end_of(f, state), execution.now()) : end_of(f, state);
   if (execution.now() < end) {
-    execution.call_at(node, end);
+    execution.timers().call_at(node, end);
   } else if (execution.has_sent(node, Media::is_active)) {
-    execution.call_at(node, execution.now());  // already started with this timestamp; stops with the next one
+    execution.timers().call_at(node, execution.now());  // already started with this timestamp; stops with the next one
   } else {
     media_stop(execution, node, state, f, end);
   }
@@ -125,7 +126,7 @@ void media_time(Execution& execution, EventNode node) {
 // that is not after startTime.
 bool media_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
   MediaState& state = state_of_media(execution, node);
-  execution.look_again(node);
+  execution.timers().look_again(node);
   if (!state.active) return true;
   const MediaFields f = media_fields(execution, node);
   switch (event) {
@@ -152,13 +153,13 @@ bool media_event(Execution& execution, EventNode node, int event, const FieldVal
 
 void media_begin(Execution& execution, EventNode node) {
   auto& media = execution.states().media;
-  if (!media.has_spare() && !execution.afford(sizeof(MediaState))) return;
-  execution.state_of(node) = media.take();
-  execution.look_again(node);
+  if (!media.has_spare() && !execution.budget().afford(sizeof(MediaState))) return;
+  execution.nodes().state_of(node) = media.take();
+  execution.timers().look_again(node);
 }
 
 void media_removed(Execution& execution, EventNode node) {
-  execution.states().media.give_back(execution.state_of(node));
+  execution.states().media.give_back(execution.nodes().state_of(node));
 }
 
 // Returns false if an event was already sent with this timestamp.
@@ -168,7 +169,7 @@ bool media_came(Execution& execution, EventNode node, double duration) {
   state.told = true;
   state.duration = duration >= 0 && std::isfinite(duration) ? duration : -1;
   execution.send(node, Media::duration_changed, SFTime{state.duration});
-  execution.look_again(node);
+  execution.timers().look_again(node);
   return true;
 }
 
@@ -205,19 +206,5 @@ constexpr Behaviour media_behaviour(std::string_view rate, bool backwards) {
 
 constexpr Behaviour kAudioClipBehaviour = media_behaviour("pitch", false);
 constexpr Behaviour kMovieTextureBehaviour = media_behaviour("speed", true);
-
-bool Execution::media_came(const SceneGraph& scene, NodeId id, double duration) {
-  const EventNode node = event_node(scene, id);
-  if (node == 0 || !nodes_[node].schema->behaviour || !behaviour_of(node).media_came) return true;
-  const bool sent = behaviour_of(node).media_came(*this, node, duration);
-  drain();
-  return sent;
-}
-
-std::optional<MediaPlay> Execution::media_play(const SceneGraph& scene, NodeId id) {
-  const EventNode node = event_node(scene, id);
-  if (node == 0 || !nodes_[node].schema->behaviour || !behaviour_of(node).media_play) return std::nullopt;
-  return behaviour_of(node).media_play(*this, node);
-}
 
 }  // namespace gs::vrml

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vrml/events/execution.h"
-#include "vrml/events/states.h"
+#include "vrml/event_model/states.h"
 
 #include <cmath>
 
@@ -15,7 +15,7 @@ bool pointing_sensor_event(Execution& execution, EventNode node, int event, cons
 void pointing_sensor_time(Execution& execution, EventNode node);
 
 [[nodiscard]] inline PointingState& pointing_state(Execution& execution, EventNode node) {
-  return execution.states().pointing[execution.state_of(node)];
+  return execution.states().pointing[execution.nodes().state_of(node)];
 }
 
 /// Sends a value only if all its components are finite. Returns whether it was sent.

@@ -1,6 +1,6 @@
 #include "vrml/behaviours/rotations.h"
+#include "vrml/event_model/states.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/states.h"
 
 #include <glm/glm.hpp>
 
@@ -64,15 +64,15 @@ glm::dmat4 moved_to(glm::dmat4 matrix, const glm::dvec3& place) {
 Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   const glm::dvec3 size(execution.get<SFVec3f>(node, Proximity::size));
   const glm::dvec3 center(execution.get<SFVec3f>(node, Proximity::center));
-  const glm::dmat4 viewer = execution.viewer();
+  const glm::dmat4 viewer = execution.viewer().pose();
   const double now = execution.now();
   const bool way_known =
-      state.looked && state.jumps == execution.jumps() && state.time < now && std::isfinite(state.time);
+      state.looked && state.jumps == execution.viewer().jumps() && state.time < now && std::isfinite(state.time);
   const bool was_inside = execution.get<SFBool>(node, Proximity::is_active);
   const auto time_at = [&](double part) { return state.time + (now - state.time) * part; };
   Look look;
   look.left_at = now;
-  const auto places = execution.places_of(node);
+  const auto places = execution.viewer().places_of(node);
   double best = -1;
   for (std::uint32_t i = 0; i < places.size() && !look.inside; ++i) {
     const glm::dmat4 sensor_from_world = glm::inverse(places[i]);
@@ -99,7 +99,7 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   }
   state.viewer = viewer[3];
   state.time = now;
-  state.jumps = execution.jumps();
+  state.jumps = execution.viewer().jumps();
   state.looked = true;
   return look;
 }
@@ -127,7 +127,7 @@ void leave(Execution& execution, EventNode node, double time) {
 }
 
 void proximity_time(Execution& execution, EventNode node) {
-  const std::uint32_t place = execution.state_of(node);
+  const std::uint32_t place = execution.nodes().state_of(node);
   if (place == 0) return;  // no memory for a state
   ProximityState& state = execution.states().proximities[place];
   const auto& size = execution.get<SFVec3f>(node, Proximity::size);
@@ -136,7 +136,7 @@ void proximity_time(Execution& execution, EventNode node) {
   const bool active = execution.get<SFBool>(node, Proximity::is_active);
   // isActive sends once per timestamp (4.10.4); a second change waits for the next one.
   const bool said = execution.has_sent(node, Proximity::is_active);
-  execution.run(node, on || (active && said));
+  execution.timers().run(node, on || (active && said));
   if (!on) {
     state.looked = false;
     if (!active || said) return;
@@ -169,13 +169,13 @@ void proximity_time(Execution& execution, EventNode node) {
 
 void proximity_begins(Execution& execution, EventNode node) {
   auto& states = execution.states().proximities;
-  if (!states.has_spare() && !execution.afford(2 * sizeof(ProximityState))) return;
-  execution.state_of(node) = states.take();
-  execution.look_again(node);
+  if (!states.has_spare() && !execution.budget().afford(2 * sizeof(ProximityState))) return;
+  execution.nodes().state_of(node) = states.take();
+  execution.timers().look_again(node);
 }
 
 bool proximity_event(Execution& execution, EventNode node, int, const FieldValue&) {
-  execution.look_again(node);
+  execution.timers().look_again(node);
   return true;
 }
 
@@ -190,7 +190,7 @@ const Behaviour kProximitySensorBehaviour = {
     .sensed_place = [](const Execution& execution,
                        EventNode node) { return glm::dvec3(execution.get<SFVec3f>(node, Proximity::center)); },
     .on_remove = [](Execution& execution,
-                    EventNode node) { execution.states().proximities.give_back(execution.state_of(node)); },
+                    EventNode node) { execution.states().proximities.give_back(execution.nodes().state_of(node)); },
 };
 
 }  // namespace gs::vrml

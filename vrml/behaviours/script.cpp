@@ -1,5 +1,5 @@
-#include "vrml/events/script_host.h"
-#include "vrml/events/states.h"
+#include "vrml/event_model/script_host.h"
+#include "vrml/event_model/states.h"
 
 #include <cstddef>
 #include <utility>
@@ -15,7 +15,7 @@ struct Script {
 constexpr std::size_t kCall = 2048;
 
 ScriptState& state_of_script(Execution& execution, EventNode node) {
-  std::uint32_t& place = execution.state_of(node);
+  std::uint32_t& place = execution.nodes().state_of(node);
   if (place == 0) place = execution.states().scripts.take();
   return execution.states().scripts[place];
 }
@@ -29,39 +29,39 @@ void run_kept(Execution& execution, EventNode node, ScriptHost& host) {
     state.kept.pop_front();
     state.owes_processed = host.deliver(node, one.interface, one.value, one.time) || state.owes_processed;
   }
-  if (!state.kept.empty()) execution.call_at(node, execution.now());
+  if (!state.kept.empty()) execution.timers().call_at(node, execution.now());
 }
 
 bool script_event(Execution& execution, EventNode node, int, const FieldValue&) {
   state_of_script(execution, node).begins = true;
-  execution.look_again(node);
+  execution.timers().look_again(node);
   return true;
 }
 
 void script_own_event(Execution& execution, EventNode node, std::uint32_t interface, const FieldValue& value) {
-  ScriptHost* const host = execution.script_host();
+  ScriptHost* const host = execution.scripts().host();
   if (!host) return;
   ScriptState& state = state_of_script(execution, node);
   if (state.kept.empty() && !state.begins && !host->waits(node) && host->has_time()) {
-    if (!execution.spend(kCall)) return;
+    if (!execution.budget().spend(kCall)) return;
     state.owes_processed = host->deliver(node, interface, value, execution.now()) || state.owes_processed;
-    if (state.owes_processed) execution.look_again(node);
+    if (state.owes_processed) execution.timers().look_again(node);
     return;
   }
-  if (state.kept.size() >= ScriptState::kMostKept || !execution.spend(ScriptState::kKeptCost)) return;
+  if (state.kept.size() >= ScriptState::kMostKept || !execution.budget().spend(ScriptState::kKeptCost)) return;
   state.kept.push_back({interface, value, execution.now()});
-  execution.look_again(node);
+  execution.timers().look_again(node);
 }
 
 void script_time(Execution& execution, EventNode node) {
-  ScriptHost* const host = execution.script_host();
+  ScriptHost* const host = execution.scripts().host();
   if (!host) return;
   ScriptState& state = state_of_script(execution, node);
   if (std::exchange(state.begins, false)) (void)host->begin(node);
   if (host->waits(node)) return;
   if (!state.kept.empty()) run_kept(execution, node, *host);
   if (!state.owes_processed) return;
-  if (state.processed_at == execution.now()) return execution.call_at(node, execution.now());
+  if (state.processed_at == execution.now()) return execution.timers().call_at(node, execution.now());
   state.owes_processed = false;
   state.processed_at = execution.now();
   host->events_processed(node);
@@ -71,18 +71,18 @@ void script_time(Execution& execution, EventNode node) {
 
 const Behaviour kScriptBehaviour = {
     .events = {"url"},
-    .initialize = [](Execution& execution, EventNode node) { execution.note_script(node); },
+    .initialize = [](Execution& execution, EventNode node) { execution.scripts().add(node); },
     .on_event = script_event,
     .on_time = script_time,
     .on_own_event = script_own_event,
     .before_removal =
         [](Execution& execution, EventNode node) {
-          if (ScriptHost* const host = execution.script_host()) host->end(node);
+          if (ScriptHost* const host = execution.scripts().host()) host->end(node);
         },
     .on_remove =
         [](Execution& execution, EventNode node) {
-          execution.states().scripts.give_back(std::exchange(execution.state_of(node), 0));
-          if (ScriptHost* const host = execution.script_host()) host->forget(node);
+          execution.states().scripts.give_back(std::exchange(execution.nodes().state_of(node), 0));
+          if (ScriptHost* const host = execution.scripts().host()) host->forget(node);
         },
 };
 

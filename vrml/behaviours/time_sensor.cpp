@@ -1,5 +1,5 @@
+#include "vrml/event_model/states.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/states.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ struct Clock {
 };
 
 TimeState& state_of_sensor(Execution& execution, EventNode node) {
-  return execution.states().times[execution.state_of(node)];
+  return execution.states().times[execution.nodes().state_of(node)];
 }
 
 struct TimeFields {
@@ -57,16 +57,16 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
   const bool delayed = std::exchange(state.delayed, false);
   if (!f.enabled) return;
   if (f.start > now) {
-    execution.call_at(node, f.start);
+    execution.timers().call_at(node, f.start);
     return;
   }
   const bool stopped = f.stop > f.start && now >= f.stop, over = !f.loop && now >= f.start + f.interval;
   // A step may be longer than the whole active period, which must still occur.
-  const bool since_last_step = delayed || f.start > execution.previous();
+  const bool since_last_step = delayed || f.start > execution.cascade().previous();
   if (!(f.start <= now) || ((stopped || over) && !since_last_step)) return;
   if (execution.has_sent(node, Clock::is_active)) {
     state.delayed = true;
-    execution.call_at(node, now);
+    execution.timers().call_at(node, now);
     return;
   }
   state.active = true;
@@ -84,7 +84,7 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
   } else {
     send_outputs(execution, node, state, f, end, over ? Ending::cycle : Ending::none);
   }
-  execution.run(node, true);
+  execution.timers().run(node, true);
 }
 
 void stop(Execution& execution, EventNode node, TimeState& state, double at, Ending ending) {
@@ -93,7 +93,7 @@ void stop(Execution& execution, EventNode node, TimeState& state, double at, End
   if (at > state.sent_at) send_outputs(execution, node, state, fields_of(execution, node), at, ending);
   execution.send(node, Clock::is_active, SFBool{false});
   state.active = false;
-  execution.run(node, false);
+  execution.timers().run(node, false);
   // On a stop and restart at the same time, the stop comes first (4.6.9).
   if (state.new_start_at == execution.now()) {
     execution.send(node, Clock::start_time, SFTime{state.new_start});
@@ -114,7 +114,7 @@ void time_sensor_time(Execution& execution, EventNode node) {
   const double cycle_end = f.loop ? kNever : f.start + (state.cycle + 1) * f.interval;
   const double end = std::min(stop_time, cycle_end);
   if (execution.has_sent(node, Clock::is_active) && (!f.enabled || now >= end)) {
-    execution.run(node, true);  // already started with this timestamp; stops with the next one
+    execution.timers().run(node, true);  // already started with this timestamp; stops with the next one
     return;
   }
   if (now >= end) {
@@ -130,7 +130,7 @@ void time_sensor_time(Execution& execution, EventNode node) {
 // after startTime.
 bool time_sensor_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
   TimeState& state = state_of_sensor(execution, node);
-  execution.look_again(node);
+  execution.timers().look_again(node);
   if (!state.active) return true;
   if (event == Clock::cycle_interval) return false;
   if (event == Clock::stop_time) return std::get<SFTime>(value) > execution.get<SFTime>(node, Clock::start_time);
@@ -144,9 +144,9 @@ bool time_sensor_event(Execution& execution, EventNode node, int event, const Fi
 
 void time_sensor_begin(Execution& execution, EventNode node) {
   auto& times = execution.states().times;
-  if (!times.has_spare() && !execution.afford(sizeof(TimeState))) return;
-  execution.state_of(node) = times.take();
-  execution.look_again(node);
+  if (!times.has_spare() && !execution.budget().afford(sizeof(TimeState))) return;
+  execution.nodes().state_of(node) = times.take();
+  execution.timers().look_again(node);
 }
 
 }  // namespace
@@ -158,7 +158,7 @@ const Behaviour kTimeSensorBehaviour = {
     .on_event = time_sensor_event,
     .on_time = time_sensor_time,
     .on_remove = [](Execution& execution,
-                    EventNode node) { execution.states().times.give_back(execution.state_of(node)); },
+                    EventNode node) { execution.states().times.give_back(execution.nodes().state_of(node)); },
 };
 
 }  // namespace gs::vrml

@@ -37,9 +37,9 @@ bool visible(Execution& execution, EventNode node) {
       half = glm::dvec3(execution.get<SFVec3f>(node, Visibility::size)) * 0.5;
   // Rejects non-finite numbers and negative sizes, which the standard forbids. A box without volume is valid.
   if (!(half.x >= 0 && half.y >= 0 && half.z >= 0) || !std::isfinite(glm::dot(center, half) * 0.0)) return false;
-  const glm::dmat4 viewer_from_world = glm::inverse(execution.viewer());
-  const Frustum sees = execution.frustum();
-  for (const glm::dmat4& world_from_sensor : execution.places_of(node))
+  const glm::dmat4 viewer_from_world = glm::inverse(execution.viewer().pose());
+  const Frustum sees = execution.viewer().frustum();
+  for (const glm::dmat4& world_from_sensor : execution.viewer().places_of(node))
     if (may_be_seen(center, half, viewer_from_world * world_from_sensor, sees)) return true;
   return false;
 }
@@ -52,11 +52,11 @@ void visibility_time(Execution& execution, EventNode node) {
     execution.send(node, Visibility::is_active, SFBool{seen});
     execution.send(node, seen ? Visibility::enter_time : Visibility::exit_time, SFTime{execution.now()});
   }
-  execution.run(node, enabled || execution.get<SFBool>(node, Visibility::is_active));
+  execution.timers().run(node, enabled || execution.get<SFBool>(node, Visibility::is_active));
 }
 
 bool visibility_event(Execution& execution, EventNode node, int, const FieldValue&) {
-  execution.look_again(node);
+  execution.timers().look_again(node);
   return true;
 }
 
@@ -64,7 +64,7 @@ bool visibility_event(Execution& execution, EventNode node, int, const FieldValu
 
 const Behaviour kVisibilitySensorBehaviour = {
     .events = {"center", "size", "enabled", "isActive", "enterTime", "exitTime"},
-    .initialize = [](Execution& execution, EventNode node) { execution.look_again(node); },
+    .initialize = [](Execution& execution, EventNode node) { execution.timers().look_again(node); },
     .on_event = visibility_event,
     .on_time = visibility_time,
 };

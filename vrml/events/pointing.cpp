@@ -1,7 +1,6 @@
 #include "vrml/events/pointing.h"
 
 #include "vrml/events/execution.h"
-#include "vrml/events/states.h"
 
 #include <algorithm>
 #include <unordered_set>
@@ -71,7 +70,7 @@ void Pointing::add_sensors(const SceneGraph& scene, const MFNode& children, cons
 }
 
 void Pointing::add_sensor(const SceneGraph& scene, NodeId id, const glm::dmat4& place, std::vector<Sensed>& sensed) {
-  const EventNode node = execution_.event_node(scene, id);
+  const EventNode node = execution_.scenes().event_node(scene, id);
   if (node != 0 && make_state(node) && usable(node)) sensed.push_back({node, place});
 }
 
@@ -79,23 +78,23 @@ std::vector<NodePlace> Pointing::sensors_of(std::span<const PathStep> path) {
   std::vector<Sensed> sensed;
   find_sensors(path, sensed);
   std::vector<NodePlace> result;
-  for (const Sensed& one : sensed) result.push_back(execution_.place_of(one.node));
+  for (const Sensed& one : sensed) result.push_back(execution_.nodes().place_of(one.node));
   return result;
 }
 
 bool Pointing::make_state(EventNode node) {
-  if (execution_.state_of(node) != 0) return true;
+  if (execution_.nodes().state_of(node) != 0) return true;
   auto& states = execution_.states().pointing;
-  if (!states.has_spare() && !execution_.afford(sizeof(PointingState))) return false;
-  execution_.state_of(node) = states.take();
+  if (!states.has_spare() && !execution_.budget().afford(sizeof(PointingState))) return false;
+  execution_.nodes().state_of(node) = states.take();
   return true;
 }
 
 // Reports whether a sensor may act. One that was enabled while the button is down must wait for the release (4.6.7.3).
 bool Pointing::usable(EventNode node) const {
-  const int enabled = execution_.behaviour_of(node).pointing->enabled;
+  const int enabled = execution_.nodes().behaviour_of(node).pointing->enabled;
   if (enabled >= 0 && !execution_.get<SFBool>(node, enabled)) return false;
-  return !down_ || execution_.states().pointing[execution_.state_of(node)].enabled_in != press_;
+  return !down_ || execution_.states().pointing[execution_.nodes().state_of(node)].enabled_in != press_;
 }
 
 // ---- Sending events
@@ -103,14 +102,27 @@ bool Pointing::usable(EventNode node) const {
 void Pointing::point(const Pointer& pointer) {
   Look look{pointer.bearing, pointer.down, {}};
   find_sensors(pointer.path, look.sensed);
-  if (waiting_.empty() && change(look)) return;
-  if (!waiting_.empty() && waiting_.back().down == look.down) {
-    waiting_.back() = std::move(look);
-  } else if (waiting_.size() < kMostWaiting) {
-    waiting_.push_back(std::move(look));
-  } else {
-    waiting_.pop_back();  // drops a press and release that could not be sent
+  if (!waiting_.empty() || !change(look)) {
+    if (!waiting_.empty() && waiting_.back().down == look.down) {
+      waiting_.back() = std::move(look);
+    } else if (waiting_.size() < kMostWaiting) {
+      waiting_.push_back(std::move(look));
+    } else {
+      waiting_.pop_back();  // drops a press and release that could not be sent
+    }
   }
+  execution_.cascade().drain();
+}
+
+void Pointing::request(EventNode anchor) {
+  if (requests_.size() >= kMostRequests) requests_.erase(requests_.begin());
+  requests_.push_back(execution_.nodes().place_of(anchor));
+}
+
+void Pointing::forget_removed() {
+  std::erase_if(requests_, [&](const NodePlace& one) {
+    return !execution_.scenes().has(one.scene) || !one.scene->contains(one.node);
+  });
 }
 
 void Pointing::go_on() {
@@ -122,20 +134,21 @@ bool Pointing::has_room(const Look& look, bool press, bool release) const {
   const auto& states = execution_.states().pointing;
   const auto sent = [&](EventNode node, int event) { return event >= 0 && execution_.has_sent(node, event); };
   for (const Sensed& one : over_) {
-    const PointingState& state = states[execution_.state_of(one.node)];
-    if (state.over && state.wanted != look_ && sent(one.node, execution_.behaviour_of(one.node).pointing->is_over))
+    const PointingState& state = states[execution_.nodes().state_of(one.node)];
+    if (state.over && state.wanted != look_ &&
+        sent(one.node, execution_.nodes().behaviour_of(one.node).pointing->is_over))
       return false;
   }
   for (const Sensed& one : look.sensed) {
-    const PointingState& state = states[execution_.state_of(one.node)];
-    const PointingSensor& sensor = *execution_.behaviour_of(one.node).pointing;
+    const PointingState& state = states[execution_.nodes().state_of(one.node)];
+    const PointingSensor& sensor = *execution_.nodes().behaviour_of(one.node).pointing;
     if (state.wanted != look_) continue;
     const bool enters = !state.over && (active_ == 0 || release || state.active);
     if ((enters && sent(one.node, sensor.is_over)) || (press && sent(one.node, sensor.is_active))) return false;
   }
   for (const Sensed& one : grabbed_)
-    if (release && states[execution_.state_of(one.node)].active &&
-        sent(one.node, execution_.behaviour_of(one.node).pointing->is_active))
+    if (release && states[execution_.nodes().state_of(one.node)].active &&
+        sent(one.node, execution_.nodes().behaviour_of(one.node).pointing->is_active))
       return false;
   return true;
 }
@@ -149,7 +162,7 @@ bool Pointing::change(const Look& look) {
   auto& states = execution_.states().pointing;
   ++look_;
   for (const Sensed& one : look.sensed)
-    if (usable(one.node)) states[execution_.state_of(one.node)].wanted = look_;
+    if (usable(one.node)) states[execution_.nodes().state_of(one.node)].wanted = look_;
   if (!has_room(look, pressed, released)) return false;
   pointed_ = true;
   last_ = look.bearing;
@@ -158,8 +171,8 @@ bool Pointing::change(const Look& look) {
   enter(look, moved, active_ == 0);
   if (pressed) press(look);
   for (const Sensed& one : grabbed_)
-    if (const auto drag = execution_.behaviour_of(one.node).pointing->drag;
-        drag && !pressed && moved && states[execution_.state_of(one.node)].active)
+    if (const auto drag = execution_.nodes().behaviour_of(one.node).pointing->drag;
+        drag && !pressed && moved && states[execution_.nodes().state_of(one.node)].active)
       drag(execution_, one.node, look.bearing);
   if (released) {
     release();
@@ -175,9 +188,10 @@ void Pointing::tell(EventNode node, int event, bool value) {
 void Pointing::leave() {
   auto& states = execution_.states().pointing;
   std::erase_if(over_, [&](const Sensed& one) {
-    PointingState& state = states[execution_.state_of(one.node)];
+    PointingState& state = states[execution_.nodes().state_of(one.node)];
     if (state.over && state.wanted == look_) return false;
-    if (std::exchange(state.over, false)) tell(one.node, execution_.behaviour_of(one.node).pointing->is_over, false);
+    if (std::exchange(state.over, false))
+      tell(one.node, execution_.nodes().behaviour_of(one.node).pointing->is_over, false);
     return true;
   });
 }
@@ -187,9 +201,9 @@ void Pointing::leave() {
 void Pointing::enter(const Look& look, bool moved, bool all) {
   auto& states = execution_.states().pointing;
   for (const Sensed& one : look.sensed) {
-    PointingState& state = states[execution_.state_of(one.node)];
+    PointingState& state = states[execution_.nodes().state_of(one.node)];
     if (state.wanted != look_ || !(all || state.active)) continue;
-    const PointingSensor& sensor = *execution_.behaviour_of(one.node).pointing;
+    const PointingSensor& sensor = *execution_.nodes().behaviour_of(one.node).pointing;
     const bool enters = !std::exchange(state.over, true);
     if (enters) {
       over_.push_back(one);
@@ -204,12 +218,12 @@ void Pointing::press(const Look& look) {
   ++press_;
   grabbed_.clear();
   for (const Sensed& one : look.sensed) {
-    PointingState& state = states[execution_.state_of(one.node)];
+    PointingState& state = states[execution_.nodes().state_of(one.node)];
     if (state.wanted != look_) continue;
     state.active = true;
     ++active_;
     grabbed_.push_back(one);
-    const PointingSensor& sensor = *execution_.behaviour_of(one.node).pointing;
+    const PointingSensor& sensor = *execution_.nodes().behaviour_of(one.node).pointing;
     tell(one.node, sensor.is_active, true);
     if (sensor.press) sensor.press(execution_, one.node, look.bearing, one.world_from_sensor);
   }
@@ -218,9 +232,9 @@ void Pointing::press(const Look& look) {
 void Pointing::release() {
   auto& states = execution_.states().pointing;
   for (const Sensed& one : std::exchange(grabbed_, {})) {
-    PointingState& state = states[execution_.state_of(one.node)];
+    PointingState& state = states[execution_.nodes().state_of(one.node)];
     if (!std::exchange(state.active, false)) continue;
-    const PointingSensor& sensor = *execution_.behaviour_of(one.node).pointing;
+    const PointingSensor& sensor = *execution_.nodes().behaviour_of(one.node).pointing;
     tell(one.node, sensor.is_active, false);
     if (sensor.release) sensor.release(execution_, one.node, state.over);
   }
@@ -231,23 +245,23 @@ void Pointing::release() {
 
 void Pointing::enable(EventNode node, bool enabled) {
   if (enabled) {
-    if (down_ && make_state(node)) execution_.states().pointing[execution_.state_of(node)].enabled_in = press_;
+    if (down_ && make_state(node)) execution_.states().pointing[execution_.nodes().state_of(node)].enabled_in = press_;
     return;
   }
-  if (execution_.state_of(node) == 0) return;
-  PointingState& state = execution_.states().pointing[execution_.state_of(node)];
+  if (execution_.nodes().state_of(node) == 0) return;
+  PointingState& state = execution_.states().pointing[execution_.nodes().state_of(node)];
   state.owes_over = std::exchange(state.over, false) || state.owes_over;
   if (std::exchange(state.active, false)) {
     state.owes_active = true;
     --active_;
   }
-  if (state.owes_over || state.owes_active) execution_.look_again(node);
+  if (state.owes_over || state.owes_active) execution_.timers().look_again(node);
 }
 
 void Pointing::settle(EventNode node) {
-  if (execution_.state_of(node) == 0) return;
-  PointingState& state = execution_.states().pointing[execution_.state_of(node)];
-  const PointingSensor& sensor = *execution_.behaviour_of(node).pointing;
+  if (execution_.nodes().state_of(node) == 0) return;
+  PointingState& state = execution_.states().pointing[execution_.nodes().state_of(node)];
+  const PointingSensor& sensor = *execution_.nodes().behaviour_of(node).pointing;
   const auto pay = [&](bool& owed, int event) {
     if (!owed || (event >= 0 && execution_.has_sent(node, event))) return;
     owed = false;
@@ -255,7 +269,7 @@ void Pointing::settle(EventNode node) {
   };
   pay(state.owes_active, sensor.is_active);
   pay(state.owes_over, sensor.is_over);
-  execution_.run(node, state.owes_active || state.owes_over);
+  execution_.timers().run(node, state.owes_active || state.owes_over);
 }
 
 void Pointing::remove(EventNode node) {
@@ -264,19 +278,19 @@ void Pointing::remove(EventNode node) {
   std::erase_if(grabbed_, is_it);
   for (Look& look : waiting_) std::erase_if(look.sensed, is_it);
   auto& states = execution_.states().pointing;
-  if (execution_.state_of(node) != 0 && states[execution_.state_of(node)].active) --active_;
-  states.give_back(execution_.state_of(node));
+  if (execution_.nodes().state_of(node) != 0 && states[execution_.nodes().state_of(node)].active) --active_;
+  states.give_back(execution_.nodes().state_of(node));
 }
 
 PointedAt Pointing::pointed_at() const {
   PointedAt result;
   result.active = active_ > 0;
   for (const Sensed& one : over_) {
-    if (!execution_.states().pointing[execution_.state_of(one.node)].over) continue;
+    if (!execution_.states().pointing[execution_.nodes().state_of(one.node)].over) continue;
     result.sensor = true;
-    const PointingSensor& sensor = *execution_.behaviour_of(one.node).pointing;
+    const PointingSensor& sensor = *execution_.nodes().behaviour_of(one.node).pointing;
     if (!sensor.of_children || result.anchor.scene) continue;
-    result.anchor = execution_.place_of(one.node);
+    result.anchor = execution_.nodes().place_of(one.node);
     if (sensor.description >= 0) result.description = execution_.get<SFString>(one.node, sensor.description).str();
   }
   return result;

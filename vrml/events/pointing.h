@@ -1,7 +1,7 @@
 #pragma once
 
-#include "vrml/events/behaviour.h"
-#include "vrml/events/placement.h"
+#include "vrml/event_model/behaviour.h"
+#include "vrml/event_model/placement.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace gs::vrml {
@@ -74,9 +75,16 @@ class Pointing {
  public:
   explicit Pointing(Execution& execution) : execution_(execution) {}
 
+  static constexpr std::size_t kMostRequests = 64;
+
+  /// Handles a move, press or release of the pointing device: sends sensor events (4.6.7.3) with the present timestamp.
   void point(const Pointer& pointer);
   /// Applies changes that waited for a new timestamp.
   void go_on();
+  /// Notes that the world has a sensor.
+  void note_sensor() { has_sensors_ = true; }
+  /// Reports whether the world has ever had a pointing-device sensor.
+  [[nodiscard]] bool has_sensors() const { return has_sensors_; }
   /// Invalidates cached lists of siblings, since the content of PROTO instances may have changed.
   void forget() { siblings_.clear(); }
   /// Reports whether a change waits for a new timestamp.
@@ -84,11 +92,18 @@ class Pointing {
   [[nodiscard]] PointedAt pointed_at() const;
   /// Returns the enabled sensors that act if the bearing hits the Shape at the end of the path.
   [[nodiscard]] std::vector<NodePlace> sensors_of(std::span<const PathStep> path);
+  /// Returns and clears the Anchors activated since the last call (6.2), at most kMostRequests. The caller opens their
+  /// URLs.
+  [[nodiscard]] std::vector<NodePlace> take_requests() { return std::exchange(requests_, {}); }
 
+  /// Notes the activation of an Anchor; called by its behaviour.
+  void request(EventNode anchor);
   /// Handles a sensor's `enabled` event; called by the sensors' behaviours.
   void enable(EventNode node, bool enabled);
   /// Forgets a sensor that is removed from the world.
   void remove(EventNode node);
+  /// Forgets requests of removed Anchors.
+  void forget_removed();
   /// Sends the pending events of a disabled sensor.
   void settle(EventNode node);
 
@@ -129,6 +144,8 @@ class Pointing {
   Bearing last_;
   bool pointed_ = false, down_ = false;
   std::uint32_t look_ = 0, press_ = 0;
+  bool has_sensors_ = false;
+  std::vector<NodePlace> requests_;
 };
 
 }  // namespace gs::vrml

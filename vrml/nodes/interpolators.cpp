@@ -1,4 +1,4 @@
-#include "vrml/events/behaviour.h"
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/families.h"
 
 namespace gs::vrml {

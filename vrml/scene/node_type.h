@@ -141,7 +141,7 @@ struct NodeRow {
   NodeKind read_as;
   std::string_view interface_text;       // one declaration per line, with the range in a trailing comment
   Tessellator tessellator{};             // geometry nodes only
-  const Behaviour* behaviour = nullptr;  // if events and time do more than set fields (vrml/events/behaviour.h)
+  const Behaviour* behaviour = nullptr;  // if events and time do more than set fields (vrml/event_model/behaviour.h)
   UrlContent url_content = UrlContent::none;
 };
 

@@ -62,7 +62,7 @@ struct RunTimeNodes {
 
 /// Reads a text into a running scene, for createVrmlFromString and similar functions (VRML97 4.12.10). The text needs
 /// no header and has its own names and PROTOs; nodes refer to it by Node::text. The nodes are not in any field yet:
-/// after Execution::attach, hold them (Execution::hold) before events are delivered. `written_by` is the text that
+/// after WorldScenes::attach, hold them (NodeLifetime::hold) before events are delivered. `written_by` is the text that
 /// requested this one; null means the scene's file. Its origin() must live as long as the scene. For `fetched_from` see
 /// RunTimeText.
 RunTimeNodes read_into(SceneGraph& scene, std::string file_name, std::string_view text, Diagnostics& diagnostics,

@@ -90,18 +90,18 @@ bool arrive(Document& document, Arrivals&& arrivals) {
   for (const Arrivals::Content& one : arrivals.contents)
     if (one.content) grown.emplace_back(one.content.get(), 1);
   for (const Arrivals::Prototypes& one : arrivals.prototypes)
-    if (document.runtime->execution().has_scene(one.scene))
+    if (document.runtime->execution().scenes().has(one.scene))
       grown.emplace_back(one.scene, static_cast<std::uint32_t>(one.scene->node_count()) + 1);
   document.runtime->arrive(std::move(arrivals));
   for (const auto& [scene, first] : grown)
-    if (document.runtime->execution().has_scene(scene)) inspect(document, *scene, first);
+    if (document.runtime->execution().scenes().has(scene)) inspect(document, *scene, first);
   document.has_navigation_info = document.runtime->bound().navigation_info != nullptr;
   return !grown.empty();
 }
 
 std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {
   auto document = hold_world(std::move(world), std::move(meshes));
-  if (document->runtime && document->runtime->execution().has_scripts())
+  if (document->runtime && document->runtime->execution().scripts().has_scripts())
     (void)document->runtime->look({0, 0, 10}, true);
   else
     begin_world(*document, world_time());

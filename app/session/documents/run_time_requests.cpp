@@ -127,7 +127,7 @@ void RunTimeRequests::take_text(Arrivals::Text&& arrival) {
 }
 
 bool RunTimeRequests::is_stale(const Arrivals::Place& place) const {
-  if (!execution_.has_scene(place.scene) || !place.scene->contains(place.node)) return true;
+  if (!execution_.scenes().has(place.scene) || !place.scene->contains(place.node)) return true;
   const auto number = url_numbers_.find({&place.scene->node(place.node), place.url});
   return place.request != (number == url_numbers_.end() ? 0 : number->second);
 }

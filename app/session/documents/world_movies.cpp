@@ -1,6 +1,7 @@
 #include "app/session/documents/world_movies.h"
 
 #include "app/formats/media_file.h"
+#include "vrml/behaviours/browser_events.h"
 
 #include <utility>
 
@@ -29,7 +30,7 @@ bool WorldMovies::show(bool wait) {
   running_ = false;
   for (const Played& one : movies_) {
     if (!one.player->shown()) continue;
-    const auto play = execution_.media_play(*one.scene, one.id);
+    const auto play = vrml::media_play(execution_, *one.scene, one.id);
     if (!play) continue;
     if (players_.show(one.player, play->position, wait)) any = ++pictures_ > 0;
     running_ = running_ || (play->active && play->rate != 0) || (!wait && players_.waits(*one.player));

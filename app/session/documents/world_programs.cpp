@@ -25,27 +25,27 @@ WorldPrograms::WorldPrograms(OpenedWorld& world, vrml::Execution& execution) : w
 }
 
 void WorldPrograms::start() {
-  if (runner_ || !execution_.has_scripts()) return;
+  if (runner_ || !execution_.scripts().has_scripts()) return;
   runner_ = ScriptRunner::make(execution_, settings_);
   if (!runner_) return;
   if (observer_) runner_->observe(observer_);
   runner_->set_browser(browser_);
-  execution_.set_script_host(runner_.get());
+  execution_.scripts().set_host(runner_.get());
   for (ProgramText& one : world_.programs)
-    if (execution_.has_scene(one.scene)) runner_->provide(*one.scene, one.script, std::move(one.text), one.url);
+    if (execution_.scenes().has(one.scene)) runner_->provide(*one.scene, one.script, std::move(one.text), one.url);
   world_.programs.clear();
 }
 
 void WorldPrograms::stop() {
   runner_.reset();
-  execution_.set_script_host(nullptr);
+  execution_.scripts().set_host(nullptr);
 }
 
 // Computes speed and frame rate from the last two steps.
 void WorldPrograms::begin_step(double now) {
   if (runner_) runner_->begin_step();
   if (!runner_ && !measures_viewer_) return;
-  const glm::dvec3 place(execution_.viewer()[3]);
+  const glm::dvec3 place(execution_.viewer().pose()[3]);
   const double seconds = now - execution_.now();
   if (viewer_ && seconds > 0) {
     browser_.speed = glm::length(place - *viewer_) / seconds;
@@ -92,7 +92,7 @@ ScriptRunner::Evaluation WorldPrograms::evaluate(const vrml::SceneGraph& scene, 
           create(*world_.scene, "console", "Script { directOutput TRUE url \"javascript: ;\" }", diagnostics, nullptr);
       if (made.roots.empty()) return {"not enough memory for a program", true};
       console_ = made.roots.front();
-      execution_.hold(*of, console_);
+      execution_.lifetime().hold(*of, console_);
     }
     script = console_;
   }

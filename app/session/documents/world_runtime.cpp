@@ -3,6 +3,7 @@
 #include "app/formats/media_file.h"
 #include "app/formats/qnv/cloud_reader.h"
 #include "render/scene/late_meshes.h"
+#include "vrml/behaviours/browser_events.h"
 
 #include <algorithm>
 #include <chrono>
@@ -26,7 +27,7 @@ double world_time() {
 
 WorldRuntime::WorldRuntime(OpenedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
-  execution_.observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
+  execution_.lifetime().observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
 }
 
 // Destroys the programs first, because they refer to the other members.
@@ -62,15 +63,15 @@ bool WorldRuntime::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::s
 // Reports progress to the nodes. Reports that do not fit in this timestamp wait for the next one.
 void WorldRuntime::tell_progress() {
   std::erase_if(progress_, [&](const UrlProgress& one) {
-    return !execution_.has_scene(one.scene) || !one.scene->contains(one.node) ||
-           execution_.progress(*one.scene, one.node, one.fraction);
+    return !execution_.scenes().has(one.scene) || !one.scene->contains(one.node) ||
+           vrml::report_progress(execution_, *one.scene, one.node, one.fraction);
   });
 }
 
 void WorldRuntime::tell_durations() {
   std::erase_if(durations_, [&](const MediaDuration& one) {
-    return !execution_.has_scene(one.scene) || !one.scene->contains(one.node) ||
-           execution_.media_came(*one.scene, one.node, one.seconds);
+    return !execution_.scenes().has(one.scene) || !one.scene->contains(one.node) ||
+           vrml::report_media(execution_, *one.scene, one.node, one.seconds);
   });
 }
 
@@ -80,24 +81,24 @@ void WorldRuntime::show_content(Arrivals::Content&& arrival) {
     return;
   }
   vrml::SceneGraph& scene = *arrival.place.scene;
-  execution_.remove_content(scene, arrival.place.node);
+  execution_.lifetime().remove_content(scene, arrival.place.node);
   if (!arrival.content) return;
   meshes_.take(std::move(arrival.meshes));
   scene.attach_inline(arrival.place.node, std::move(arrival.content));
-  execution_.attach(scene);
+  execution_.scenes().attach(scene);
   programs_.start();
-  execution_.content_changed(scene, arrival.place.node);
+  execution_.changes().mark_content(scene, arrival.place.node);
 }
 
 void WorldRuntime::take_prototypes(Arrivals::Prototypes&& arrival) {
-  if (!execution_.has_scene(arrival.scene)) return;
+  if (!execution_.scenes().has(arrival.scene)) return;
   vrml::SceneGraph& scene = *arrival.scene;
   if (!app::take_prototypes(scene, arrival.awaited, std::move(arrival.library), arrival.why, world_.diagnostics))
     return;
   for (const AwaitedPrototype& one : arrival.awaited)
     if (vrml::has(one.type->role, render::kGeometryParts)) meshes_.forget_scene(scene);
-  execution_.attach(scene);
-  execution_.bind_what_came();
+  execution_.scenes().attach(scene);
+  execution_.stacks().bind_new_types();
 }
 
 // Sets the polygon lists without events, because only the browser may set them.
@@ -174,7 +175,7 @@ bool WorldRuntime::take_meshes() {
   meshes_.late->begin_frame();
   std::vector<vrml::NodeChange> changes;
   for (const render::LateMeshes::Made& one : meshes_.late->take(meshes_))
-    if (vrml::SceneGraph* scene = execution_.own_scene(*one.scene)) changes.push_back({scene, one.node, 0});
+    if (vrml::SceneGraph* scene = execution_.scenes().own(*one.scene)) changes.push_back({scene, one.node, 0});
   if (changes.empty()) return false;
   add_changes(std::move(changes));
   return true;
@@ -187,9 +188,9 @@ void WorldRuntime::add_changes(std::vector<vrml::NodeChange> changes) {
 }
 
 bool WorldRuntime::take_changes() {
-  const auto changes = execution_.take_changes();
+  const auto changes = execution_.changes().take();
   requests_.note_changes(changes);
-  if (std::exchange(replaced_, execution_.replaced()) != execution_.replaced()) {
+  if (std::exchange(replaced_, execution_.lifetime().replaced()) != execution_.lifetime().replaced()) {
     batches_.clear();
     ++version_;  // no batch describes this change, so all lists are collected again
     render::forget_changed(meshes_, changes);
@@ -234,7 +235,7 @@ bool WorldRuntime::show(RuntimeScene& scene, const glm::dvec3& viewer) {
 render::BoundNodes WorldRuntime::bound() const {
   using vrml::NodeKind;
   const auto node_of = [&](NodeKind kind) -> const vrml::Node* {
-    const vrml::NodeChange bound = execution_.bound(vrml::built_in_node_type(kind));
+    const vrml::NodeChange bound = execution_.stacks().bound(vrml::built_in_node_type(kind));
     return bound.scene ? &bound.scene->node(bound.node) : nullptr;
   };
   return {node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info), node_of(NodeKind::background),

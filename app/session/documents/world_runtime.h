@@ -97,7 +97,7 @@ class WorldRuntime {
   bool started_ = false;
   std::deque<std::vector<vrml::NodeChange>> batches_;  // changes that led to the last versions, newest last
   std::uint64_t version_ = 0;
-  std::uint32_t replaced_ = 0;            // Execution::replaced of the newest version
+  std::uint32_t replaced_ = 0;            // NodeLifetime::replaced of the newest version
   std::vector<UrlProgress> progress_;     // not yet reported to the nodes
   std::vector<MediaDuration> durations_;  // not yet reported to the nodes
   std::weak_ptr<RuntimeScene> shared_;

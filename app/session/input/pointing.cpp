@@ -14,7 +14,7 @@ bool Pointing::point_at_world(std::size_t pane, bool down) {
   View* seen = viewports_.panes().at(pane).view();
   if (!seen || !seen->document->runtime) return false;
   vrml::Execution& execution = seen->document->runtime->execution();
-  if (!execution.has_pointing_sensors()) return false;
+  if (!execution.pointing().has_sensors()) return false;
   const Viewport place = viewports_.place_of(pane);
   (void)seen->document->runtime->step(step_.now);
   (void)follow_world(*seen);
@@ -22,20 +22,20 @@ bool Pointing::point_at_world(std::size_t pane, bool down) {
               down, pick_options(*seen, place.size()));
   pane_ = pane;
   links_.follow_anchors(pane);
-  return execution.pointed_at().active;
+  return execution.pointing().pointed_at().active;
 }
 
 void Pointing::leave() {
   if (!pane_) return;
   View* seen = viewports_.panes().at(*std::exchange(pane_, std::nullopt)).view();
-  if (seen && seen->document->runtime) seen->document->runtime->execution().point({});
+  if (seen && seen->document->runtime) seen->document->runtime->execution().pointing().point({});
   sensor_has_pointer_ = false;
 }
 
 Pointing::Pointed Pointing::pointed() const {
   const View* seen = viewports_.view();
   if (pane_ != viewports_.panes().active() || !seen || !seen->document->runtime) return {};
-  const vrml::PointedAt at = seen->document->runtime->execution().pointed_at();
+  const vrml::PointedAt at = seen->document->runtime->execution().pointing().pointed_at();
   return {at.sensor || at.active, at.description};
 }
 

@@ -1,5 +1,7 @@
 #include "app/session/navigation/viewer_motion.h"
 
+#include "vrml/behaviours/browser_events.h"
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -34,7 +36,7 @@ void ViewerMotion::move(View& seen, Navigation after, bool loading, float second
   if (!met || met == before || !seen.document->runtime) return;
   Hit hit;
   hit.item = *met;
-  (void)seen.document->runtime->execution().collide(path_of(list, hit));
+  (void)vrml::collide(seen.document->runtime->execution(), path_of(list, hit));
 }
 
 std::vector<std::size_t> ViewerMotion::advance(float seconds, bool look) {

@@ -7,8 +7,8 @@ namespace gs::app {
 
 void LinkFollower::follow_anchors(std::size_t pane) {
   WorldRuntime& world = *viewports_.panes().at(pane).view()->document->runtime;
-  for (const vrml::NodePlace& anchor : world.execution().take_requests()) {
-    if (vrml::SceneGraph* const scene = world.execution().own_scene(*anchor.scene);
+  for (const vrml::NodePlace& anchor : world.execution().pointing().take_requests()) {
+    if (vrml::SceneGraph* const scene = world.execution().scenes().own(*anchor.scene);
         scene && world.requests().open_computed_anchor(*scene, anchor.node))
       return;
     const Link link = link_of(*anchor.scene, anchor.node);

@@ -21,13 +21,13 @@ bool same(const vrml::NodePlace& a, const vrml::NodePlace& b) { return a.scene =
 /// Stores the jump field of the bound Viewpoint. Keeps the last value if the Viewpoint was removed.
 void note_jump(View& view) {
   const auto [scene, node] = view.bound_place;
-  if (scene && view.document->runtime->execution().has_scene(scene) && scene->contains(node))
+  if (scene && view.document->runtime->execution().scenes().has(scene) && scene->contains(node))
     view.bound_jump = scene->get<vrml::SFBool>(node, "jump");
 }
 
 void note_bound(View& view) {
   const vrml::NodeChange bound =
-      view.document->runtime->execution().bound(vrml::built_in_node_type(vrml::NodeKind::viewpoint));
+      view.document->runtime->execution().stacks().bound(vrml::built_in_node_type(vrml::NodeKind::viewpoint));
   view.bound = bound.scene ? &bound.scene->node(bound.node) : nullptr;
   view.bound_place = {bound.scene, bound.node};
   note_jump(view);
@@ -108,7 +108,7 @@ void follow_growth(View& view) {
       render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
     return;
   // While the user drags an object, the camera must not move.
-  if (view.document->runtime->execution().pointed_at().active) return;
+  if (view.document->runtime->execution().pointing().pointed_at().active) return;
   render::WorldBounds whole = view.framed;
   whole.add(now);
   if (!usable(view.framed)) {
@@ -324,8 +324,8 @@ bool follow_bound_viewpoint(View& view) {
   if (!view.document || !view.document->runtime) return false;
   const vrml::Node* bound = view.document->runtime->bound().viewpoint;
   if (bound == view.bound) return false;
-  const bool popped = view.bound_place.scene &&
-                      !view.document->runtime->execution().is_on_stack(view.bound_place.scene, view.bound_place.node);
+  const bool popped = view.bound_place.scene && !view.document->runtime->execution().stacks().contains(
+                                                    view.bound_place.scene, view.bound_place.node);
   if (!popped) leave_viewpoint(view);
   note_jump(view);
   const bool popped_jump = view.bound_jump;

@@ -234,14 +234,14 @@ TEST_CASE("keeps nodes that only a client holds until it disposes of them or dis
   vrml::Execution& execution = world.document->runtime->execution();
   const Json made =
       world.call("createVrmlFromString", {{"text", "DEF One Transform {} DEF Two Transform {}"}})["nodes"];
-  CHECK(execution.remove_unheld() == 0);
+  CHECK(execution.lifetime().remove_unheld() == 0);
   world.call("dispose", {{"node", made[0]}});
-  CHECK(execution.remove_unheld() == 1);
+  CHECK(execution.lifetime().remove_unheld() == 1);
   CHECK(world.problem("getType", {{"node", made[0]}}) ==
         "parameter 'node': unknown node number; expected a number from getNode");
   CHECK(world.call("getType", {{"node", made[1]}}) == "Transform");
   world.leave();
-  CHECK(execution.remove_unheld() == 1);
+  CHECK(execution.lifetime().remove_unheld() == 1);
 }
 
 TEST_CASE("ends the watch of a removed node, and rejects the number of a removed node") {
@@ -249,7 +249,7 @@ TEST_CASE("ends the watch of a removed node, and rejects the number of a removed
   const Json made = world.call("createVrmlFromString", {{"text", "Transform {}"}})["nodes"][0];
   world.call("advise", {{"node", made}, {"event", "translation"}});
   world.call("dispose", {{"node", made}});
-  CHECK(world.document->runtime->execution().remove_unheld() == 1);
+  CHECK(world.document->runtime->execution().lifetime().remove_unheld() == 1);
   world.call("createVrmlFromString", {{"text", "DEF Again Transform {}"}});
   world.call("setValue", {{"node", "Again"}, {"event", "translation"}, {"value", {1, 2, 3}}});
   CHECK(world.told("event").empty());

@@ -13,7 +13,7 @@ using Lines = std::vector<std::string>;
 
 struct Routed {
   explicit Routed(const std::string& body) : world(world_of(body)), execution(*world.scene) {
-    execution.attach();
+    execution.scenes().attach();
     execution.start(1000);
   }
   [[nodiscard]] NodeAt node(std::string_view name) const {
@@ -31,7 +31,7 @@ struct Routed {
   void set(const char* name, const char* event, float value) {
     const NodeAt at = node(name);
     execution.begin_update();
-    CHECK(execution.post(*at.scene, at.id, *at.scene->node(at.id).type->find_event_in(event), value));
+    CHECK(execution.cascade().post(*at.scene, at.id, *at.scene->node(at.id).type->find_event_in(event), value));
     execution.end_update();
   }
 
@@ -63,9 +63,9 @@ TEST_CASE("rebuilds the list only if ROUTEs changed") {
   const NodeAt from = world.node("I"), to = world.node("L");
   const vrml::Route route{from.id, to.id, from.scene->node(from.id).type->find_event_out("value_changed"),
                           to.scene->node(to.id).type->find_event_in("radius")};
-  CHECK(world.execution.add_route(*world.world.scene, route));
+  CHECK(world.execution.routes().add(*world.world.scene, route));
   CHECK(world.lines().back() == "I.value_changed -> L.radius");
-  CHECK(world.execution.remove_route(*world.world.scene, route));
+  CHECK(world.execution.routes().remove(*world.world.scene, route));
   CHECK(world.lines().size() == 2);
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("highlights ROUTEs for half a second after an event, and counts events
 TEST_CASE("notifies several watchers, but none that ended its watch") {
   Routed world(kTwo);
   int others = 0;
-  world.execution.observe([&](const vrml::SentEvent&) { ++others; });
+  world.execution.cascade().observe([&](const vrml::SentEvent&) { ++others; });
   world.watch.watch(&world.execution);
   world.set("I", "set_fraction", 0.5f);
   CHECK(others == 3);

@@ -15,7 +15,7 @@ namespace gs::app::scene_outline_test {
 
 struct Tree {
   explicit Tree(OpenedWorld opened) : world(std::move(opened)), execution(*world.scene) {
-    execution.attach();
+    execution.scenes().attach();
     index.set_world(&execution);
     outline.set_world(&execution, &index);
     learn();
@@ -123,7 +123,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   vrml::Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nDEF In Group {}", *content, diagnostics);
   tree.world.scene->attach_inline(tree.node("I").id, content);
-  tree.execution.attach();
+  tree.execution.scenes().attach();
   tree.learn();
   CHECK(tree.lines() == Lines{"+[0] Inline 'I'"});
   tree.outline.set_open(0, true);
@@ -133,7 +133,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   REQUIRE(tree.index.matches() == 2);  // by its type and by its name
   CHECK(tree.index.match(1).scene == content.get());
   const NodeAt inside = tree.index.match(1);
-  tree.execution.remove_content(*tree.world.scene, tree.node("I").id);
+  tree.execution.lifetime().remove_content(*tree.world.scene, tree.node("I").id);
   tree.world.scene->attach_inline(tree.node("I").id, nullptr);
   content.reset();
   // A removed node has no path.

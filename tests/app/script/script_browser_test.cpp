@@ -125,10 +125,12 @@ TEST_CASE("binds no nodes of createVrmlFromString and createVrmlFromURL by itsel
   REQUIRE(requests.size() == 1);
   world.step(1);
   CHECK(world.created(requests[0], "#VRML V2.0 utf8\nViewpoint { position 0 0 7 }", "x.wrl"));
-  world.execution().bind_what_came();
+  world.execution().stacks().bind_new_types();
   world.step(2);
   CHECK(world.problems() == Lines{});
-  const auto bound = [&](vrml::NodeKind kind) { return world.execution().bound(vrml::built_in_node_type(kind)); };
+  const auto bound = [&](vrml::NodeKind kind) {
+    return world.execution().stacks().bound(vrml::built_in_node_type(kind));
+  };
   const vrml::NodeId group = world.node("G");
   REQUIRE(world.scene().get<vrml::MFNode>(group, "children").size() == 5);
   for (const vrml::NodeKind kind :

@@ -24,10 +24,10 @@ vrml::SceneGraph& fill_inline(World& world, const std::string& body) {
   (void)vrml::parse("#VRML V2.0 utf8\n" + body, *content, diagnostics);
   CHECK(diagnostics.errors() == 0);
   content->set_source(world.scene().source());
-  world.execution().remove_content(world.scene(), inline_node);
+  world.execution().lifetime().remove_content(world.scene(), inline_node);
   world.scene().attach_inline(inline_node, content);
-  world.execution().attach(world.scene());
-  world.execution().content_changed(world.scene(), inline_node);
+  world.execution().scenes().attach(world.scene());
+  world.execution().changes().mark_content(world.scene(), inline_node);
   return *content;
 }
 
@@ -231,7 +231,7 @@ TEST_CASE("gives nodes and lists without a prototype only their own properties")
 
 TEST_CASE("drops requests of a removed scene") {
   World world("Inline { }");
-  world.execution().observe_removal([&](vrml::SceneGraph& scene, vrml::NodeId node) {
+  world.execution().lifetime().observe_removal([&](vrml::SceneGraph& scene, vrml::NodeId node) {
     if (!node) world.runner().forget_scene(scene);
   });
   world.start();

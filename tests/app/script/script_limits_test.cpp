@@ -159,7 +159,7 @@ TEST_CASE("stops programs that send, request, print or create endlessly, and run
     }
     CHECK(requests <= 256);
     CHECK(most_nodes < 40'000);  // 60,000 were made
-    CHECK(std::get<std::int32_t>(*world.execution().last_value(
+    CHECK(std::get<std::int32_t>(*world.execution().cascade().last_value(
               world.scene(), world.node("S"), *world.scene().node(world.node("S")).type->find_field("n"))) >= 30);
   }
 }
@@ -171,7 +171,7 @@ TEST_CASE("stops a program that sends itself an event for each event, per timest
       "function again(v) { ++n; me.again = v + 1; }\" }");
   world.start();
   const auto calls = [&] {
-    return std::get<std::int32_t>(*world.execution().last_value(
+    return std::get<std::int32_t>(*world.execution().cascade().last_value(
         world.scene(), world.node("S"), *world.scene().node(world.node("S")).type->find_field("n")));
   };
   world.step(1);
@@ -179,7 +179,7 @@ TEST_CASE("stops a program that sends itself an event for each event, per timest
   const std::int32_t first = calls();
   CHECK(first > 10'000);  // more than the 1,000 Scripts of a large world
   CHECK(first < 100'000);
-  CHECK(world.execution().problem().find("exceed the limit of work") != std::string::npos);
+  CHECK(world.execution().budget().problem().find("exceed the limit of work") != std::string::npos);
   world.step(2);
   world.send("S.again", std::int32_t{0});
   CHECK(calls() > first);

@@ -2,7 +2,7 @@
 
 #include "app/script/run_time_nodes.h"
 #include "app/script/script_runner.h"
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
 
@@ -33,7 +33,7 @@ class World {
     CHECK(diagnostics.errors() == 0);
     execution_ = std::make_unique<vrml::Execution>(*scene_);
     names_ = std::make_unique<vrml::NodeNames>(*scene_);
-    execution_->observe([this](const vrml::SentEvent& event) {
+    execution_->cascade().observe([this](const vrml::SentEvent& event) {
       char digits[64];
       std::string line(digits, std::to_chars(digits, digits + sizeof digits, event.time - kStart).ptr);
       line += ' ' + names_->of(*event.scene, event.node) + '.' + event.event->name + ' ';
@@ -46,11 +46,11 @@ class World {
       (message.printed ? printed_ : problems_)
           .push_back(message.printed ? message.diagnostic.message : message.diagnostic.text());
     });
-    execution_->set_script_host(runner_.get());
+    execution_->scripts().set_host(runner_.get());
   }
   ~World() {
     runner_.reset();
-    execution_->set_script_host(nullptr);
+    execution_->scripts().set_host(nullptr);
   }
   World(const World&) = delete;
   World& operator=(const World&) = delete;

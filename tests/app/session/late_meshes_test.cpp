@@ -235,7 +235,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
     vrml::Diagnostics diagnostics;
     const vrml::NodeId made = vrml::read_into(world.scene(), "made.wrl", grid(kLarge, height), diagnostics).roots[0];
     CHECK(diagnostics.errors() == 0);
-    world.runtime->execution().attach(world.scene());
+    world.runtime->execution().scenes().attach(world.scene());
     return made;
   };
   const auto only = [](vrml::NodeId node) {
@@ -258,7 +258,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
   world.frame();
   world.gate.wait_for_worker();
   children({});
-  CHECK(world.runtime->execution().remove_unheld() == 4);
+  CHECK(world.runtime->execution().lifetime().remove_unheld() == 4);
   children(only(make(3)));  // in the slots of removed nodes
   world.frame();
   world.gate.open();
@@ -266,7 +266,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
   world.frame();
   CHECK(world.height() == 3);
   CHECK(world.scene().budget()->used(vrml::Resource::meshes) == used);
-  CHECK(world.runtime->execution().replace_world(only(make(4))));
+  CHECK(world.runtime->execution().lifetime().replace_world(only(make(4))));
   world.frame();
   world.worker->wait();
   world.frame();

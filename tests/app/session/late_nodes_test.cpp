@@ -67,7 +67,7 @@ TEST_CASE("attaches Inlines to the running world as they load, including nested 
   CHECK(world.loading.state().waiting >= 1);
   const vrml::SceneGraph* outer = world.scene().inlined(world.root(2));
   REQUIRE(outer);
-  CHECK(world.runtime->execution().has_scene(outer));
+  CHECK(world.runtime->execution().scenes().has(outer));
   CHECK(world.runtime->next_time().has_value());  // its TimeSensor runs
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     vrml::Diagnostics diagnostics;
     const vrml::RunTimeNodes made = vrml::read_into(world.scene(), "script", text, diagnostics);
     CHECK(diagnostics.errors() == 0);
-    world.runtime->execution().attach(world.scene());
+    world.runtime->execution().scenes().attach(world.scene());
     CHECK(world.runtime->send(world.scene(), world.root(0), "set_children", vrml::FieldValue(made.roots)));
     world.runtime->step(world.time += 1);
     return made.roots;
@@ -196,7 +196,7 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     read("EXTERNPROTO Own [ ] \"#Own\" Own { } EXTERNPROTO N [ ] \"none.wrl\" N { }");
     world.load();
     CHECK(world.items() == 1);
-    (void)world.runtime->execution().remove_unheld();
+    (void)world.runtime->execution().lifetime().remove_unheld();
     CHECK(world.scene().run_time_texts() == 1);
     if (round > 1) CHECK(world.scene().node_count() == nodes);
   }
@@ -205,7 +205,7 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
   auto requests = world.runtime->take_url_requests();
   CHECK(requests.size() == 1);
   read("Shape { geometry Box { } }");
-  (void)world.runtime->execution().remove_unheld();
+  (void)world.runtime->execution().lifetime().remove_unheld();
   world.loading.request(std::move(requests));
   world.load();
   CHECK(world.items() == 1);

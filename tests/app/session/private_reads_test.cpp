@@ -166,7 +166,7 @@ TEST_CASE("requires permission for loadURL and Anchors that a Script has written
     WorldRuntime& runtime = *simulation.look().document->runtime;
     CHECK(runtime.requests().take_script_requests().empty());
     const vrml::SceneGraph& scene = *simulation.world().scene;
-    CHECK(runtime.requests().open_computed_anchor(*runtime.execution().own_scene(scene), scene.roots()[0]));
+    CHECK(runtime.requests().open_computed_anchor(*runtime.execution().scenes().own(scene), scene.roots()[0]));
     CHECK(runtime.requests().take_script_requests().empty());
     const auto question = runtime.requests().network_question();
     REQUIRE(question);

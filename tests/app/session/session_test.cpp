@@ -123,12 +123,12 @@ TEST_CASE("updates sensors at the viewer's position, first at the Viewpoint") {
       "NavigationInfo { type \"FLY\" speed 4 } DEF T Transform { children Viewpoint { position 0 0 10 } } "
       "ProximitySensor { center 0 0 6 size 2 2 2 } Shape { geometry Box { } }");
   world.watch();
-  const auto& execution = world.document->runtime->execution();
+  auto& execution = world.document->runtime->execution();
   (void)world.session.step(kStart + 0.1, input_of({}));
-  CHECK_FALSE(execution.is_told_viewer());
+  CHECK_FALSE(execution.viewer().is_set());
   (void)world.session.step(kStart + 0.2, input_of({key(Kind::key_down, 'W')}));
   for (int i = 1; i <= 120; ++i) (void)world.session.step(kStart + 0.2 + i / 60.0, input_of({}));
-  CHECK(execution.is_told_viewer());
+  CHECK(execution.viewer().is_set());
   CHECK(world.number_of_events("enterTime") == 1);
   CHECK(world.number_of_events("exitTime") == 1);
 }
@@ -139,7 +139,7 @@ TEST_CASE("triggers no sensors along a jump, but those at its end (VRML97 6.53)"
       "ProximitySensor { center 25 0 10 size 20 2 2 } ProximitySensor { center 50 0 10 size 2 2 2 }",
       false);
   std::vector<double> entered;
-  world.document->runtime->execution().observe([&](const vrml::SentEvent& event) {
+  world.document->runtime->execution().cascade().observe([&](const vrml::SentEvent& event) {
     if (event.event->name == "enterTime") entered.push_back(event.time);
   });
   // A walk sends enterTime. A jump follows.

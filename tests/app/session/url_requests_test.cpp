@@ -151,7 +151,7 @@ TEST_CASE("replaces the content of an Inline on set_url (6.25)") {
     world.set_url(inlined, "two.wrl");
     world.runtime->arrive(world.fetch());
     CHECK(world.shades() == Shades{-1, 200, -1, 10});
-    if (round == 0) CHECK(!world.runtime->execution().has_scene(first));
+    if (round == 0) CHECK(!world.runtime->execution().scenes().has(first));
     world.set_url(inlined, "one.wrl");
     world.runtime->arrive(world.fetch());
     CHECK(world.shades() == Shades{-1, 10});
@@ -209,7 +209,7 @@ TEST_CASE("loads the urls of nodes made at run time, on behalf of the file") {
                       "texture ImageTexture { url IS u } } } } P { u \"light.pgm\" } Inline { url \"one.wrl\" }",
                       diagnostics);
   CHECK(diagnostics.errors() == 0);
-  world.runtime->execution().attach(world.scene());
+  world.runtime->execution().scenes().attach(world.scene());
   CHECK(world.runtime->send(world.scene(), world.scene().roots()[2], "addChildren", vrml::FieldValue(made.roots)));
   world.runtime->step(1001);
   world.runtime->arrive(world.fetch());

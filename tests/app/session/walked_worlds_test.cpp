@@ -21,7 +21,7 @@ struct Walked {
 Walked walked(const std::string& body, double seconds = 4) {
   Simulation simulation(world_of(body), {64, 64});
   Walked result;
-  simulation.execution().observe([&](const vrml::SentEvent& event) {
+  simulation.execution().cascade().observe([&](const vrml::SentEvent& event) {
     if (event.event->name == "collideTime") result.collisions.emplace_back(event.scene->node(event.node).name);
   });
   vrml::Diagnostics diagnostics;

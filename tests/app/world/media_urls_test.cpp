@@ -94,7 +94,7 @@ TEST_CASE("loads another sound on set_url in a running world, and sends duration
   const auto document =
       hold_world(load_world(folder.write("main.wrl", kHeader + "Sound { source DEF C AudioClip { url \"a.wav\" } }")));
   std::vector<double> durations;
-  document->runtime->execution().observe([&](const vrml::SentEvent& event) {
+  document->runtime->execution().cascade().observe([&](const vrml::SentEvent& event) {
     if (event.event->name == "duration_changed") durations.push_back(std::get<vrml::SFTime>(*event.value));
   });
   begin_world(*document, 1000);

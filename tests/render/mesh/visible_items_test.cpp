@@ -4,7 +4,7 @@
 #include "render/scene/render_scene.h"
 #include "tests/render/drawing.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 #include "vrml/syntax/parser.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -149,7 +149,7 @@ TEST_CASE("draws many Shapes equally with and without the tree, at rest and whil
   vrml::Execution execution(scene);
   vrml::NodeNames names(scene);
   execution.start(1000);
-  (void)execution.take_changes();
+  (void)execution.changes().take();
   const Images images;
   const Clouds clouds;
   MeshCache meshes;
@@ -177,7 +177,7 @@ TEST_CASE("draws many Shapes equally with and without the tree, at rest and whil
   REQUIRE(execution.send(scene, moved, *scene.node(moved).type->find_event_in("set_translation"),
                          vrml::FieldValue(vrml::SFVec3f{0, 5, 0})));
   const std::uint64_t generation = world.list().generation;
-  CHECK(world.update(execution.take_changes(), {}, {0, 5, 10}));
+  CHECK(world.update(execution.changes().take(), {}, {0, 5, 10}));
   CHECK(generation == world.list().generation);
   CHECK(world.list().moved.size() == 1);
   CHECK(draw(camera).pixels != before.pixels);

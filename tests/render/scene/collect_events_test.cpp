@@ -32,9 +32,9 @@ class LiveWorld {
     return now();
   }
   RenderList now() {
-    if (!execution_->take_changes().empty()) meshes_.clear();
+    if (!execution_->changes().take().empty()) meshes_.clear();
     const auto bound = [&](const char* type) -> const vrml::Node* {
-      const vrml::NodeChange top = execution_->bound(*vrml::built_in_node_type(type));
+      const vrml::NodeChange top = execution_->stacks().bound(*vrml::built_in_node_type(type));
       return top.scene ? &top.scene->node(top.node) : nullptr;
     };
     const BoundNodes nodes{bound("Viewpoint"), bound("NavigationInfo"), bound("Background")};

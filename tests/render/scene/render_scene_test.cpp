@@ -1,6 +1,6 @@
 #include "render/scene/render_scene.h"
 
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 #include "vrml/syntax/parser.h"
 
 #include <catch2/catch.hpp>
@@ -23,7 +23,7 @@ class World {
     names_ = std::make_unique<vrml::NodeNames>(*scene_);
     render_ = std::make_unique<RenderScene>(*scene_, images_, clouds_, meshes_);
     execution_->start(1000);
-    (void)execution_->take_changes();
+    (void)execution_->changes().take();
     render_->gather(bound(), viewer_);
   }
 
@@ -38,7 +38,7 @@ class World {
     CHECK(execution_->send(*scene_, node, *event, vrml::FieldValue(std::move(value))));
   }
   bool update() {
-    const auto changes = execution_->take_changes();
+    const auto changes = execution_->changes().take();
     forget_changed(meshes_, changes);
     return render_->update(changes, bound(), viewer_);
   }
@@ -92,7 +92,7 @@ class World {
  private:
   [[nodiscard]] BoundNodes bound() const {
     const auto node_of = [&](std::string_view type) -> const vrml::Node* {
-      const vrml::NodeChange found = execution_->bound(*vrml::built_in_node_type(type));
+      const vrml::NodeChange found = execution_->stacks().bound(*vrml::built_in_node_type(type));
       return found.scene ? &found.scene->node(found.node) : nullptr;
     };
     return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background"), node_of("Fog")};

@@ -11,7 +11,7 @@ TEST_CASE("binds the first node of each bindable type at start (4.6.10)") {
   world.start();
   CHECK(world.take() ==
         Lines{"0 V1.isBound TRUE", "0 V1.bindTime 1000", "0 F.isBound TRUE", "0 B.isBound TRUE", "0 N.isBound TRUE"});
-  CHECK(world.execution().bound(*built_in_node_type("Viewpoint")).node == world.node("V1"));
+  CHECK(world.execution().stacks().bound(*built_in_node_type("Viewpoint")).node == world.node("V1"));
 }
 
 TEST_CASE("binds only nodes in the active choice of a Switch at start (4.6.10, 6.46)") {
@@ -44,7 +44,7 @@ TEST_CASE("moves a node to the top on set_bind TRUE, and pops it on FALSE (4.6.1
   world.step(4);
   world.send("B.set_bind", false);
   CHECK(world.take("isBound") == Lines{"4 B.isBound FALSE"});
-  CHECK(!world.execution().bound(*built_in_node_type("Viewpoint")).scene);
+  CHECK(!world.execution().stacks().bound(*built_in_node_type("Viewpoint")).scene);
   world.step(5);
   world.send("A.set_bind", true);
   CHECK(world.take("isBound") == Lines{"5 A.isBound TRUE"});
@@ -77,7 +77,7 @@ TEST_CASE("keeps a stack per bindable type, and binds nodes of an Inline only on
   (void)parse("#VRML V2.0 utf8\nDEF V Viewpoint { } DEF G Fog { }", *content, diagnostics);
   SceneGraph& part = *content;
   world.scene().attach_inline(world.node("Part"), std::move(content));
-  world.execution().attach();
+  world.execution().scenes().attach();
   world.start();
   CHECK(world.take() == Lines{"0 F.isBound TRUE"});
   const NodeId fog = part.roots()[1];

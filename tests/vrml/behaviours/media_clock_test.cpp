@@ -1,4 +1,5 @@
 #include "tests/vrml/events/trace.h"
+#include "vrml/behaviours/browser_events.h"
 
 #include <cmath>
 #include <optional>
@@ -10,13 +11,13 @@ namespace media_clock_test {
 // World::kStart is 1000. Traces have times since then, SFTime values are absolute.
 
 MediaPlay play_of(World& world, std::string_view name) {
-  const std::optional<MediaPlay> play = world.execution().media_play(world.scene(), world.node(name));
+  const std::optional<MediaPlay> play = media_play(world.execution(), world.scene(), world.node(name));
   REQUIRE(play);
   return *play;
 }
 
 bool came(World& world, std::string_view name, double seconds) {
-  return world.execution().media_came(world.scene(), world.node(name), seconds);
+  return report_media(world.execution(), world.scene(), world.node(name), seconds);
 }
 
 const std::string kClip = "Sound { source DEF C AudioClip { url \"a.wav\" ";
@@ -200,7 +201,7 @@ TEST_CASE("replaces invalid fields of an AudioClip by defaults, and plays nothin
   CHECK(play_of(world, "C").rate == 1);
   CHECK(play_of(world, "C").end == 1002);
   CHECK_FALSE(play_of(world, "D").active);
-  CHECK_FALSE(world.execution().media_play(world.scene(), {}));
+  CHECK_FALSE(media_play(world.execution(), world.scene(), {}));
 }
 
 }  // namespace media_clock_test

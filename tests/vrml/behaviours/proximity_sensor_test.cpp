@@ -18,16 +18,16 @@ TEST_CASE("reports entry, movement and exit of the viewer by a ProximitySensor (
       "DEF Zero ProximitySensor { center 0 0 10 }");
   world.start();
   CHECK(world.take().empty());  // the viewer is at 0 0 10
-  world.execution().set_viewer(viewer_at(101, 0, 0));
+  world.execution().viewer().set(viewer_at(101, 0, 0));
   world.step(1);
   CHECK(world.take() == Lines{"1 P.isActive TRUE", "1 P.enterTime 1001", "1 P.position_changed 0.5 0 0",
                               "1 P.orientation_changed 0 0 1 0"});
   world.step(2);
   CHECK(world.take().empty());
-  world.execution().set_viewer(viewer_at(102, 1, 0));
+  world.execution().viewer().set(viewer_at(102, 1, 0));
   world.step(3);
   CHECK(world.take() == Lines{"3 P.position_changed 1 0.5 0"});
-  world.execution().set_viewer(viewer_at(103, 0, 0));
+  world.execution().viewer().set(viewer_at(103, 0, 0));
   world.step(4);
   // A straight path that leads out at once.
   CHECK(world.take() == Lines{"4 P.isActive FALSE", "4 P.exitTime 1003", "4 P.position_changed 1 0.5 0",
@@ -57,7 +57,7 @@ TEST_CASE("handles a ProximitySensor with several instances, disabled, or with n
       "Transform { translation 50 0 0 children DEF P ProximitySensor { size 2 2 2 } } "
       "Transform { translation -50 0 0 children USE P } DEF N ProximitySensor { size 1 1 1 }");
   world.start();
-  world.execution().set_viewer(viewer_at(-50, 0, 0));
+  world.execution().viewer().set(viewer_at(-50, 0, 0));
   world.step(1);
   CHECK(world.take("P.isActive") == Lines{"1 P.isActive TRUE"});
   world.step(2);
@@ -84,7 +84,7 @@ TEST_CASE("survives cyclic hierarchies and exponentially many instances of a Pro
   World world(text, limits);
   world.start();
   world.send("G.addChildren", MFNode{world.node("G"), world.node("H3")});
-  world.execution().set_viewer(viewer_at(0, 0, 0));
+  world.execution().viewer().set(viewer_at(0, 0, 0));
   world.step(1);
   CHECK(world.take("P.isActive") == Lines{"1 P.isActive TRUE"});
 }
@@ -94,13 +94,13 @@ TEST_CASE("evaluates nested ProximitySensors independently, and none below an un
       "Switch { whichChoice -1 choice DEF P ProximitySensor { size 4 4 4 } } DEF Q ProximitySensor { size 8 8 8 } "
       "DEF Off ProximitySensor { size 8 8 8 enabled FALSE } DEF Flat ProximitySensor { size 8 0 8 }");
   world.start();
-  world.execution().set_viewer(viewer_at(3, 0, 0));
+  world.execution().viewer().set(viewer_at(3, 0, 0));
   world.step(1);
   CHECK(world.take("isActive") == Lines{"1 Q.isActive TRUE"});
-  world.execution().set_viewer(viewer_at(1, 0, 0));
+  world.execution().viewer().set(viewer_at(1, 0, 0));
   world.step(2);
   CHECK(world.take("isActive") == Lines{"2 P.isActive TRUE"});
-  world.execution().set_viewer(viewer_at(9, 0, 0));
+  world.execution().viewer().set(viewer_at(9, 0, 0));
   world.step(3);
   CHECK(world.take("Time") == Lines{"3 P.exitTime 1002.125", "3 Q.exitTime 1002.375"});
 }
@@ -137,23 +137,23 @@ TEST_CASE("sends enterTime at the start of the world from a ProximitySensor arou
 TEST_CASE("sends position and orientation from a ProximitySensor only when they change (6.38)") {
   World world("DEF P ProximitySensor { size 10 10 10 }");
   world.start();
-  world.execution().set_viewer(viewer_at(1, 0, 0));
+  world.execution().viewer().set(viewer_at(1, 0, 0));
   world.step(1);
   (void)world.take();
-  world.execution().set_viewer(glm::rotate(viewer_at(1, 0, 0), 0.5, glm::dvec3(0, 1, 0)));
+  world.execution().viewer().set(glm::rotate(viewer_at(1, 0, 0), 0.5, glm::dvec3(0, 1, 0)));
   world.step(2);
   CHECK(world.take() == Lines{"2 P.orientation_changed 0 1 0 0.5"});
-  world.execution().set_viewer(glm::rotate(viewer_at(2, 0, 0), 0.5, glm::dvec3(0, 1, 0)));
+  world.execution().viewer().set(glm::rotate(viewer_at(2, 0, 0), 0.5, glm::dvec3(0, 1, 0)));
   world.step(3);
   CHECK(world.take() == Lines{"3 P.position_changed 2 0 0"});
 }
 
 TEST_CASE("reports the times and positions at which the viewer crossed the box of a ProximitySensor (6.38)") {
   World world("DEF P ProximitySensor { size 2 2 2 }");
-  world.execution().set_viewer(viewer_at(5, 0, 0));
+  world.execution().viewer().set(viewer_at(5, 0, 0));
   world.start();
   // A path through the whole box in one step needs two timestamps.
-  world.execution().set_viewer(viewer_at(-3, 0, 0));
+  world.execution().viewer().set(viewer_at(-3, 0, 0));
   world.step(1);
   CHECK(world.take() == Lines{"1 P.isActive TRUE", "1 P.enterTime 1000.5", "1 P.position_changed 1 0 0",
                               "1 P.orientation_changed 0 0 1 0"});
@@ -162,32 +162,32 @@ TEST_CASE("reports the times and positions at which the viewer crossed the box o
                               "2 P.orientation_changed 0 0 1 0"});
   world.step(3);
   CHECK(world.take().empty());
-  world.execution().set_viewer(viewer_at(1, 0, 0));
+  world.execution().viewer().set(viewer_at(1, 0, 0));
   world.step(4);
   CHECK(world.take() == Lines{"4 P.isActive TRUE", "4 P.enterTime 1003.5", "4 P.position_changed 1 0 0",
                               "4 P.orientation_changed 0 0 1 0"});
-  world.execution().set_viewer(viewer_at(-7, 0, 0));
+  world.execution().viewer().set(viewer_at(-7, 0, 0));
   world.step(5);
   CHECK(world.take() == Lines{"5 P.isActive FALSE", "5 P.exitTime 1004.25", "5 P.position_changed -1 0 0",
                               "5 P.orientation_changed 0 0 1 0"});
   // Past a corner, and from an invalid position.
-  world.execution().set_viewer(viewer_at(0, 7.5, 0));
+  world.execution().viewer().set(viewer_at(0, 7.5, 0));
   world.step(6);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  world.execution().set_viewer(viewer_at(nan, 0, 0));
+  world.execution().viewer().set(viewer_at(nan, 0, 0));
   world.step(7);
-  world.execution().set_viewer(viewer_at(9, 0, 0));
+  world.execution().viewer().set(viewer_at(9, 0, 0));
   world.step(8);
   CHECK(world.take().empty());
   // A return before the exit was sent keeps the viewer in the box.
-  world.execution().set_viewer(viewer_at(-9, 0, 0));
+  world.execution().viewer().set(viewer_at(-9, 0, 0));
   world.step(9);
-  world.execution().set_viewer(viewer_at(0, 0, 0));
+  world.execution().viewer().set(viewer_at(0, 0, 0));
   world.step(10);
   CHECK(world.take("isActive") == Lines{"9 P.isActive TRUE"});
-  world.execution().set_viewer(viewer_at(9, 0, 0));
+  world.execution().viewer().set(viewer_at(9, 0, 0));
   world.step(11);
-  world.execution().set_viewer(viewer_at(-9, 0, 0));
+  world.execution().viewer().set(viewer_at(-9, 0, 0));
   world.step(12);
   (void)world.take();
   world.send("P.enabled", false);
@@ -211,13 +211,13 @@ TEST_CASE("does not trigger a ProximitySensor between two Viewpoints on a jump (
   world.step(4);
   CHECK(world.take("P.exitTime") == Lines{"4 P.exitTime 1002.6"});
   // The window reports the new position in the step after the jump.
-  world.execution().set_viewer(viewer_at(5, 0, 0));
+  world.execution().viewer().set(viewer_at(5, 0, 0));
   world.step(5);
   world.send("V.set_bind", true);
-  world.execution().set_viewer(viewer_at(-5, 0, 0));
+  world.execution().viewer().set(viewer_at(-5, 0, 0));
   world.step(6);
   CHECK(world.take("P.").empty());
-  world.execution().set_viewer(viewer_at(5, 0, 0));
+  world.execution().viewer().set(viewer_at(5, 0, 0));
   world.step(7);
   CHECK(world.take("P.enterTime") == Lines{"7 P.enterTime 1006.4"});
 }
@@ -229,13 +229,13 @@ TEST_CASE("turns a ProximitySensor below a Billboard towards the viewer (6.6, 6.
     Billboard { children [ DEF V Viewpoint { position 0 0 50 } DEF Q ProximitySensor { center 0 0 50 size 1 1 1 } ] })");
   world.start();
   CHECK(world.take("isActive") == Lines{"0 Q.isActive TRUE"});
-  world.execution().set_viewer(viewer_at(6, 0, 0));
+  world.execution().viewer().set(viewer_at(6, 0, 0));
   world.step(1);
   CHECK(world.take("isActive") == Lines{"1 P.isActive TRUE", "1 Q.isActive FALSE"});
-  world.execution().set_viewer(viewer_at(1, 0, -5.5));
+  world.execution().viewer().set(viewer_at(1, 0, -5.5));
   world.step(2);
   CHECK(world.take("isActive").empty());
-  world.execution().set_viewer(viewer_at(1, 0, -7));
+  world.execution().viewer().set(viewer_at(1, 0, -7));
   world.step(3);
   CHECK(world.take("isActive") == Lines{"3 P.isActive FALSE"});
 }

@@ -26,7 +26,7 @@ TEST_CASE("reports the point under the pointer in the coordinate system of a Tou
   world.step(3);
   device.move("", 9, 9);
   CHECK(world.take() == Lines{"3 T.isOver FALSE"});
-  CHECK_FALSE(world.execution().pointed_at().sensor);
+  CHECK_FALSE(world.execution().pointing().pointed_at().sensor);
 }
 
 TEST_CASE("transforms a normal into the coordinate system of an unevenly scaled TouchSensor, with length 1 (6.51)") {
@@ -47,7 +47,7 @@ TEST_CASE("sends touchTime only if the button is released over the TouchSensor (
   device.press("S", 0, 0);
   CHECK(world.take() == Lines{"1 T.isOver TRUE", "1 T.hitPoint_changed 0 0 0", "1 T.hitNormal_changed 0 0 1",
                               "1 T.hitTexCoord_changed 0.25 0.5", "1 T.isActive TRUE"});
-  CHECK(world.execution().pointed_at().active);
+  CHECK(world.execution().pointing().pointed_at().active);
   world.step(2);
   device.release();
   CHECK(world.take() == Lines{"2 T.isActive FALSE", "2 T.touchTime 1002"});
@@ -89,7 +89,7 @@ TEST_CASE("sends events when the pointer moves, not when geometry moves under it
   device.path().clear();  // the shape is removed
   device.tell();
   CHECK(world.take().empty());
-  CHECK(world.execution().pointed_at().sensor);
+  CHECK(world.execution().pointing().pointed_at().sensor);
   world.step(2);
   device.press();  // the button evaluates the pointer again
   CHECK(world.take() == Lines{"2 T.isOver FALSE"});
@@ -149,7 +149,7 @@ TEST_CASE("gives isActive TRUE and FALSE different timestamps, also if both happ
   CHECK_FALSE(world.execution().next_time());
   for (int i = 0; i < 1000; ++i) device.set(i % 2 == 0);
   for (int i = 8; i < 200; ++i) world.step(i);
-  CHECK_FALSE(world.execution().pointed_at().active);
+  CHECK_FALSE(world.execution().pointing().pointed_at().active);
 }
 
 TEST_CASE("sends finite values from a TouchSensor in singular coordinate systems and for NaN input (6.51)") {

@@ -17,7 +17,7 @@ TEST_CASE("reports when the box of a VisibilitySensor enters and leaves the view
       "DEF W VisibilitySensor { size 1 1 1 }");
   world.start();
   CHECK(world.take() == Lines{"0 W.isActive TRUE", "0 W.enterTime 1000"});  // seen from 0 0 10
-  world.execution().set_viewer(looking_at_x(100));
+  world.execution().viewer().set(looking_at_x(100));
   world.step(1);
   CHECK(world.take() == Lines{"1 V.isActive TRUE", "1 V.enterTime 1001", "1 W.isActive FALSE", "1 W.exitTime 1001"});
   world.step(2);
@@ -30,7 +30,7 @@ TEST_CASE("reports when the box of a VisibilitySensor enters and leaves the view
   world.send("V.enabled", true);
   CHECK(world.take("isActive") == Lines{"4 V.isActive TRUE"});
   // From behind.
-  world.execution().set_viewer(glm::rotate(looking_at_x(100), 3.14159, {0.0, 1.0, 0.0}));
+  world.execution().viewer().set(glm::rotate(looking_at_x(100), 3.14159, {0.0, 1.0, 0.0}));
   world.step(5);
   CHECK(world.take("isActive") == Lines{"5 V.isActive FALSE"});
 }
@@ -46,14 +46,14 @@ TEST_CASE("derives the edges of the view from fieldOfView, aspect ratio and the 
   world.send("B.set_bind", true);
   world.step(2);
   CHECK(world.take("isActive") == Lines{"1 Out.isActive TRUE"});
-  world.execution().set_aspect(0.5);  // 10 to the side, 20 up
+  world.execution().viewer().set_aspect(0.5);  // 10 to the side, 20 up
   world.step(3);
   CHECK(world.take("isActive").empty());
-  world.execution().set_viewer(looking_at_x(0), Frustum{0.5, 1});
+  world.execution().viewer().set(looking_at_x(0), Frustum{0.5, 1});
   world.step(4);
   CHECK(world.take("isActive") == Lines{"4 In.isActive FALSE"});
-  world.execution().set_aspect(std::numeric_limits<double>::quiet_NaN());
-  world.execution().set_viewer(looking_at_x(0));
+  world.execution().viewer().set_aspect(std::numeric_limits<double>::quiet_NaN());
+  world.execution().viewer().set(looking_at_x(0));
   world.step(5);
   CHECK(world.take("isActive") == Lines{"5 In.isActive TRUE"});
 }
@@ -64,16 +64,16 @@ TEST_CASE("uses the union of the boxes of a VisibilitySensor with several instan
       "Transform { translation -100 0 0 children USE V } DEF N VisibilitySensor { center 0 0 50 }");
   world.start();
   CHECK(world.take().empty());
-  world.execution().set_viewer(looking_at_x(-100));
+  world.execution().viewer().set(looking_at_x(-100));
   world.step(1);
   CHECK(world.take("isActive") == Lines{"1 V.isActive TRUE"});
-  world.execution().set_viewer(looking_at_x(100));
+  world.execution().viewer().set(looking_at_x(100));
   world.step(2);
   CHECK(world.take().empty());
   // A box around the viewer, boxes with invalid sizes, and a box behind a viewer at infinity.
   world.send("N.size", SFVec3f(100, 100, 100));
   world.send("V.size", SFVec3f(-1, 1, 1));
-  world.execution().set_viewer(looking_at_x(0));
+  world.execution().viewer().set(looking_at_x(0));
   world.step(3);
   CHECK(world.take("isActive") == Lines{"2 V.isActive FALSE", "3 N.isActive TRUE"});
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -81,7 +81,7 @@ TEST_CASE("uses the union of the boxes of a VisibilitySensor with several instan
   world.step(4);
   CHECK(world.take("isActive") == Lines{"4 N.isActive FALSE"});
   world.send("V.size", SFVec3f(1, 1, 1));
-  world.execution().set_viewer(glm::dmat4(0.0));
+  world.execution().viewer().set(glm::dmat4(0.0));
   world.step(5);
   (void)world.take();
 }

@@ -5,7 +5,9 @@
 namespace gs::vrml::traces {
 namespace {
 
-NodeId bound_node(World& world, const char* type) { return world.execution().bound(*built_in_node_type(type)).node; }
+NodeId bound_node(World& world, const char* type) {
+  return world.execution().stacks().bound(*built_in_node_type(type)).node;
+}
 
 }  // namespace
 

@@ -111,14 +111,14 @@ TEST_CASE("applies an added or removed ROUTE from the next event on (4.10.2)") {
     return made;
   };
   world.send("A.whichChoice", SFInt32{1});
-  CHECK(world.execution().add_route(world.scene(), route("B")));
+  CHECK(world.execution().routes().add(world.scene(), route("B")));
   CHECK(world.take() == Lines{"0 A.whichChoice 1"});
   CHECK(world.scene().get<SFInt32>(world.node("B"), "whichChoice") == -1);
   world.step(1);
   world.send("A.whichChoice", SFInt32{2});
   CHECK(world.take("B.") == Lines{"1 B.whichChoice 2"});
-  CHECK(world.execution().remove_route(world.scene(), route("B")));
-  CHECK(world.execution().add_route(world.scene(), route("C")));
+  CHECK(world.execution().routes().remove(world.scene(), route("B")));
+  CHECK(world.execution().routes().add(world.scene(), route("C")));
   world.step(2);
   world.send("A.whichChoice", SFInt32{3});
   CHECK(world.take() == Lines{"2 A.whichChoice 3", "2 C.whichChoice 3"});
@@ -176,7 +176,7 @@ ROUTE Clock.fraction_changed TO I.set_fraction ROUTE I.value_changed TO T.transp
   SceneGraph& part = *content;
   world.start();
   world.scene().attach_inline(world.node("Part"), std::move(content));
-  world.execution().attach();
+  world.execution().scenes().attach();
   world.step(1);
   (void)world.take();
   world.step(2);
@@ -191,7 +191,7 @@ ROUTE Clock.fraction_changed TO I.set_fraction ROUTE I.value_changed TO T.transp
   Route across{world.node("Clock"), part.roots()[2], nullptr, nullptr};
   across.event_out = world.scene().node(across.from).type->find("fraction_changed");
   across.event_in = part.node(across.to).type->find("set_fraction");
-  CHECK(!world.execution().add_route(part, across));
+  CHECK(!world.execution().routes().add(part, across));
 }
 
 }  // namespace gs::vrml::traces

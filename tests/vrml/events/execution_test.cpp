@@ -63,9 +63,9 @@ TEST_CASE("counts a duplicate ROUTE once (4.10.2)") {
       "ROUTE A.whichChoice_changed TO B.set_whichChoice");
   world.start();
   const Route route = route_of(world, "A", "whichChoice", "B", "whichChoice");
-  CHECK(!world.execution().add_route(world.scene(), route));
-  CHECK(world.execution().remove_route(world.scene(), route));
-  CHECK(!world.execution().remove_route(world.scene(), route));
+  CHECK(!world.execution().routes().add(world.scene(), route));
+  CHECK(world.execution().routes().remove(world.scene(), route));
+  CHECK(!world.execution().routes().remove(world.scene(), route));
   world.send("A.whichChoice", SFInt32{4});
   CHECK(world.take() == Lines{"0 A.whichChoice 4"});
 }
@@ -77,24 +77,24 @@ TEST_CASE("adds and removes ROUTEs while the world runs") {
   const Route second = route_of(world, "A", "translation", "C", "translation");
   for (int round = 1; round < 50; ++round) {
     world.step(round);
-    CHECK(world.execution().add_route(world.scene(), first));
-    CHECK(world.execution().add_route(world.scene(), second));
+    CHECK(world.execution().routes().add(world.scene(), first));
+    CHECK(world.execution().routes().add(world.scene(), second));
     world.send("A.translation", kFar);
     CHECK(world.take().size() == 3);
-    CHECK(world.execution().remove_route(world.scene(), first));
+    CHECK(world.execution().routes().remove(world.scene(), first));
     world.step(round + 0.5);
     world.send("A.translation", kFar);
     CHECK(world.take().size() == 2);
-    CHECK(world.execution().remove_route(world.scene(), second));
+    CHECK(world.execution().routes().remove(world.scene(), second));
   }
 }
 
 TEST_CASE("rejects a ROUTE between unequal types or to an eventOut") {
   World world("DEF A Transform { } DEF B Transform { } DEF T TimeSensor { }");
-  CHECK(!world.execution().add_route(world.scene(), route_of(world, "A", "translation", "B", "rotation")));
+  CHECK(!world.execution().routes().add(world.scene(), route_of(world, "A", "translation", "B", "rotation")));
   Route wrong = route_of(world, "T", "time", "T", "startTime");
   wrong.event_in = wrong.event_out;
-  CHECK(!world.execution().add_route(world.scene(), wrong));
+  CHECK(!world.execution().routes().add(world.scene(), wrong));
 }
 
 TEST_CASE("passes events through the interface of a PROTO instance in both directions (4.8.2)") {
@@ -154,7 +154,7 @@ TEST_CASE("runs an EXTERNPROTO from the time at which its body is loaded") {
   const auto& types = world.scene().types();
   REQUIRE(resolve_external(world.scene(), *types.front(), *body));
   world.scene().attach_library(std::move(library));
-  world.execution().attach();
+  world.execution().scenes().attach();
   world.send("A.translation", kFar);
   CHECK(world.take() == Lines{"0 A.translation 1 2 3", "0 T.translation 1 2 3"});
 }
@@ -196,18 +196,18 @@ TEST_CASE("sends large values without a copy") {
 TEST_CASE("reports each changed node once, with its slots") {
   World world("DEF A Transform { } DEF B Transform { } DEF T TimeSensor { } ROUTE A.translation TO B.translation");
   world.start();
-  CHECK(world.execution().take_changes().empty());
+  CHECK(world.execution().changes().take().empty());
   world.send("A.translation", kFar);
   world.step(1);
   world.send("A.scale", kFar);
-  const auto changes = world.execution().take_changes();
+  const auto changes = world.execution().changes().take();
   REQUIRE(changes.size() == 2);
   CHECK(changes[0].node == world.node("A"));
   const NodeType& type = *built_in_node_type("Transform");
   CHECK(changes[0].slots ==
         (std::uint64_t{1} << type.find("translation")->slot | std::uint64_t{1} << type.find("scale")->slot));
   CHECK(changes[1].node == world.node("B"));
-  CHECK(world.execution().take_changes().empty());
+  CHECK(world.execution().changes().take().empty());
 }
 
 TEST_CASE("names only interfaces in node behaviours that the node types have") {

@@ -63,7 +63,7 @@ TEST_CASE("accepts set_x of every exposedField of every node type, and sends x_c
   for (const auto& type : built_in_node_types()) {
     if (type->kind == NodeType::Kind::script) continue;
     const NodeId node = world.scene().create(*type);
-    world.execution().attach();
+    world.execution().scenes().attach();
     for (const InterfaceDeclaration& field : type->interfaces) {
       if (field.access != AccessType::exposedField) continue;
       INFO(type->name << '.' << field.name);

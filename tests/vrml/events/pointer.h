@@ -59,7 +59,7 @@ class PointingDevice {
 
   void tell() {
     pointer_.path = path_;
-    world_.execution().point(pointer_);
+    world_.execution().pointing().point(pointer_);
   }
   void move(std::string_view shape, double x, double y) {
     at(shape, x, y);

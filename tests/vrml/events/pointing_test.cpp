@@ -1,4 +1,5 @@
 #include "tests/vrml/events/pointer.h"
+#include "vrml/behaviours/browser_events.h"
 
 namespace gs::vrml::traces {
 namespace {
@@ -22,7 +23,7 @@ Lines clicked(World& world, PointingDevice& device, std::string_view shape, int 
 
 std::string anchors(World& world) {
   std::string text;
-  for (const NodePlace& place : world.execution().take_requests())
+  for (const NodePlace& place : world.execution().pointing().take_requests())
     text += std::string(place.scene->node(place.node).name) + ' ';
   return text;
 }
@@ -41,11 +42,11 @@ TEST_CASE("sends the click to the lowest level with a pointing-device sensor, in
   CHECK(clicked(world, device, "Shape3", 1) == Lines{"SensorD.isActive TRUE"});
   CHECK(anchors(world).empty());
   CHECK(clicked(world, device, "Shape2", 2) == Lines{"SensorC.isActive TRUE"});
-  CHECK(world.execution().pointed_at().description == "Away");
+  CHECK(world.execution().pointing().pointed_at().description == "Away");
   CHECK(anchors(world) == "AnchorA ");
   CHECK(anchors(world).empty());
   CHECK(clicked(world, device, "Shape1", 3) == Lines{"SensorA.isActive TRUE", "SensorB.isActive TRUE"});
-  CHECK(world.execution().pointed_at().description.empty());
+  CHECK(world.execution().pointing().pointed_at().description.empty());
   // Disabled sensors are ignored.
   world.send("SensorD.enabled", false);
   CHECK(clicked(world, device, "Shape3", 4) == Lines{"SensorC.isActive TRUE"});
@@ -60,22 +61,22 @@ TEST_CASE("activates an Anchor only if the button is released over it (6.2)") {
   PointingDevice device(world);
   world.step(1);
   device.move("S", 0, 0);
-  CHECK(world.execution().pointed_at().anchor.node == world.node("A"));
+  CHECK(world.execution().pointing().pointed_at().anchor.node == world.node("A"));
   device.press();
   CHECK(anchors(world).empty());
   world.step(2);
   device.move("R", 1, 0);
-  CHECK_FALSE(world.execution().pointed_at().sensor);  // A has grabbed the pointer, which is not over it
+  CHECK_FALSE(world.execution().pointing().pointed_at().sensor);  // A has grabbed the pointer, which is not over it
   device.release();
   CHECK(anchors(world).empty());
-  CHECK(world.execution().pointed_at().anchor.node == world.node("B"));
+  CHECK(world.execution().pointing().pointed_at().anchor.node == world.node("B"));
   CHECK(world.take().empty());
   for (int i = 0; i < 200; ++i) {
     world.step(3 + i);
     device.press();
     device.release();
   }
-  CHECK(world.execution().take_requests().size() == Execution::kMostRequests);
+  CHECK(world.execution().pointing().take_requests().size() == Pointing::kMostRequests);
 }
 
 TEST_CASE("activates the innermost of nested Anchors (6.2)") {
@@ -101,7 +102,7 @@ TEST_CASE("applies sensors at top level, in PROTO instances and in Inlines to th
   (void)parse("#VRML V2.0 utf8\nDEF InS Shape { } DEF InT TouchSensor { }", *content, diagnostics);
   SceneGraph& inlined = *content;
   world.scene().attach_inline(world.node("I"), std::move(content));
-  world.execution().attach();
+  world.execution().scenes().attach();
   world.start();
   PointingDevice device(world);
   world.step(1);
@@ -200,14 +201,14 @@ TEST_CASE("sends collideTime when the avatar meets children of a Collision node,
   PointingDevice device(world);
   world.step(1);
   device.at("S", 0, 0);
-  CHECK(world.execution().collide(device.path()));
+  CHECK(collide(world.execution(), device.path()));
   CHECK(world.take() == Lines{"1 A.collideTime 1001", "1 B.collideTime 1001"});
   device.at("R", 0, 0);
-  CHECK_FALSE(world.execution().collide(device.path()));
+  CHECK_FALSE(collide(world.execution(), device.path()));
   CHECK(world.take().empty());
   world.step(2);
   world.send("C.collide", true);
-  CHECK(world.execution().collide(device.path()));
+  CHECK(collide(world.execution(), device.path()));
   CHECK(world.take("collideTime") == Lines{"2 C.collideTime 1002", "2 D.collideTime 1002"});
 }
 

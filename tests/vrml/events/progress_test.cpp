@@ -1,4 +1,5 @@
 #include "tests/vrml/events/trace.h"
+#include "vrml/behaviours/browser_events.h"
 
 #include <limits>
 
@@ -8,7 +9,7 @@ TEST_CASE("reports the progress of a QNV node, and its completion") {
   World world("Shape { geometry DEF N QNV { } } DEF T TimeSensor { } ROUTE N.loadTime TO T.startTime DEF B Box { }");
   world.start();
   const auto progress = [&](double fraction) {
-    return world.execution().progress(world.scene(), world.node("N"), fraction);
+    return report_progress(world.execution(), world.scene(), world.node("N"), fraction);
   };
   CHECK(progress(0));
   CHECK(world.take().empty());
@@ -43,8 +44,8 @@ TEST_CASE("reports the progress of a QNV node, and its completion") {
   CHECK(progress(1));
   CHECK(world.take("N.") ==
         Lines{"6 N.progress_changed 0", "7 N.progress_changed 0.995", "8 N.progress_changed 1", "8 N.loadTime 1008"});
-  CHECK(world.execution().progress(world.scene(), world.node("B"), 1));
-  CHECK(world.execution().progress(world.scene(), NodeId{}, 1));
+  CHECK(report_progress(world.execution(), world.scene(), world.node("B"), 1));
+  CHECK(report_progress(world.execution(), world.scene(), NodeId{}, 1));
   CHECK(world.take().empty());
 }
 
@@ -54,8 +55,8 @@ TEST_CASE("reports the progress of a PROTO that replaces QNV in other browsers")
     PROTO Odd [ eventOut SFVec3f progress_changed eventIn SFTime loadTime ] { Box { } }
     Shape { geometry DEF P QNV { } } Shape { geometry DEF O Odd { } })");
   world.start();
-  CHECK(world.execution().progress(world.scene(), world.node("P"), 1));
-  CHECK(world.execution().progress(world.scene(), world.node("O"), 1));
+  CHECK(report_progress(world.execution(), world.scene(), world.node("P"), 1));
+  CHECK(report_progress(world.execution(), world.scene(), world.node("O"), 1));
   CHECK(world.take() == Lines{"0 P.progress_changed 1", "0 P.loadTime 1000"});
 }
 

@@ -53,7 +53,7 @@ TEST_CASE("frees the memory of nodes that were created and discarded at run time
     world.step(static_cast<double>(round));
     CHECK(scene.contains(made[0]));
     world.send("Kept.removeChildren", made);
-    CHECK(world.execution().remove_unheld() > 30);
+    CHECK(world.execution().lifetime().remove_unheld() > 30);
     CHECK(!scene.contains(made[0]));
     CHECK(scene.run_time_texts() == 0);
     (void)world.take();
@@ -86,7 +86,7 @@ TEST_CASE("gives unique ids to nodes of the root, its Inlines and run time, also
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\nGroup { } Group { }", *content, diagnostics);
   world.scene().attach_inline(world.node("Part"), content);
-  world.execution().attach();
+  world.execution().scenes().attach();
   world.start();
   std::set<std::uint32_t> seen;
   const auto see = [&](NodeId id) { CHECK(seen.insert(id.generation).second); };
@@ -96,7 +96,7 @@ TEST_CASE("gives unique ids to nodes of the root, its Inlines and run time, also
     const NodeId made = read(world, "Group { }")[0];
     see(made);
     CHECK(made.index == 3);
-    CHECK(world.execution().remove_unheld() == 1);
+    CHECK(world.execution().lifetime().remove_unheld() == 1);
     CHECK(!world.scene().contains(made));
   }
 }
@@ -124,64 +124,64 @@ TEST_CASE("keeps nodes that fields, ROUTEs, PROTO instances or holds refer to") 
     const MFNode made = read(world, "DEF A Group { children Group { } } Group { }");
     const NodeId inner = scene.get<MFNode>(made[0], "children")[0];
     world.send("Kept.addChildren", only(made[0]));
-    CHECK(execution.remove_unheld() == 1);
+    CHECK(execution.lifetime().remove_unheld() == 1);
     CHECK(scene.contains(inner));
     world.send("A.removeChildren", only(inner));
-    CHECK(execution.remove_unheld() == 1);
+    CHECK(execution.lifetime().remove_unheld() == 1);
     CHECK(!scene.contains(inner));
   }
   SECTION("one who may yet use it, as often as he says so") {
     const NodeId made = read(world, "Group { }")[0];
-    execution.hold(scene, made);
-    execution.hold(scene, made);
-    execution.release(scene, made);
-    CHECK(execution.remove_unheld() == 0);
-    execution.release(scene, made);
-    CHECK(execution.remove_unheld() == 1);
-    execution.release(scene, made);  // no longer in use
+    execution.lifetime().hold(scene, made);
+    execution.lifetime().hold(scene, made);
+    execution.lifetime().release(scene, made);
+    CHECK(execution.lifetime().remove_unheld() == 0);
+    execution.lifetime().release(scene, made);
+    CHECK(execution.lifetime().remove_unheld() == 1);
+    execution.lifetime().release(scene, made);  // no longer in use
   }
   SECTION("its ROUTE to a node that is held, not one from such a node") {
     const MFNode made = read(world, "PositionInterpolator { } PositionInterpolator { }");
     const Route to = route_of(scene, made[0], "value_changed", world.node("Kept"), "translation");
-    CHECK(execution.add_route(scene, to));
-    CHECK(execution.add_route(scene, route_of(scene, world.node("T"), "fraction_changed", made[1], "set_fraction")));
-    CHECK(execution.remove_unheld() == 1);
+    CHECK(execution.routes().add(scene, to));
+    CHECK(execution.routes().add(scene, route_of(scene, world.node("T"), "fraction_changed", made[1], "set_fraction")));
+    CHECK(execution.lifetime().remove_unheld() == 1);
     CHECK(scene.contains(made[0]));
     CHECK(!scene.contains(made[1]));
-    CHECK(execution.remove_route(scene, to));
-    CHECK(execution.remove_unheld() == 1);
+    CHECK(execution.routes().remove(scene, to));
+    CHECK(execution.lifetime().remove_unheld() == 1);
   }
   SECTION("a ROUTE to it, if it is a Script") {
     const NodeId made = read(world, "Script { eventIn SFTime now }")[0];
     const Route to = route_of(scene, world.node("T"), "time", made, "now");
-    CHECK(execution.add_route(scene, to));
-    CHECK(execution.remove_unheld() == 0);
-    CHECK(execution.remove_route(scene, to));
-    CHECK(execution.remove_unheld() == 1);
+    CHECK(execution.routes().add(scene, to));
+    CHECK(execution.lifetime().remove_unheld() == 0);
+    CHECK(execution.routes().remove(scene, to));
+    CHECK(execution.lifetime().remove_unheld() == 1);
   }
   SECTION("the nodes of a PROTO instance and the instance each other") {
     const NodeId made = read(world, "PROTO P [ ] { Group { } DEF I ScalarInterpolator { } DEF U Group { } } P { }")[0];
     const NodeId inner = scene.node(made).expansion[2];
     world.send("Kept.addChildren", only(inner));
-    CHECK(execution.remove_unheld() == 0);
+    CHECK(execution.lifetime().remove_unheld() == 0);
     CHECK(scene.contains(made));
     CHECK(scene.run_time_texts() == 1);
     world.send("Kept.set_children", MFNode());
-    CHECK(execution.remove_unheld() == 4);
+    CHECK(execution.lifetime().remove_unheld() == 4);
     CHECK(scene.run_time_texts() == 0);
   }
   SECTION("no circle of nodes holds itself") {
     const NodeId made = read(world, "DEF Top Group { children Script { field SFNode top USE Top } }")[0];
     world.send("Kept.set_children", only(made));
-    CHECK(execution.remove_unheld() == 0);
+    CHECK(execution.lifetime().remove_unheld() == 0);
     world.send("Kept.set_children", MFNode());
-    CHECK(execution.remove_unheld() == 2);
+    CHECK(execution.lifetime().remove_unheld() == 2);
   }
   SECTION("an event that a node has sent") {
     const MFNode made = read(world, "Group { } DEF S Script { eventOut SFNode out }");
     const MFNode receiver = read(world, "DEF R Script { eventIn SFNode in }");
-    for (const NodeId id : {made[1], receiver[0]}) execution.hold(scene, id);
-    CHECK(execution.remove_unheld() == 1);
+    for (const NodeId id : {made[1], receiver[0]}) execution.lifetime().hold(scene, id);
+    CHECK(execution.lifetime().remove_unheld() == 1);
   }
 }
 
@@ -199,7 +199,7 @@ TEST_CASE("stops events of removed nodes and reuses their slots") {
     world.step(now + 2);
     CHECK(world.take("Ticks.time").size() == 1);
     world.send("Kept.set_children", MFNode());
-    CHECK(world.execution().remove_unheld() == 1);
+    CHECK(world.execution().lifetime().remove_unheld() == 1);
     (void)world.take();
     world.step(now + 3);
     CHECK(world.take("time").empty());
@@ -211,16 +211,16 @@ TEST_CASE("unbinds a bound node that is deleted, as set_bind FALSE would (4.6.10
   World world("DEF First Viewpoint { } DEF Kept Group { }");
   world.start();
   const MFNode made = read(world, "DEF Second Viewpoint { }");
-  world.execution().hold(world.scene(), made[0]);
+  world.execution().lifetime().hold(world.scene(), made[0]);
   (void)world.take();
   world.step(1);
   world.send("Second.set_bind", true);
   CHECK(world.take("isBound") == Lines{"1 First.isBound FALSE", "1 Second.isBound TRUE"});
   world.step(2);
-  world.execution().release(world.scene(), made[0]);
-  CHECK(world.execution().remove_unheld() == 1);
+  world.execution().lifetime().release(world.scene(), made[0]);
+  CHECK(world.execution().lifetime().remove_unheld() == 1);
   CHECK(world.take("isBound") == Lines{"2 Second.isBound FALSE", "2 First.isBound TRUE"});
-  CHECK(world.execution().bound(*built_in_node_type("Viewpoint")).node == world.node("First"));
+  CHECK(world.execution().stacks().bound(*built_in_node_type("Viewpoint")).node == world.node("First"));
 }
 
 TEST_CASE("removes an Inline with its whole content") {
@@ -228,7 +228,8 @@ TEST_CASE("removes an Inline with its whole content") {
   world.start();
   const std::uint64_t before = world.scene().budget()->used(Resource::nodes);
   std::vector<std::pair<const SceneGraph*, NodeId>> told;
-  world.execution().observe_removal([&](SceneGraph& scene, NodeId node) { told.emplace_back(&scene, node); });
+  world.execution().lifetime().observe_removal(
+      [&](SceneGraph& scene, NodeId node) { told.emplace_back(&scene, node); });
   for (int round = 1; round < 40; ++round) {
     const auto part = [&](const std::string& body) {
       auto content = std::make_shared<SceneGraph>("part.wrl", world.scene().budget());
@@ -241,21 +242,21 @@ TEST_CASE("removes an Inline with its whole content") {
     const NodeId view = outer->roots()[0];
     const std::weak_ptr<SceneGraph> watched = outer;
     world.scene().attach_inline(world.node("Part"), std::move(outer));
-    world.execution().attach();
+    world.execution().scenes().attach();
     world.step(round);
     SceneGraph& scene = *watched.lock();
     CHECK(world.execution().send(scene, view, *scene.node(view).type->find("set_bind"), FieldValue(true)));
     (void)world.take();
     world.step(round + 0.5);
     (void)world.take();
-    world.execution().remove_content(world.scene(), world.node("Part"));
+    world.execution().lifetime().remove_content(world.scene(), world.node("Part"));
     CHECK(watched.expired());
     CHECK(world.take("isBound") ==
           Lines{std::to_string(round) + ".5 W.isBound FALSE", std::to_string(round) + ".5 V.isBound TRUE"});
     CHECK(told.size() == 2);
     told.clear();
     // The node that shows the Inline is reported as changed.
-    const auto changes = world.execution().take_changes();
+    const auto changes = world.execution().changes().take();
     CHECK(std::any_of(changes.begin(), changes.end(),
                       [&](const NodeChange& one) { return one.node == world.node("Part"); }));
     world.step(round + 0.75);
@@ -339,7 +340,7 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
           if (kind == 5) routes.push_back(route_of(scene, roots[0], "value_changed", roots[1], "set_fraction"));
           // Often holds it for a while.
           if (below(2) == 0) {
-            execution.hold(scene, roots[0]);
+            execution.lifetime().hold(scene, roots[0]);
             holds[roots[0].index].first = roots[0];
             ++holds[roots[0].index].second;
           }
@@ -357,7 +358,7 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
           break;
         case 6:
           if (const auto first = holds.begin(); first != holds.end() && first->second.second > 0) {
-            execution.release(scene, first->second.first);
+            execution.lifetime().release(scene, first->second.first);
             if (--first->second.second == 0) holds.erase(first);
           }
           break;
@@ -371,13 +372,13 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
           const NodeId from = sources[below(sources.size())], to = targets[below(targets.size())];
           const Route route = route_of(scene, from, from == world.node("T") ? "fraction_changed" : "value_changed", to,
                                        scene.node(to).type->find("in") ? "in" : "set_fraction");
-          if (execution.add_route(scene, route)) routes.push_back(route);
+          if (execution.routes().add(scene, route)) routes.push_back(route);
           break;
         }
         case 8:
           if (!routes.empty()) {
             const std::size_t place = below(routes.size());
-            CHECK(execution.remove_route(scene, routes[place]));
+            CHECK(execution.routes().remove(scene, routes[place]));
             routes.erase(routes.begin() + static_cast<std::ptrdiff_t>(place));
           }
           break;
@@ -385,7 +386,7 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
           world.step(operation);
           (void)world.take();
           const std::set<std::uint32_t> held = held_nodes();
-          (void)execution.remove_unheld();
+          (void)execution.lifetime().remove_unheld();
           for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
             if (!scene.node_at(i).in_prototype_body && !held.contains(i)) FAIL("held without need: " << i);
           for (const std::uint32_t index : held) CHECK(scene.contains(scene.id_at(index)));
@@ -396,11 +397,11 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
     }
     CHECK(of_file[0]);
     for (const auto& [index, hold] : holds)
-      for (int i = 0; i < hold.second; ++i) execution.release(scene, hold.first);
+      for (int i = 0; i < hold.second; ++i) execution.lifetime().release(scene, hold.first);
     world.step(1000);
     for (const char* parent : {"G0.set_children", "G1.set_children", "G2.set_children"}) world.send(parent, MFNode());
-    for (const Route& route : routes) (void)execution.remove_route(scene, route);
-    (void)execution.remove_unheld();
+    for (const Route& route : routes) (void)execution.routes().remove(scene, route);
+    (void)execution.lifetime().remove_unheld();
     CHECK(scene.run_time_texts() == 0);
   }
 }

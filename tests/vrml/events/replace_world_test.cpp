@@ -9,7 +9,7 @@ TEST_CASE("replaces the world by the nodes of replaceWorld and removes all other
       "DEF V Viewpoint { } DEF Kept Group { children DEF Inner Group { } } DEF Ticks TimeSensor { loop TRUE } "
       "DEF I Inline { }");
   world.scene().attach_inline(world.node("I"), std::make_shared<SceneGraph>("part.wrl", world.scene().budget()));
-  world.execution().attach();
+  world.execution().scenes().attach();
   world.start();
   SceneGraph& scene = world.scene();
   const NodeId inner = world.node("Inner"), ticks = world.node("Ticks");
@@ -18,10 +18,10 @@ TEST_CASE("replaces the world by the nodes of replaceWorld and removes all other
     const MFNode made = read(world, "DEF W Viewpoint { } Transform { children Shape { } }");
     MFNode next = made;
     if (round == 0) next.push_back(inner);
-    CHECK(world.execution().replace_world(next));
+    CHECK(world.execution().lifetime().replace_world(next));
     (void)world.take();
     world.step(round + 1);
-    CHECK(world.execution().replaced() == static_cast<std::uint32_t>(round + 1));
+    CHECK(world.execution().lifetime().replaced() == static_cast<std::uint32_t>(round + 1));
     CHECK(scene.roots() == next);
     CHECK(world.take("W.isBound").back() == std::to_string(round + 1) + " W.isBound TRUE");
     CHECK(scene.contains(inner) == (round == 0));
@@ -30,8 +30,8 @@ TEST_CASE("replaces the world by the nodes of replaceWorld and removes all other
     if (round == 3) places = scene.node_count();
     if (round > 3) CHECK(scene.node_count() == places);
   }
-  CHECK(!world.execution().replace_world(only(inner)));
-  CHECK(world.execution().bound(*built_in_node_type("Viewpoint")).node == scene.roots()[0]);
+  CHECK(!world.execution().lifetime().replace_world(only(inner)));
+  CHECK(world.execution().stacks().bound(*built_in_node_type("Viewpoint")).node == scene.roots()[0]);
 }
 
 TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inline (4.12.10.8)") {
@@ -54,7 +54,7 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
     outer->attach_inline(outer->roots()[0], std::move(part));
   }
   world.scene().attach_inline(world.node("I"), outer);
-  world.execution().attach();
+  world.execution().scenes().attach();
   world.start();
   SceneGraph& part = *watched.lock();
   const NodeId kept = part.roots()[0], shape = part.roots()[1];
@@ -62,19 +62,19 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
   for (int round = 0; round < 100; ++round) {
     Diagnostics diagnostics;
     MFNode next = read_into(part, "made.wrl", "DEF W Viewpoint { } Group { }", diagnostics).roots;
-    world.execution().attach(part);
+    world.execution().scenes().attach(part);
     if (round == 0) next.push_back(kept);
-    CHECK(world.execution().replace_world(part, next));
+    CHECK(world.execution().lifetime().replace_world(part, next));
     world.step(round + 1);
-    CHECK(world.execution().replaced() == static_cast<std::uint32_t>(round + 1));
+    CHECK(world.execution().lifetime().replaced() == static_cast<std::uint32_t>(round + 1));
     REQUIRE(world.scene().roots().size() == 1);
     CHECK(world.scene().inlined(world.scene().roots()[0]) == &part);
     CHECK(world.scene().inlines().size() == 1);
     CHECK(part.roots() == next);
     CHECK(part.contains(kept) == (round == 0));
     CHECK(!part.contains(shape));
-    CHECK(!world.execution().has_scene(outer.get()));
-    const NodeChange bound = world.execution().bound(built_in_node_type(NodeKind::viewpoint));
+    CHECK(!world.execution().scenes().has(outer.get()));
+    const NodeChange bound = world.execution().stacks().bound(built_in_node_type(NodeKind::viewpoint));
     CHECK(bound.scene == &part);
     CHECK(bound.node == next[0]);
     CHECK(world.execution().next_time().has_value() == (round == 0));
@@ -83,12 +83,12 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
   }
   // Nodes of the file, in reused slots.
   MFNode made = read(world, "Group { }");
-  CHECK(world.execution().replace_world(world.scene(), made));
+  CHECK(world.execution().lifetime().replace_world(world.scene(), made));
   world.step(200);
   CHECK(world.scene().roots() == made);
   CHECK(watched.expired());
   SceneGraph foreign("foreign.wrl", world.scene().budget());
-  CHECK(!world.execution().replace_world(foreign, {}));
+  CHECK(!world.execution().lifetime().replace_world(foreign, {}));
 }
 
 // Compares with a model that searches every node and every ROUTE each time.

@@ -14,7 +14,7 @@ inline MFNode read(World& world, const std::string& text) {
   const RunTimeNodes made = read_into(world.scene(), "made.wrl", text, diagnostics);
   for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
   REQUIRE_EACH(diagnostics.errors() == 0);
-  world.execution().attach(world.scene());
+  world.execution().scenes().attach(world.scene());
   return made.roots;
 }
 

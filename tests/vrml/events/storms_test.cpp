@@ -18,7 +18,7 @@ TEST_CASE("delivers a hundred thousand cyclic ROUTEs in one cascade") {
   world.start();
   world.send("A.whichChoice", SFInt32{7});
   CHECK(world.take().size() == kTargets + 1);
-  CHECK(world.execution().problem().empty());
+  CHECK(world.execution().budget().problem().empty());
 }
 
 TEST_CASE("limits fan-in times fan-out of PROTO instances") {
@@ -31,7 +31,7 @@ TEST_CASE("limits fan-in times fan-out of PROTO instances") {
   World world(text);
   world.start();
   world.send("A.whichChoice", SFInt32{7});
-  CHECK(!world.execution().problem().empty());
+  CHECK(!world.execution().budget().problem().empty());
   world.step(1);  // the next timestamp is a new one
   world.send("A.whichChoice", SFInt32{8});
   CHECK(world.scene().get<SFInt32>(world.node("S4999"), "whichChoice") == 8);
@@ -60,7 +60,7 @@ TEST_CASE("leaves out ROUTEs beyond the budget and reports it") {
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\n" + text, scene, diagnostics);
   Execution execution(scene);
-  CHECK(execution.problem().find("--memory") != std::string::npos);
+  CHECK(execution.budget().problem().find("--memory") != std::string::npos);
   execution.start(0);
   execution.step(1);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vrml/events/execution.h"
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
 
@@ -28,7 +28,7 @@ class World {
     CHECK(diagnostics.errors() == 0);
     execution_ = std::make_unique<Execution>(*scene_);
     names_ = std::make_unique<NodeNames>(*scene_);
-    execution_->observe([this](const SentEvent& event) {
+    execution_->cascade().observe([this](const SentEvent& event) {
       std::string line =
           time_text(event.time - kStart) + ' ' + names_->of(*event.scene, event.node) + '.' + event.event->name + ' ';
       print_value(line, *event.value, *event.scene);

@@ -84,7 +84,7 @@ TEST_CASE("moves a HUD with the viewer, wherever it is in the scene") {
   const NodeId frame = inside[1];
   CHECK(scene.get<MFNode>(frame, "children")[0] == world.node("Sign"));
   CHECK(scene.get<SFVec3f>(frame, "translation") == SFVec3f(-2.5f, -0.5f, 4));  // the viewer is at 0 0 10
-  world.execution().set_viewer(glm::translate(glm::dmat4(1), {9, 1, 2}));
+  world.execution().viewer().set(glm::translate(glm::dmat4(1), {9, 1, 2}));
   world.step(1);
   CHECK(scene.get<SFVec3f>(frame, "translation") == SFVec3f(2, 0, 0));
   world.send("Overlay.removeChildren", MFNode{world.node("Sign")});

@@ -24,7 +24,7 @@ struct World {
     vrml::Diagnostics diagnostics;
     const vrml::NodeId made = vrml::read_into(*opened.scene, "made.wrl", text, diagnostics).roots[0];
     CHECK(diagnostics.errors() == 0);
-    runtime->execution().attach(*opened.scene);
+    runtime->execution().scenes().attach(*opened.scene);
     return made;
   }
   void set_children(const vrml::MFNode& children) {
@@ -73,7 +73,7 @@ TEST_CASE("drops images and meshes of removed nodes, also when their slots are r
     arrive(&scene);
     CHECK(world.list().items[0].texture.image == image);
     world.set_children({});
-    CHECK(world.runtime->execution().remove_unheld() == 5);
+    CHECK(world.runtime->execution().lifetime().remove_unheld() == 5);
     CHECK(world.opened.images.empty());
     CHECK(world.meshes.meshes.empty());
     arrive(&scene);  // too late
@@ -94,10 +94,10 @@ TEST_CASE("keeps an outdated list valid after its Inline is removed") {
   const std::weak_ptr<vrml::SceneGraph> watched = content;
   scene.attach_inline(scene.roots()[1], std::move(content));
   vrml::Execution& execution = world.runtime->execution();
-  execution.attach();
-  execution.content_changed(scene, scene.roots()[1]);
+  execution.scenes().attach();
+  execution.changes().mark_content(scene, scene.roots()[1]);
   REQUIRE(world.list().items.size() == 1);
-  execution.remove_content(scene, scene.roots()[1]);
+  execution.lifetime().remove_content(scene, scene.roots()[1]);
   world.runtime->step(1001);
   const render::RenderList& behind = world.seen->scene.list();
   REQUIRE(!watched.expired());
@@ -110,8 +110,8 @@ TEST_CASE("shows the new world after a replacement") {
   World world("Group { children Shape { geometry Box { } } }");
   CHECK(world.list().items.size() == 1);
   CHECK(
-      world.runtime->execution().replace_world(only(world.read("Transform { translation 7 0 0 children [ "
-                                                               "Shape { geometry Cone { } } ] }"))));
+      world.runtime->execution().lifetime().replace_world(only(world.read("Transform { translation 7 0 0 children [ "
+                                                                          "Shape { geometry Cone { } } ] }"))));
   CHECK(world.runtime->step(1001));
   REQUIRE(world.list().items.size() == 1);
   CHECK(world.list().items[0].world_from_node[3].x == 7);

@@ -208,7 +208,7 @@ TEST_CASE("pops a bound Viewpoint that is deleted like any other (VRML97 4.6.10,
   CHECK(world.at({50, 0, 0}));
   const vrml::SceneGraph& scene = *world.shared->world.scene;
   CHECK(world.shared->runtime->send(scene, scene.roots()[1], "set_children", vrml::MFNode{}));
-  (void)world.shared->runtime->execution().remove_unheld();
+  (void)world.shared->runtime->execution().lifetime().remove_unheld();
   (void)follow_world(world.view);
   CHECK(follow_bound_viewpoint(world.view));
   REQUIRE(world.view.navigation.transition);
@@ -284,7 +284,7 @@ TEST_CASE("advances time in a window by the clock (VRML97 4.11.3)") {
   CHECK(execution.now() <= world_time());
   double last = execution.now();
   std::size_t steps = 0;
-  execution.observe([&](const vrml::SentEvent& event) {
+  execution.cascade().observe([&](const vrml::SentEvent& event) {
     CHECK(event.time > last);
     steps += event.event->name == "time" ? 1 : 0;
   });

@@ -1,4 +1,4 @@
-#include "vrml/events/node_names.h"
+#include "vrml/scene/node_names.h"
 
 #include <algorithm>
 #include <utility>

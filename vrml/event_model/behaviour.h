@@ -57,7 +57,7 @@ struct Behaviour {
   /// Nodes that play a sound or movie: takes its duration in seconds; a negative one means that it cannot be loaded.
   /// Returns false if an event was already sent with this timestamp; the caller tries again later.
   bool (*media_came)(Execution& execution, EventNode node, double duration) = nullptr;
-  /// Returns the playback state; see Execution::media_play.
+  /// Returns the playback state; see vrml::media_play(Execution&, ...).
   MediaPlay (*media_play)(Execution& execution, EventNode node) = nullptr;
   bool media_backwards = false;  // supports negative and zero speed (6.28)
 };

@@ -1,6 +1,6 @@
-#include "vrml/events/placement.h"
+#include "vrml/event_model/placement.h"
 
-#include "vrml/events/behaviour.h"
+#include "vrml/event_model/behaviour.h"
 #include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>

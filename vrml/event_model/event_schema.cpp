@@ -1,4 +1,4 @@
-#include "vrml/events/event_schema.h"
+#include "vrml/event_model/event_schema.h"
 
 namespace gs::vrml {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/events/behaviour.h"
+#include "vrml/event_model/behaviour.h"
 #include "vrml/scene/node_type.h"
 
 #include <array>

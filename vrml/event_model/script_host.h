@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/events/behaviour.h"
+#include "vrml/event_model/behaviour.h"
 
 #include <cstdint>
 
@@ -8,7 +8,7 @@ namespace gs::vrml {
 
 /// Runs the programs of a world's Scripts (VRML97 4.12), in languages that this room does not know.
 ///
-/// Execution calls it on its own thread. Programs act on the world through Execution's functions for Scripts; the
+/// Execution calls it on its own thread. Programs act on the world through the Execution; the
 /// events that they cause are delivered after the program returns.
 class ScriptHost {
  public:

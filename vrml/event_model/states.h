@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/events/execution.h"
+#include "vrml/scene/field_value.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -108,8 +108,8 @@ class StatePool {
   std::vector<std::uint32_t> free_;
 };
 
-/// State that behaviours keep for their nodes, indexed by state_of; index 0 means none.
-struct Execution::States {
+/// State that behaviours keep for their nodes, indexed by EventNodes::state_of; index 0 means none.
+struct BehaviourStates {
   StatePool<TimeState> times;
   StatePool<ProximityState> proximities;
   StatePool<MFVec3f> spares;  // the array that an interpolator writes next

@@ -1,0 +1,36 @@
+#include "vrml/event_model/event_budget.h"
+
+#include <algorithm>
+
+namespace gs::vrml {
+namespace {
+
+// Limit of work elements per timestamp: about 4 million deliveries, some tenths of a second.
+constexpr std::size_t kMaxWork = std::size_t{1} << 26;
+
+}  // namespace
+
+bool EventBudget::afford(std::size_t bytes) {
+  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes drawn at a time
+  if (afforded_ + bytes > share_.amount() && !share_.grow(std::max(bytes, kStep)) && !share_.grow(bytes)) {
+    if (problem_.empty()) problem_ = "events take " + root_.budget()->refusal(Resource::nodes);
+    return false;
+  }
+  afforded_ += bytes;
+  return true;
+}
+
+bool EventBudget::has_room_for(std::size_t elements) const {
+  return elements < kMaxWork && work_ + elements <= kMaxWork;
+}
+
+bool EventBudget::spend(std::size_t elements) {
+  if (has_room_for(elements)) {
+    work_ += elements;
+    return true;
+  }
+  if (problem_.empty()) problem_ = "the events of one timestamp exceed the limit of work; the rest is left out";
+  return false;
+}
+
+}  // namespace gs::vrml

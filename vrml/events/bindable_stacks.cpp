@@ -1,0 +1,139 @@
+#include "vrml/events/bindable_stacks.h"
+
+#include "vrml/events/execution.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::vrml {
+
+BindableStacks::Stack& BindableStacks::stack_of(const NodeType& type) {
+  for (Stack& stack : stacks_)
+    if (stack.type == &type) return stack;
+  return stacks_.emplace_back(Stack{&type});
+}
+
+EventNode BindableStacks::top_of(const NodeType& type) const {
+  for (const Stack& stack : stacks_)
+    if (stack.type == &type) return stack.top;
+  return 0;
+}
+
+NodeChange BindableStacks::bound(const NodeType& type) const {
+  const EventNode top = top_of(type);
+  if (top == 0) return {};
+  const EventMember& at = execution_.nodes()[top];
+  return {at.scene, at.id, 0};
+}
+
+bool BindableStacks::contains(const SceneGraph* scene, NodeId node) const {
+  const SceneState* const state = execution_.scenes().find(scene);
+  const EventNode member = state && scene->contains(node) ? state->member_of(node) : 0;
+  return member != 0 && execution_.nodes()[member].on_stack;
+}
+
+void BindableStacks::bind(EventNode node, bool to_top) {
+  EventNodes& nodes = execution_.nodes();
+  Stack& stack = stack_of(nodes.type_of(node));
+  EventMember& at = nodes[node];
+  if (at.on_stack) {
+    if (at.bound_above != 0) nodes[at.bound_above].bound_below = at.bound_below;
+    if (at.bound_below != 0) nodes[at.bound_below].bound_above = at.bound_above;
+    if (stack.top == node) stack.top = at.bound_below;
+  }
+  if (!at.on_stack || !to_top) at.placed = false;
+  at.on_stack = to_top;
+  at.bound_above = 0;
+  at.bound_below = to_top ? stack.top : 0;
+  if (!to_top) return;
+  if (stack.top != 0) nodes[stack.top].bound_above = node;
+  stack.top = node;
+}
+
+std::vector<EventNode> BindableStacks::nodes() {
+  std::vector<EventNode> found;
+  for (const Stack& stack : stacks_)
+    for (EventNode node = stack.top; node != 0 && execution_.budget().spend(EventBudget::kDelivery);
+         node = execution_.nodes()[node].bound_below)
+      found.push_back(node);
+  std::reverse(found.begin(), found.end());
+  for (const EventNode node : found) {
+    const EventMember& at = execution_.nodes()[node];
+    execution_.placement().look_for(*at.scene, at.id);
+  }
+  return found;
+}
+
+void BindableStacks::unbind(EventNode node) {
+  (void)execution_.nodes().behaviour_of(node).on_event(execution_, node, kSetBind, FieldValue(false));
+}
+
+void BindableStacks::nodes_leave() {
+  if (nodes_leave_ || !execution_.budget().spend(execution_.placement().visits())) return;
+  nodes_leave_ = true;
+  // A bound node that was never in the hierarchy cannot leave it.
+  for (const EventNode node : nodes())
+    if (!execution_.nodes()[node].placed)
+      execution_.nodes()[node].placed = !execution_.viewer().places_of(node).empty();
+}
+
+void BindableStacks::unbind_left() {
+  if (!std::exchange(nodes_leave_, false)) return;
+  for (const EventNode node : nodes())
+    if (execution_.nodes()[node].placed && execution_.viewer().places_of(node).empty() &&
+        execution_.placement().whole())
+      unbind(node);
+}
+
+void BindableStacks::bind_new_types() {
+  bind_first_nodes(execution_.scenes().states().front(), true);
+  execution_.cascade().drain();
+}
+
+// Binds the first visible nodes in file order, without Inlines (4.6.10). The standard does not say whether hidden
+// children of a Switch are candidates. Other browsers skip them, and worlds use a Switch to choose their Background.
+void BindableStacks::bind_first_nodes(SceneState& state, bool of_fresh_types) {
+  SceneGraph& scene = *state.scene;
+  std::vector<bool> seen(scene.node_count() + 1);
+  std::vector<const NodeType*> known;
+  for (const Stack& stack : stacks_)
+    if (of_fresh_types) known.push_back(stack.type);
+  struct Range {
+    const NodeId* next;
+    const NodeId* end;
+  };
+  std::vector<Range> path{{scene.roots().begin(), scene.roots().end()}};
+  while (!path.empty()) {
+    if (path.back().next == path.back().end) {
+      path.pop_back();
+      continue;
+    }
+    const NodeId id = scene.resolve(*path.back().next++);
+    if (!id || seen[id.index]) continue;
+    seen[id.index] = true;
+    const Node& node = scene.node(id);
+    const bool is_known = std::find(known.begin(), known.end(), node.type) != known.end();
+    if (has(node.type->role, Role::bindable) && node.type->behaviour && !is_known &&
+        !(of_fresh_types && node.owner != 0)) {
+      const EventNode bindable = execution_.scenes().member(state, id);
+      if (bindable != 0 && stack_of(*node.type).top == 0)
+        (void)node.type->behaviour->on_event(execution_, bindable, kSetBind, FieldValue(true));
+      execution_.nodes()[bindable].placed = execution_.nodes()[bindable].on_stack;
+    }
+    if (!has(node.type->role, Role::grouping)) continue;
+    const InterfaceDeclaration* which = node.type->find_field("whichChoice");
+    const auto* chosen = which ? std::get_if<SFInt32>(&node.values[which->slot]) : nullptr;
+    for (const InterfaceDeclaration& declaration : node.type->interfaces)
+      if (declaration.slot >= 0)
+        if (const auto* children = std::get_if<MFNode>(&node.values[declaration.slot])) {
+          const NodeId *begin = children->begin(), *end = children->end();
+          if (chosen) {
+            begin = *chosen < 0 || *chosen >= end - begin ? end : begin + *chosen;
+            end = begin == end ? end : begin + 1;
+          }
+          path.push_back({begin, end});
+        }
+  }
+}
+
+}  // namespace gs::vrml

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "vrml/events/change_list.h"
+#include "vrml/events/world_scenes.h"
+
+#include <span>
+#include <vector>
+
+namespace gs::vrml {
+
+/// Stacks of bindable nodes (VRML97 4.6.10), one per type. A stack is a linked list of nodes, so that any node can
+/// leave in O(1). Part of Execution.
+class BindableStacks {
+ public:
+  struct Stack {
+    const NodeType* type;
+    EventNode top = 0;
+  };
+
+  explicit BindableStacks(Execution& execution) : execution_(execution) {}
+
+  /// Moves the node to the top of its type's stack, or removes it from the stack.
+  void bind(EventNode node, bool to_top);
+  /// Returns the bound node of a type; 0 if none.
+  [[nodiscard]] EventNode top_of(const NodeType& type) const;
+  /// Returns the bound node of a type; null scene if there is none.
+  [[nodiscard]] NodeChange bound(const NodeType& type) const;
+  /// Reports whether a bindable node is on its type's stack. Accepts a scene and a node that were removed.
+  [[nodiscard]] bool contains(const SceneGraph* scene, NodeId node) const;
+  [[nodiscard]] std::span<const Stack> all() const { return stacks_; }
+  /// Returns all nodes on stacks, lower ones first.
+  [[nodiscard]] std::vector<EventNode> nodes();
+
+  /// Binds the first node of each bindable type in a scene, without Inlines.
+  void bind_first(SceneState& state) { bind_first_nodes(state, false); }
+  /// Binds nodes from EXTERNPROTO bodies that were loaded and attached later. For each type that has had no bound node
+  /// so far, it binds the first one, as at the start.
+  void bind_new_types();
+  /// Unbinds a node as with set_bind FALSE.
+  void unbind(EventNode node);
+  /// Announces that nodes leave a grouping node. After the cascade, unbind_left() unbinds the nodes that left the
+  /// hierarchy.
+  void nodes_leave();
+  void unbind_left();
+
+ private:
+  Stack& stack_of(const NodeType& type);
+  void bind_first_nodes(SceneState& state, bool of_fresh_types);
+
+  Execution& execution_;
+  std::vector<Stack> stacks_;
+  bool nodes_leave_ = false;
+};
+
+}  // namespace gs::vrml

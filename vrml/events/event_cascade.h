@@ -1,0 +1,96 @@
+#pragma once
+
+#include "vrml/event_model/behaviour.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <utility>
+#include <vector>
+
+namespace gs::vrml {
+
+/// Event that an eventOut or exposedField has sent.
+struct SentEvent {
+  double time = 0;  // its timestamp: seconds since 1970-01-01 00:00 GMT (VRML97 4.11)
+  const SceneGraph* scene = nullptr;
+  NodeId node;  // of `scene`; events of a PROTO instance appear for the instance and for its body nodes
+  const InterfaceDeclaration* event = nullptr;  // of the node's type
+  const FieldValue* value = nullptr;
+};
+
+/// Event cascades of a world (VRML97 4.10.3, 4.10.4): timestamps, and the delivery of events along ROUTEs and IS. Part
+/// of Execution.
+///
+/// A cascade has one timestamp, and each eventOut sends at most one event per timestamp, which ends loops. Events of
+/// one timestamp are delivered in sending order, along ROUTEs in order of creation.
+class EventCascade {
+ public:
+  using Observer = std::function<void(const SentEvent&)>;
+
+  explicit EventCascade(Execution& execution);
+
+  [[nodiscard]] double now() const { return now_; }
+  /// Returns the time of the previous step; equal to now() in the first step.
+  [[nodiscard]] double previous() const { return previous_; }
+  /// Returns the number of the present timestamp.
+  [[nodiscard]] std::uint64_t stamp() const { return stamp_; }
+  /// Begins the timestamp `now`. Time never goes back. `first` marks the first step of the world.
+  void begin(double now, bool first = false);
+  /// Begins a new timestamp, one double ulp later.
+  void begin_update();
+  /// Delivers the events sent so far and all that result from them, then ends the cascade.
+  void drain();
+
+  /// Registers an observer that receives each event at delivery, even without a ROUTE. One observer per key `who`; an
+  /// empty one unregisters. Observers must neither modify the Execution nor register observers.
+  void observe(Observer observer, const void* who = nullptr);
+
+  /// Delivers an event from outside, and all resulting events; see Execution::send.
+  bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
+  /// Queues an event for a node of this world. From a running program, it is delivered in this cascade after the events
+  /// already sent; from outside, by Execution::end_update(). Returns false like send().
+  bool post(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, FieldValue value);
+  /// Returns storage for a value to send in place; null if the eventOut was already sent with this timestamp. `event`
+  /// is an index in Behaviour::events.
+  [[nodiscard]] FieldValue* place_to_send(EventNode node, int event);
+  /// Sends the present EventNodes::own_value() of an eventOut or exposedField.
+  void send_own(EventNode node, std::uint32_t interface);
+  /// Reports a change made through EventNodes::own_value().
+  void own_value_changed(EventNode node, std::uint32_t interface);
+  /// Reports whether an interface has sent an event with the present timestamp.
+  [[nodiscard]] bool has_sent_own(EventNode node, std::uint32_t interface) const;
+  /// Queues the event of an interface that has its value already, if it was not sent with this timestamp.
+  void queue(EventNode node, std::uint32_t interface);
+  /// Returns the last value of an eventOut, or the value of a field; null if there is none.
+  [[nodiscard]] const FieldValue* last_value(const SceneGraph& scene, NodeId node,
+                                             const InterfaceDeclaration& interface);
+
+ private:
+  struct Sent {
+    EventNode node;
+    std::uint32_t interface;
+    std::uint32_t posted = 0;  // if not 0: index from 1 in posted_, an event for the node
+  };
+
+  /// Returns the node and the index of the interface that receives the event; node 0 if the value cannot be sent.
+  [[nodiscard]] std::pair<EventNode, std::uint32_t> receiver(const SceneGraph& scene, NodeId node,
+                                                             const InterfaceDeclaration& event_in,
+                                                             const FieldValue& value);
+  void deliver(Sent sent);
+  void walk(std::uint32_t first, const FieldValue& value);
+  void receive(EventNode node, std::uint32_t interface, const FieldValue& value);
+  void pass_up(EventNode node, std::uint32_t interface, const FieldValue& value);
+
+  Execution& execution_;
+  std::vector<std::pair<const void*, Observer>> observers_;
+  double now_, previous_;
+  std::uint64_t stamp_ = 1;
+  std::vector<Sent> queue_;
+  std::size_t queue_next_ = 0;
+  std::deque<FieldValue> posted_;
+  std::vector<std::uint32_t> path_;  // used by walk
+};
+
+}  // namespace gs::vrml

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "vrml/events/world_scenes.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::vrml {
+
+/// Lifetime of the nodes of a running world. Part of Execution.
+///
+/// Nodes made at run time (read_into) are removed once nothing holds them. A node is held by a node field or eventOut
+/// of a held node, or by `hold`. Nodes of the world's files are held. A PROTO instance and its body nodes hold each
+/// other. A ROUTE with a held target holds its source. A ROUTE from a held source holds a Script target, because
+/// Scripts act on more than fields. Held nodes keep their names, types and texts.
+class NodeLifetime {
+ public:
+  /// Called before each node is removed; a null node stands for the whole scene. It must not modify the Execution.
+  using RemovalObserver = std::function<void(SceneGraph&, NodeId)>;
+
+  explicit NodeLifetime(Execution& execution) : execution_(execution) {}
+
+  void observe_removal(RemovalObserver observer) { observer_ = std::move(observer); }
+  /// Holds the node, counted per call, for a user such as a script variable.
+  void hold(const SceneGraph& scene, NodeId node);
+  void release(const SceneGraph& scene, NodeId node);
+  /// Removes unheld nodes now and returns their number. Also runs automatically after a cascade once many nodes were
+  /// made. Unbinds bound nodes among them (4.6.10).
+  std::size_t remove_unheld();
+  /// Removes the content of an Inline, including nested Inlines. The memory is freed when the last owner releases it.
+  void remove_content(SceneGraph& scene, NodeId inline_node);
+  /// Replaces the world by these nodes of one of its scenes, the root or an Inline (4.12.10.8, replaceWorld), once the
+  /// cascade ends. Removes all nodes that these do not hold, including file nodes, and binds their first bindable
+  /// nodes. An Inline's scene becomes the only content of the root. Returns false if a node is not in the scene, or the
+  /// scene is not in the world.
+  bool replace_world(SceneGraph& scene, const MFNode& nodes);
+  /// Replaces the world by nodes of the root.
+  bool replace_world(const MFNode& nodes);
+  /// Returns the number of replacements of the world.
+  [[nodiscard]] std::uint32_t replaced() const { return replaced_; }
+  /// Reports whether a replacement waits for the end of a cascade.
+  [[nodiscard]] bool waits() const { return next_world_.has_value(); }
+
+  /// Notes that a node was made at run time.
+  void note_made() { ++made_since_; }
+  /// Notes that a node has a changed node field or eventOut.
+  void note_referring(EventNode node);
+  /// Ends a cascade: replaces the world if requested, and removes unheld nodes if many were made.
+  void end_cascade();
+
+ private:
+  struct NextWorld {
+    SceneGraph* scene;
+    MFNode nodes;
+  };
+
+  class Marking;
+  void remove_nodes(SceneState& state, const std::vector<NodeId>& nodes);
+  void remove_scene(SceneGraph& scene);
+  void remove_member(EventNode node);
+  void forget_removed();
+  bool move_to_root(SceneGraph& scene);
+  void do_replace_world();
+
+  Execution& execution_;
+  RemovalObserver observer_;
+  std::vector<EventNode> referring_;  // nodes with changed node fields or eventOuts
+  // Counts of `hold`, by node index.
+  std::unordered_map<const SceneGraph*, std::unordered_map<std::uint32_t, std::size_t>> held_;
+  std::size_t made_since_ = 0, next_removal_ = 0;  // counts of run-time nodes since the last removal
+  bool removing_ = false;
+  std::optional<NextWorld> next_world_;
+  std::uint64_t replaced_at_ = 0;  // number of the timestamp of the last replacement
+  std::uint32_t replaced_ = 0;
+};
+
+}  // namespace gs::vrml

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "vrml/event_model/script_host.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <vector>
+
+namespace gs::vrml {
+
+/// Scripts of a world (VRML97 4.12): starts their programs before they receive events. Part of Execution.
+class ScriptQueue {
+ public:
+  explicit ScriptQueue(Execution& execution) : execution_(execution) {}
+
+  /// Sets the host that runs the programs of present and future Scripts, from the start of the world on. Null means
+  /// none. The host must outlive this object, or be unset first; an unset host receives no end() calls.
+  void set_host(ScriptHost* host) { host_ = host; }
+  [[nodiscard]] ScriptHost* host() const { return host_; }
+  /// Reports whether the world has ever had a Script.
+  [[nodiscard]] bool has_scripts() const { return has_scripts_; }
+  /// Reports whether Scripts of a started world wait for their start.
+  [[nodiscard]] bool waits() const { return started_ && !new_.empty(); }
+
+  /// Registers a Script that entered the world.
+  void add(EventNode node);
+  /// Reports that the Script's program, or a resource that it lacked, has loaded.
+  void program_came(const SceneGraph& scene, NodeId script);
+  /// Starts the Scripts of the world, all of them with the first timestamp.
+  void begin_world();
+  /// Starts new Scripts.
+  void begin_new();
+  /// Ends nodes before their removal. By value: shutdown() may add nodes, which grows the lists of members.
+  void end(std::vector<EventNode> nodes);
+  /// Forgets removed nodes.
+  void forget_removed();
+
+ private:
+  Execution& execution_;
+  ScriptHost* host_ = nullptr;
+  bool has_scripts_ = false, started_ = false, starting_ = false;
+  std::vector<EventNode> new_;
+};
+
+}  // namespace gs::vrml
