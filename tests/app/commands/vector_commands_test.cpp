@@ -72,7 +72,7 @@ TEST_CASE("encode and info report which properties of splats are discarded") {
   REQUIRE(told.status == kDone);
   CHECK("splats are drawn as " + nlohmann::json::parse(told.output)["metadata"]["splats drawn as"].get<std::string>() ==
         note);
-  CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats drawn as: opaque discs") != std::string::npos);
+  CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats drawn as: opaque surface splats") != std::string::npos);
   CHECK(info(out)["metadata"]["splats drawn as"] == "opaque surface splats, without their opacity");
 }
 

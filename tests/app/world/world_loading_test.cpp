@@ -164,8 +164,8 @@ TEST_CASE("warns once of an EXTERNPROTO that differs from its PROTO (VRML97 4.9.
   while (!loading.done()) (void)loading.step(kLoadingWait);
   const OpenedWorld world = loading.take();
   CHECK(said(world) ==
-        "memory://a/main.wrl:3:13: warning: PROTO Ball of memory://a/lib.wrl has no field SFTime 'r', as EXTERNPROTO "
-        "Bad says (VRML97 4.9.2)\n");
+        "memory://a/main.wrl:3:13: warning: PROTO Ball of memory://a/lib.wrl has no field SFTime 'r', as declared by "
+        "EXTERNPROTO Bad (VRML97 4.9.2)\n");
 }
 
 TEST_CASE("reports failures during loading, and shows the rest") {
