@@ -92,7 +92,7 @@ Reassembler::State& Reassembler::state(Vc vc, std::vector<Pdu>& out) {
       const auto oldest = std::min_element(states_.begin(), states_.end(), [](const auto& left, const auto& right) {
         return left.second.used < right.second.used;
       });
-      lost(oldest->first, oldest->second, std::nullopt, out);
+      lost(oldest->first, oldest->second, out);
       states_.erase(oldest);
     }
     found = states_.emplace(vc, State{}).first;
@@ -119,8 +119,8 @@ void Reassembler::push(const Cell& cell, std::vector<Pdu>& out) {
 
 /// Ends a PDU after its last cell.
 void Reassembler::end(Vc vc, State& state, std::vector<Pdu>& out) {
-  if (state.placed && state.gap && state.key != 0) return hand_out_parts(vc, state.key, state.parts, out);
-  if (state.gap || !state.placed) return end_after_gap(vc, state, out);
+  if (!state.placed) return end_after_gap(vc, state, out);
+  if (state.gap) return hand_out_parts(vc, state.key, state.parts, out);
   if (auto pdu = whole_pdu(vc, state.parts)) {
     pdu->key = state.key;
     out.push_back(std::move(*pdu));
@@ -129,60 +129,39 @@ void Reassembler::end(Vc vc, State& state, std::vector<Pdu>& out) {
   }
 }
 
-/// Ends a PDU after a gap in which the PDU may have begun.
+/// Ends a PDU after a gap of unknown length, in which the PDU may have begun.
 void Reassembler::end_after_gap(Vc vc, State& state, std::vector<Pdu>& out) {
   const std::size_t total = cells_of_pdu(trailer_of(state.parts.back().payload).length);
-  // A PDU that began in a gap of known length would be shorter than the counted cells.
-  if (state.placed && total == state.next) return hand_out_parts(vc, 0, state.parts, out);
-  hand_out_parts(vc, 0, std::span(state.parts).first(state.before), out);
-  auto tail = std::span(state.parts).subspan(state.after);
-  if (tail.size() > total) {
+  const auto first = static_cast<std::uint32_t>(total - state.parts.size());
+  if (state.parts.size() < total) {
+    for (Pdu::Part& part : state.parts) part.place += first;
+    return hand_out_parts(vc, 0, state.parts, out);
+  }
+  auto pdu = state.parts.size() == total ? whole_pdu(vc, state.parts) : std::nullopt;
+  if (pdu)
+    out.push_back(std::move(*pdu));
+  else
     ++damaged_;
-  } else if (tail.size() == total) {
-    auto pdu = whole_pdu(vc, tail);
-    if (!pdu) ++damaged_;
-    if (pdu) out.push_back(std::move(*pdu));
-  } else {
-    const auto first = static_cast<std::uint32_t>(total - tail.size());
-    for (std::size_t i = 0; i < tail.size(); ++i) tail[i].place = first + static_cast<std::uint32_t>(i);
-    hand_out_parts(vc, 0, tail, out);
-  }
 }
 
-void Reassembler::lost(Vc vc, State& state, std::optional<std::uint32_t> cells, std::vector<Pdu>& out) const {
-  if (state.overflow || cells == std::uint32_t{0}) return;
-  // Without its start, only the cells before the first gap have known indexes.
-  const bool countable = state.placed && cells && *cells < most_cells_ && state.next + *cells <= most_cells_;
-  if (!countable) {
-    if (state.placed)
-      hand_out_parts(vc, state.key,
-                     std::span(state.parts).first(state.gap && state.key == 0 ? state.before : state.parts.size()),
-                     out);
-    const std::uint64_t used = state.used;
-    state = State{};
-    state.used = used;
-    state.placed = false;
-    state.gap = true;
-    return;
-  }
-  if (!state.gap) state.before = state.parts.size();
-  state.gap = true;
-  state.after = state.parts.size();
-  state.next += *cells;
-}
-
-void Reassembler::lost(Vc vc, std::optional<std::uint32_t> cells, std::vector<Pdu>& out) {
-  lost(vc, state(vc, out), cells, out);
+void Reassembler::lost(Vc vc, State& state, std::vector<Pdu>& out) {
+  if (state.overflow) return;
+  // Without its start, no cell has a known index.
+  if (state.placed) hand_out_parts(vc, state.key, state.parts, out);
+  const std::uint64_t used = state.used;
+  state = State{};
+  state.used = used;
+  state.placed = false;
 }
 
 void Reassembler::lost_anywhere(std::vector<Pdu>& out) {
-  for (auto& [vc, state] : states_) lost(vc, state, std::nullopt, out);
+  for (auto& [vc, state] : states_) lost(vc, state, out);
 }
 
 void Reassembler::seek(Vc vc, std::uint64_t key, std::uint32_t place, std::vector<Pdu>& out) {
   State& state = this->state(vc, out);
   if (!state.placed || state.overflow || state.key != key || place < state.next) {
-    lost(vc, state, std::nullopt, out);
+    lost(vc, state, out);
     const std::uint64_t used = state.used;
     state = State{};
     state.used = used;
@@ -193,11 +172,6 @@ void Reassembler::seek(Vc vc, std::uint64_t key, std::uint32_t place, std::vecto
   }
   state.next = place;
   state.overflow = place >= most_cells_;
-}
-
-void Reassembler::finish(std::vector<Pdu>& out) {
-  lost_anywhere(out);
-  states_.clear();
 }
 
 }  // namespace gs::net

@@ -63,15 +63,11 @@ class Reassembler {
 
   /// Takes the next cell of its channel.
   void push(const Cell& cell, std::vector<Pdu>& out);
-  /// Records a loss of cells of this channel, and their number if it is known.
-  void lost(Vc vc, std::optional<std::uint32_t> cells, std::vector<Pdu>& out);
   /// Records that cells of any channel may have been lost.
   void lost_anywhere(std::vector<Pdu>& out);
   /// Announces that the next cell of this channel has index `place` in the PDU with the caller's key `key` (not 0).
   /// Returns the current PDU as it is if it has another key or has passed that index.
   void seek(Vc vc, std::uint64_t key, std::uint32_t place, std::vector<Pdu>& out);
-  /// Returns the remaining PDUs at the end of the input.
-  void finish(std::vector<Pdu>& out);
 
   /// Returns the number of complete PDUs with a wrong CRC or length.
   [[nodiscard]] std::uint64_t damaged() const { return damaged_; }
@@ -81,14 +77,13 @@ class Reassembler {
     std::uint64_t key = 0, used = 0;
     // Index of the next cell. After a gap of unknown length, the number of cells since the gap.
     std::uint32_t next = 0;
-    bool placed = true;                 // false after a gap of unknown length
-    bool gap = false;                   // cells are missing
-    bool overflow = false;              // longer than any PDU; ignores cells until its end
-    std::size_t before = 0, after = 0;  // parts before the first gap; index of the first part after the last gap
+    bool placed = true;     // false after a gap of unknown length
+    bool gap = false;       // cells of a PDU with a key are missing
+    bool overflow = false;  // longer than any PDU; ignores cells until its end
     std::vector<Pdu::Part> parts;
   };
   State& state(Vc vc, std::vector<Pdu>& out);
-  void lost(Vc vc, State& state, std::optional<std::uint32_t> cells, std::vector<Pdu>& out) const;
+  static void lost(Vc vc, State& state, std::vector<Pdu>& out);
   void end(Vc vc, State& state, std::vector<Pdu>& out);
   void end_after_gap(Vc vc, State& state, std::vector<Pdu>& out);
 

@@ -12,17 +12,6 @@ constexpr std::uint32_t kTimeToLive = 64;
 constexpr std::uint32_t kLargestVpi = 0xfff;
 constexpr std::uint64_t kSequences = 65535;  // 1 to 65535; 0 is skipped
 
-constexpr std::array<std::uint8_t, 256> check_table() {
-  std::array<std::uint8_t, 256> table{};
-  for (unsigned value = 0; value < 256; ++value) {
-    unsigned crc = value;
-    for (int bit = 0; bit < 8; ++bit) crc = crc << 1 ^ ((crc & 128) != 0 ? 0x107U : 0U);
-    table[value] = static_cast<std::uint8_t>(crc);
-  }
-  return table;
-}
-constexpr auto kCheckTable = check_table();
-
 std::uint32_t header_word(const Cell& cell) {
   return (cell.vc.vpi & kLargestVpi) << 20 | static_cast<std::uint32_t>(cell.vc.vci) << 4 | (cell.type & 7U) << 1 |
          (cell.low_priority ? 1U : 0U);
@@ -34,64 +23,7 @@ void read_header(std::uint32_t word, Cell& cell) {
   cell.low_priority = (word & 1) != 0;
 }
 
-std::array<std::byte, 4> word_bytes(std::uint32_t word) {
-  return {static_cast<std::byte>(word >> 24), static_cast<std::byte>(word >> 16 & 255),
-          static_cast<std::byte>(word >> 8 & 255), static_cast<std::byte>(word & 255)};
-}
-
-/// Returns the single damaged bit of the 40 that gives this syndrome, or nullopt.
-std::optional<int> damaged_bit(std::uint8_t syndrome) {
-  for (int bit = 0; bit < 40; ++bit) {
-    if (bit >= 32) {
-      if (syndrome == 1U << (39 - bit)) return bit;
-      continue;
-    }
-    const std::array<std::byte, 4> error = word_bytes(1U << (31 - bit));
-    if ((header_check(error) ^ 0x55) == syndrome) return bit;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
-
-std::uint8_t header_check(std::span<const std::byte, 4> header) {
-  std::uint8_t crc = 0;
-  for (const std::byte byte : header) crc = kCheckTable[crc ^ std::to_integer<std::uint8_t>(byte)];
-  return crc ^ 0x55;
-}
-
-std::array<std::byte, kLineCell> encode_line_cell(const Cell& cell) {
-  std::array<std::byte, kLineCell> bytes{};
-  const auto header = word_bytes(header_word(cell));
-  std::copy(header.begin(), header.end(), bytes.begin());
-  bytes[4] = static_cast<std::byte>(header_check(header));
-  std::copy(cell.payload.begin(), cell.payload.end(), bytes.begin() + 5);
-  return bytes;
-}
-
-std::optional<Cell> LineReceiver::receive(std::span<const std::byte, kLineCell> bytes) {
-  std::array<std::byte, 4> header{};
-  std::copy_n(bytes.begin(), 4, header.begin());
-  const auto syndrome = static_cast<std::uint8_t>(header_check(header) ^ std::to_integer<std::uint8_t>(bytes[4]));
-  const bool correcting = correcting_;
-  correcting_ = syndrome == 0;
-  if (syndrome != 0) {
-    const auto bit = correcting ? damaged_bit(syndrome) : std::nullopt;
-    if (!bit) {
-      ++refused_;
-      return std::nullopt;
-    }
-    ++corrected_;
-    if (*bit < 32) {
-      const auto at = static_cast<std::size_t>(*bit);
-      header[at / 8] ^= static_cast<std::byte>(128 >> at % 8);
-    }
-  }
-  Cell cell;
-  read_header(NetworkReader(header).integer<std::uint32_t>(), cell);
-  std::copy_n(bytes.begin() + 5, kCellPayload, cell.payload.begin());
-  return cell;
-}
 
 std::vector<std::byte> encode_datagram(std::uint32_t label, std::uint16_t sequence, std::span<const Cell> cells) {
   std::vector<std::byte> bytes;

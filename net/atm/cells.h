@@ -17,8 +17,6 @@ namespace gs::net {
 constexpr std::size_t kCellPayload = 48;
 /// Bytes of a cell in RFC 4717: the header without its check byte, and the payload.
 constexpr std::size_t kPackedCell = 52;
-/// Bytes of a cell on a line, with its header error control.
-constexpr std::size_t kLineCell = 53;
 /// Bytes of a datagram before its cells: label and control word.
 constexpr std::size_t kDatagramHeader = 8;
 /// Number of cells that fit into a datagram of 1400 bytes.
@@ -26,9 +24,6 @@ constexpr std::size_t kMostCells = 26;
 constexpr std::size_t kMostDatagram = kDatagramHeader + kMostCells * kPackedCell;
 /// Bytes that the headers of IPv4 and UDP add to a datagram.
 constexpr std::uint64_t kPacketHeaders = 28;
-/// Port of MPLS in UDP (RFC 7510).
-constexpr std::uint16_t kMplsPort = 6635;
-
 /// Virtual channel: path identifier of 12 bits (NNI) and channel identifier.
 struct Vc {
   std::uint16_t vpi = 0, vci = 0;
@@ -48,26 +43,6 @@ struct Cell {
 /// Reason why a datagram was refused.
 struct CellError {
   std::string message;
-};
-
-/// Computes the CRC-8 of a header of four bytes: x^8 + x^2 + x + 1, plus 55 hexadecimal (I.432.1 4.3.2).
-[[nodiscard]] std::uint8_t header_check(std::span<const std::byte, 4> header);
-
-/// Encodes the 53 bytes of a cell on a line.
-[[nodiscard]] std::array<std::byte, kLineCell> encode_line_cell(const Cell& cell);
-
-/// Reads cells from a line (I.432.1 4.3.2.2). Corrects a header with a single wrong bit, then refuses damaged headers
-/// until a valid one is received. Safe for untrusted bytes.
-class LineReceiver {
- public:
-  /// Returns nullopt if the header is damaged.
-  [[nodiscard]] std::optional<Cell> receive(std::span<const std::byte, kLineCell> bytes);
-  [[nodiscard]] std::uint64_t corrected() const { return corrected_; }
-  [[nodiscard]] std::uint64_t refused() const { return refused_; }
-
- private:
-  bool correcting_ = true;
-  std::uint64_t corrected_ = 0, refused_ = 0;
 };
 
 /// Cells of one datagram, and its sequence number among the datagrams with the same label. Numbers run from 1 to 65535,

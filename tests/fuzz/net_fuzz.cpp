@@ -1,4 +1,4 @@
-// Fuzzes input from servers and documents: URLs, headers, cache records, cells of a line.
+// Fuzzes input from servers and documents: URLs, headers, cache records, cells.
 #include "net/base/schemes.h"
 #include "net/base/url.h"
 #include "net/cells/cell_framing.h"
@@ -133,19 +133,21 @@ bool run_cache_entry(std::span<const std::byte> bytes) {
   return check(mended) || taken;
 }
 
-/// Cells of a line, one after the other, and what they are put together to.
-bool run_cell_line(std::span<const std::byte> bytes) {
-  LineReceiver line;
+/// Cells, and the PDUs that they form. A cell with the largest path stands for a loss.
+bool run_cells(std::span<const std::byte> bytes) {
   Reassembler assembler(8);
   std::vector<Pdu> units;
-  for (; bytes.size() >= kLineCell; bytes = bytes.subspan(kLineCell)) {
-    const auto cell = line.receive(bytes.first<kLineCell>());
-    if (cell)
-      assembler.push(*cell, units);
-    else
+  std::vector<std::byte> datagram = encode_datagram(1, 1, {});
+  for (; bytes.size() >= kPackedCell; bytes = bytes.subspan(kPackedCell)) {
+    datagram.resize(kDatagramHeader);
+    datagram.insert(datagram.end(), bytes.begin(), bytes.begin() + kPackedCell);
+    const Cell cell = std::get<CellDatagram>(decode_datagram(datagram)).cells.at(0);
+    if (cell.vc.vpi == 0xfff)
       assembler.lost_anywhere(units);
+    else
+      assembler.push(cell, units);
   }
-  assembler.finish(units);
+  assembler.lost_anywhere(units);
   bool whole = false;
   for (const Pdu& unit : units) {
     require(unit.whole ? unit.parts.empty() && unit.bytes.size() <= kMostPdu : unit.bytes.empty());
@@ -176,7 +178,7 @@ std::vector<FuzzTarget> fuzz_targets() {
           {"http_request", run_http_request, 2048},
           {"cache_entry", run_cache_entry, 4096},
           {"log_line", run_log_line, 512},
-          {"cell_line", run_cell_line, 8192},
+          {"cells", run_cells, 8192},
           {"cell_datagrams", run_cell_datagrams, 16384},
           {"control_client", run_control_client, 4096}};
 }

@@ -116,40 +116,19 @@ TEST_CASE("reassembles PDUs of two channels with alternating cells", "[aal5]") {
   REQUIRE(out[1].bytes == pdu_bytes(400, 2));
 }
 
-TEST_CASE("keeps the positions of the other cells after a known number of lost cells", "[aal5]") {
-  const auto cells = cells_of(pdu_bytes(kRecordPdu));
-  for (std::size_t first = 0; first < 7; ++first)
-    for (std::size_t count = 1; first + count < 8; ++count) {
-      Reassembler reassembler;
-      std::vector<Pdu> out;
-      for (std::size_t i = 0; i < first; ++i) reassembler.push(cells[i], out);
-      reassembler.lost(cells[0].vc, static_cast<std::uint32_t>(count), out);
-      for (std::size_t i = first + count; i < 8; ++i) reassembler.push(cells[i], out);
-      REQUIRE(out.size() == 1);
-      REQUIRE_FALSE(out[0].whole);
-      REQUIRE(out[0].parts.size() == 8 - count);
-      for (const Pdu::Part& part : out[0].parts) {
-        REQUIRE(part.payload == cells[part.place].payload);
-        REQUIRE(part.last == (part.place == 7));
-      }
-    }
-}
-
 TEST_CASE("separates two PDUs when cells around the end of the first are lost", "[aal5]") {
   const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
-  for (const bool counted : {true, false}) {
-    Reassembler reassembler;
-    std::vector<Pdu> out;
-    for (std::size_t i = 0; i < 5; ++i) reassembler.push(a[i], out);
-    // Three of the first and two of the second are missing.
-    reassembler.lost(a[0].vc, counted ? std::optional<std::uint32_t>(5) : std::nullopt, out);
-    for (std::size_t i = 2; i < 8; ++i) reassembler.push(b[i], out);
-    REQUIRE(out.size() == 2);
-    REQUIRE(out[0].parts.size() == 5);
-    REQUIRE(out[1].parts.size() == 6);
-    for (const Pdu::Part& part : out[0].parts) REQUIRE(part.payload == a[part.place].payload);
-    for (const Pdu::Part& part : out[1].parts) REQUIRE(part.payload == b[part.place].payload);
-  }
+  Reassembler reassembler;
+  std::vector<Pdu> out;
+  for (std::size_t i = 0; i < 5; ++i) reassembler.push(a[i], out);
+  // Three of the first and two of the second are missing.
+  reassembler.lost_anywhere(out);
+  for (std::size_t i = 2; i < 8; ++i) reassembler.push(b[i], out);
+  REQUIRE(out.size() == 2);
+  REQUIRE(out[0].parts.size() == 5);
+  REQUIRE(out[1].parts.size() == 6);
+  for (const Pdu::Part& part : out[0].parts) REQUIRE(part.payload == a[part.place].payload);
+  for (const Pdu::Part& part : out[1].parts) REQUIRE(part.payload == b[part.place].payload);
 }
 
 TEST_CASE("restores the next PDU after a lost end", "[aal5]") {

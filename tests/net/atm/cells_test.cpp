@@ -17,55 +17,6 @@ Cell sample() {
   return cell;
 }
 
-TEST_CASE("computes the header check of idle cells", "[cells]") {
-  // I.432.1: the header of idle cells is 00 00 00 01 and its check 52, that of
-  // unassigned cells 00 00 00 00 and 55.
-  REQUIRE(header_check(std::array<std::byte, 4>{std::byte{0}, std::byte{0}, std::byte{0}, std::byte{1}}) == 0x52);
-  REQUIRE(header_check(std::array<std::byte, 4>{}) == 0x55);
-}
-
-TEST_CASE("writes a cell as on the line", "[cells]") {
-  const auto bytes = encode_line_cell(sample());
-  REQUIRE(bytes[0] == std::byte{0x12});
-  REQUIRE(bytes[1] == std::byte{0x3a});
-  REQUIRE(bytes[2] == std::byte{0xbc});
-  REQUIRE(bytes[3] == std::byte{0xd3});
-  LineReceiver receiver;
-  REQUIRE(receiver.receive(bytes) == sample());
-}
-
-TEST_CASE("corrects every single wrong bit of a header, and rejects the next one", "[cells]") {
-  const auto good = encode_line_cell(sample());
-  for (std::size_t bit = 0; bit < 40; ++bit) {
-    auto bad = good;
-    bad[bit / 8] ^= static_cast<std::byte>(128 >> bit % 8);
-    LineReceiver receiver;
-    REQUIRE(receiver.receive(bad) == sample());
-    REQUIRE(receiver.corrected() == 1);
-    REQUIRE_FALSE(receiver.receive(bad));
-    REQUIRE_FALSE(receiver.receive(bad));
-    REQUIRE(receiver.refused() == 2);
-    REQUIRE(receiver.receive(good) == sample());
-    REQUIRE(receiver.receive(bad) == sample());
-  }
-}
-
-TEST_CASE("never accepts a header with two wrong bits as correct", "[cells]") {
-  const auto good = encode_line_cell(sample());
-  int refused = 0;
-  for (std::size_t first = 0; first < 40; ++first)
-    for (std::size_t second = first + 1; second < 40; ++second) {
-      auto bad = good;
-      bad[first / 8] ^= static_cast<std::byte>(128 >> first % 8);
-      bad[second / 8] ^= static_cast<std::byte>(128 >> second % 8);
-      LineReceiver receiver;
-      const auto cell = receiver.receive(bad);
-      REQUIRE_FALSE(cell);  // the code's distance is four, so two wrong bits are detected
-      ++refused;
-    }
-  REQUIRE(refused == 780);
-}
-
 TEST_CASE("writes a datagram of cells, byte by byte", "[cells]") {
   const std::vector<Cell> cells{sample()};
   const auto bytes = encode_datagram(1000, 0x1234, cells);
