@@ -7,13 +7,14 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace gs::net {
-class MemoryNetwork;
+class Transport;
 }
 
 namespace gs::app {
@@ -35,9 +36,9 @@ struct LoadOptions {
   bool by_view = false;      // views choose ranges of long streams on servers; otherwise they are read front to back
   std::uint64_t rate = 0;    // max bits per second of a server; 0 means unlimited
   std::string cache_folder;  // cache of network resources; empty means none
-  render::PhaseClock* phases = nullptr;        // measures parsing; may be null
-  std::shared_ptr<LoadLedger> ledger;          // receives the progress of files and streams; may be null
-  std::shared_ptr<net::MemoryNetwork> memory;  // for tests: contents of memory: URLs
+  render::PhaseClock* phases = nullptr;                     // measures parsing; may be null
+  std::shared_ptr<LoadLedger> ledger;                       // receives the progress of files and streams; may be null
+  std::function<std::unique_ptr<net::Transport>()> memory;  // for tests: makes the transport of memory: URLs
 };
 
 /// Reads a world and its references from a path or URL, of any content type, optionally gzip-compressed. `scene` is

@@ -21,12 +21,12 @@ struct Scheme {
   std::string_view name;
   TransportKind transport;
   Lane lane;
-  bool from_network;     // documents that came over a network (and data: documents) may refer to it
-  bool redirect_target;  // documents from a network and data: documents may refer to it
-  bool cached;           // a server may redirect to it
-  bool secure;           // answers are stored on disk
-  bool has_host;         // the connection is encrypted and authenticated
-  bool needs_host;       // the number of transfers per host is limited
+  bool from_network;     // documents from a network and data: documents may refer to it
+  bool redirect_target;  // a server may redirect to it
+  bool cached;           // answers are stored on disk
+  bool secure;           // the connection is encrypted and authenticated
+  bool has_host;         // the number of transfers per host is limited
+  bool needs_host;       // a URL without a host is invalid
   std::uint16_t port;    // default port; 0 means none
 };
 

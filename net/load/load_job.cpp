@@ -236,8 +236,6 @@ bool LoadJob::clamp() {
       return false;
     }
   }
-  const bool open = !needed_.empty() && needed_.ranges().back().end == kOpenEnd;
-  context_.queue.set_wanted(id_, open ? std::nullopt : std::optional(received_ + needed_.size()));
   return true;
 }
 

@@ -102,27 +102,6 @@ std::vector<LoadEvent> LoadQueue::poll(std::size_t max_bytes) {
   return result;
 }
 
-std::optional<LoadProgress> LoadQueue::progress(RequestId id) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = boxes_.find(id);
-  if (found == boxes_.end()) return std::nullopt;
-  return LoadProgress{found->second.received, found->second.wanted, found->second.ended ? 0u : 1u};
-}
-
-LoadProgress LoadQueue::progress() const {
-  const std::lock_guard lock(mutex_);
-  LoadProgress sum{0, 0, 0};
-  for (const auto& [id, box] : boxes_) {
-    sum.received += box.received;
-    sum.open += box.ended ? 0 : 1;
-    if (!box.wanted)
-      sum.total.reset();
-    else if (sum.total)
-      *sum.total += *box.wanted;
-  }
-  return sum;
-}
-
 void LoadQueue::push_head(RequestId id, LoadHead head) {
   std::unique_lock lock(mutex_);
   Box* const box = find(id);
@@ -135,7 +114,6 @@ void LoadQueue::push_data(RequestId id, std::uint64_t offset, std::span<const st
   std::unique_lock lock(mutex_);
   Box* const box = find(id);
   if (!box || bytes.empty()) return;
-  box->received += bytes.size();
   box->bytes += bytes.size();
   queued_ += bytes.size();
   LoadData* const last = box->events.empty() ? nullptr : std::get_if<LoadData>(&box->events.back().what);
@@ -169,18 +147,11 @@ void LoadQueue::restart(RequestId id) {
   Box* const box = find(id);
   if (!box) return;
   forget_bytes(*box);
-  box->received = 0;
-  box->wanted.reset();
   box->outdated |= box->seen;
   box->seen = false;
   if (!box->outdated) return;
   box->events.push_back({id, LoadRestarted{}});
   notify(lock);
-}
-
-void LoadQueue::set_wanted(RequestId id, std::optional<std::uint64_t> bytes) {
-  const std::lock_guard lock(mutex_);
-  if (Box* const box = find(id)) box->wanted = bytes;
 }
 
 std::size_t LoadQueue::room(RequestId id) {

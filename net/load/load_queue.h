@@ -7,7 +7,6 @@
 #include <functional>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,8 +29,6 @@ class LoadQueue {
   /// Returns events by priority; events of one request stay in order. Returns at most `max_bytes` bytes of data, and
   /// all events without data.
   [[nodiscard]] std::vector<LoadEvent> poll(std::size_t max_bytes);
-  [[nodiscard]] std::optional<LoadProgress> progress(RequestId id) const;
-  [[nodiscard]] LoadProgress progress() const;
   [[nodiscard]] std::size_t queued_bytes() const { return queued_.load(std::memory_order_relaxed); }
   /// Reports whether the loader found no room since the last call.
   [[nodiscard]] bool take_starved() { return starved_.exchange(false); }
@@ -42,7 +39,6 @@ class LoadQueue {
   void push_end(RequestId id, std::variant<LoadDone, LoadError> how);
   /// Drops events that were not polled. Adds a restart event if the owner has received a head.
   void restart(RequestId id);
-  void set_wanted(RequestId id, std::optional<std::uint64_t> bytes);
   /// Returns the number of bytes that may still be pushed for this request.
   [[nodiscard]] std::size_t room(RequestId id);
 
@@ -52,8 +48,6 @@ class LoadQueue {
     std::size_t front_taken = 0;  // bytes of the first event's data that were returned already
     std::size_t bytes = 0;
     int priority = 0;
-    std::uint64_t received = 0;
-    std::optional<std::uint64_t> wanted;
     bool seen = false;      // the owner has received a head
     bool outdated = false;  // the owner has a head of a discarded version and no restart event yet
     bool ended = false;     // the last event is queued
@@ -69,7 +63,7 @@ class LoadQueue {
 
   const std::size_t max_bytes_, max_bytes_per_request_;
   const std::function<void()> wake_;
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::map<RequestId, Box> boxes_;
   std::atomic<std::size_t> queued_{0};
   std::atomic<bool> starved_{false};

@@ -18,7 +18,6 @@
 
 namespace gs::net {
 
-class MemoryNetwork;
 class Transport;
 
 /// Time that never decreases, for time-outs and delays.
@@ -105,13 +104,6 @@ struct LoadEvent {
   std::variant<LoadHead, LoadData, LoadDone, LoadRestarted, LoadError> what;
 };
 
-/// Progress of one request, or of all open requests.
-struct LoadProgress {
-  std::uint64_t received = 0;          // bytes, delivered or queued
-  std::optional<std::uint64_t> total;  // bytes requested; nullopt while some are unknown
-  std::size_t open = 0;                // requests without end event
-};
-
 /// Limits, time-outs and environment of a loader.
 struct LoaderOptions {
   // Memory: received bytes that were not polled. Beyond it, transfers wait; each may exceed it by a block.
@@ -147,11 +139,10 @@ struct LoaderOptions {
   std::function<std::uint64_t()> random;       // 64 random bits; called from the network thread only
   std::function<std::int64_t()> unix_seconds;  // for the cache; called from the network thread only
   std::string user_agent = "GhostSpace";
-  std::string ca_file;                    // certificates to trust instead of the system's
-  bool proxy_from_environment = true;     // http_proxy, https_proxy, no_proxy
-  std::shared_ptr<MemoryNetwork> memory;  // resources of memory: URLs; null means that the scheme is not supported
-  /// More transports for the network thread, created on it.
-  std::vector<std::pair<TransportKind, std::function<std::unique_ptr<Transport>()>>> transports;
+  std::string ca_file;                 // certificates to trust instead of the system's
+  bool proxy_from_environment = true;  // http_proxy, https_proxy, no_proxy
+  // Makes the transport of memory: URLs on the network thread; null means that the scheme is not supported.
+  std::function<std::unique_ptr<Transport>()> memory;
 };
 
 }  // namespace gs::net

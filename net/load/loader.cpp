@@ -15,7 +15,6 @@
 #include "net/load/load_engine.h"
 #include "net/load/load_queue.h"
 #include "net/load/transport.h"
-#include "net/load/transport_memory.h"
 
 namespace gs::net {
 namespace {
@@ -162,20 +161,14 @@ struct Loader::Parts {
       auto opened =
           HttpCache::open({options.cache_folder, options.cache_bytes, options.cache_entries, 0, options.random},
                           options.unix_seconds());
-      if (auto* const error = std::get_if<FileError>(&opened)) {
-        const std::lock_guard lock(problem_mutex);
-        problem = error->message;
-      } else {
-        cache = std::move(std::get<std::unique_ptr<HttpCache>>(opened));
-      }
+      if (auto* const made = std::get_if<std::unique_ptr<HttpCache>>(&opened)) cache = std::move(*made);
     }
     auto engine = std::make_unique<LoadEngine>(options, queue, cache.get());
     if (http)
       engine->add_transport(TransportKind::http, std::make_unique<SharedHttp>(*http));
     else
       engine->refuse_transport(TransportKind::http, curl().problem);
-    if (options.memory) engine->add_transport(TransportKind::memory, make_memory_transport(options.memory));
-    for (const auto& [kind, make] : options.transports) engine->add_transport(kind, make());
+    if (options.memory) engine->add_transport(TransportKind::memory, options.memory());
     return engine;
   }
 
@@ -201,8 +194,6 @@ struct Loader::Parts {
   LoaderOptions options;
   LoadQueue queue;
   std::unique_ptr<HttpCache> cache;  // used by the network thread
-  mutable std::mutex problem_mutex;
-  std::string problem;
   HttpTransport* network = nullptr;  // owned by the network thread; only its thread-safe functions are called
   std::uint64_t last_id = 0;
   std::unordered_map<std::uint64_t, Lane> open;      // lane of each open request
@@ -266,13 +257,6 @@ std::vector<LoadEvent> Loader::poll(std::size_t max_bytes) {
   return events;
 }
 
-std::optional<LoadProgress> Loader::progress(RequestId id) const { return parts_->queue.progress(id); }
-LoadProgress Loader::progress() const { return parts_->queue.progress(); }
 std::size_t Loader::queued_bytes() const { return parts_->queue.queued_bytes(); }
-
-std::string Loader::cache_problem() const {
-  const std::lock_guard lock(parts_->problem_mutex);
-  return parts_->problem;
-}
 
 }  // namespace gs::net

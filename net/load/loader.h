@@ -34,14 +34,8 @@ class Loader {
   /// data. Remaining events do not call `wake` again; poll again while queued_bytes() is not 0.
   [[nodiscard]] std::vector<LoadEvent> poll(std::size_t max_bytes = std::size_t{4} << 20);
 
-  /// Returns nullopt if the request has ended and been polled, or was cancelled.
-  [[nodiscard]] std::optional<LoadProgress> progress(RequestId id) const;
-  /// Returns the progress of all open requests.
-  [[nodiscard]] LoadProgress progress() const;
   /// Returns the bytes that wait for poll().
   [[nodiscard]] std::size_t queued_bytes() const;
-  /// Returns the reason why a named cache folder is not used; empty if it is used or still being opened.
-  [[nodiscard]] std::string cache_problem() const;
 
  private:
   struct Parts;

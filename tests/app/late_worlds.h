@@ -3,7 +3,7 @@
 #include "app/session/documents/world_runtime.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
-#include "net/load/transport_memory.h"
+#include "tests/net/memory_network.h"
 #include "vrml/syntax/parser.h"
 
 #include <catch2/catch.hpp>
@@ -31,15 +31,15 @@ inline Bytes bytes_of(const std::string& text) {
 /// Adds a file of memory://a/. `rate`: bytes per second, 0 for all at once; `block`: bytes per delivery.
 inline void put(LoadOptions& options, const std::string& name, Bytes bytes, std::uint64_t rate = 0,
                 std::size_t block = 64) {
-  options.memory->put("memory://a/" + name,
-                      [bytes = std::move(bytes), rate, block](const net::TransferRequest&, unsigned) {
-                        net::MemoryAnswer answer;
-                        answer.head.content_length = bytes.size();
-                        answer.body = bytes;
-                        answer.bytes_per_second = rate;
-                        if (rate > 0) answer.block = block;
-                        return answer;
-                      });
+  net::network_of(options.memory)
+      .put("memory://a/" + name, [bytes = std::move(bytes), rate, block](const net::TransferRequest&, unsigned) {
+        net::MemoryAnswer answer;
+        answer.head.content_length = bytes.size();
+        answer.body = bytes;
+        answer.bytes_per_second = rate;
+        if (rate > 0) answer.block = block;
+        return answer;
+      });
 }
 inline void put(LoadOptions& options, const std::string& name, const std::string& text) {
   put(options, name, bytes_of(text));
@@ -55,7 +55,7 @@ struct Site {
   }
   /// Adds a server that never answers.
   void never(const std::string& name) {
-    options.memory->put("memory://a/" + name, [](const net::TransferRequest&, unsigned) {
+    net::network_of(options.memory).put("memory://a/" + name, [](const net::TransferRequest&, unsigned) {
       net::MemoryAnswer answer;
       answer.answers = false;
       return answer;
@@ -63,7 +63,7 @@ struct Site {
   }
   LoadOptions options = [] {
     LoadOptions made;
-    made.memory = std::make_shared<net::MemoryNetwork>();
+    made.memory = net::MakeMemoryTransport{};
     return made;
   }();
 };

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "app/world/world_loading.h"
-#include "net/load/transport_memory.h"
 #include "render/scene/camera.h"
 #include "render/scene/shape_resources.h"
 #include "tests/app/formats_helpers.h"
+#include "tests/net/memory_network.h"
 #include "tests/render/drawing.h"
 #include "vrml/mesh/mesh.h"
 
@@ -40,7 +40,7 @@ class Studio {
   [[nodiscard]] render::Image picture(const Files& files) {
     auto network = std::make_shared<net::MemoryNetwork>();
     LoadOptions options;
-    options.memory = network;
+    options.memory = net::MakeMemoryTransport{network};
     for (const auto& [name, text] : files) {
       net::MemoryResource resource;
       const bool world = name.ends_with(".wrl");

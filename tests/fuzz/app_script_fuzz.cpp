@@ -5,9 +5,9 @@
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
-#include "net/load/transport_memory.h"
 #include "tests/fuzz/app_targets.h"
 #include "tests/fuzz/script_worlds.h"
+#include "tests/net/memory_network.h"
 #include "vrml/syntax/printer.h"
 
 #include <js/GCAPI.h>
@@ -39,7 +39,7 @@ std::vector<std::byte> bytes_of(std::string_view text) {
 
 LoadOptions site_of(const std::vector<WorldPart>& parts) {
   LoadOptions options;
-  options.memory = std::make_shared<net::MemoryNetwork>();
+  options.memory = net::MakeMemoryTransport{};
   options.limits.memory = std::size_t{64} << 20;
   options.limits.nodes = options.limits.expanded_nodes = 20'000;
   options.limits.script_seconds = 0.15;
@@ -49,13 +49,14 @@ LoadOptions site_of(const std::vector<WorldPart>& parts) {
   options.timeout_seconds = 5;
   for (const WorldPart& part : parts) {
     const std::string name(part.name);
-    options.memory->put(name.starts_with("b/") ? "memory://" + name : "memory://a/" + name,
-                        [body = bytes_of(part.text)](const net::TransferRequest&, unsigned) {
-                          net::MemoryAnswer answer;
-                          answer.head.content_length = body.size();
-                          answer.body = body;
-                          return answer;
-                        });
+    net::network_of(options.memory)
+        .put(name.starts_with("b/") ? "memory://" + name : "memory://a/" + name,
+             [body = bytes_of(part.text)](const net::TransferRequest&, unsigned) {
+               net::MemoryAnswer answer;
+               answer.head.content_length = body.size();
+               answer.body = body;
+               return answer;
+             });
   }
   return options;
 }

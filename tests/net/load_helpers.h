@@ -14,7 +14,7 @@
 
 #include "net/load/load_engine.h"
 #include "net/load/loader.h"
-#include "net/load/transport_memory.h"
+#include "tests/net/memory_network.h"
 
 /// Helpers of tests of the loader.
 namespace gs::net::test {
@@ -151,7 +151,7 @@ class Bench {
       };
     queue.emplace(options.max_queued_bytes, options.max_queued_bytes_per_request, options.wake);
     engine.emplace(options, *queue, cache_.get());
-    engine->add_transport(TransportKind::memory, make_memory_transport(network));
+    engine->add_transport(TransportKind::memory, std::make_unique<MemoryTransport>(network));
     engine->add_transport(TransportKind::file, make_file_transport());
     engine->add_transport(TransportKind::data, make_data_transport());
   }

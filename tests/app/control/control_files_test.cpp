@@ -1,9 +1,9 @@
 // Tests of files that clients name, read on behalf of the world's file by the loader's rules.
 #include "controlled.h"
 
-#include "net/load/transport_memory.h"
 #include "tests/app/late_worlds.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/net/memory_network.h"
 
 #include <chrono>
 #include <span>
@@ -22,7 +22,7 @@ using late_worlds::put;
 
 /// Session in real time that reads memory://a/world.wrl, with a client.
 struct Site {
-  Site() : control(channel, [] {}) { load.memory = std::make_shared<net::MemoryNetwork>(); }
+  Site() : control(channel, [] {}) { load.memory = net::MakeMemoryTransport{}; }
   void open(const std::string& file = "memory://a/world.wrl") {
     SessionOptions options;
     options.files = {file};

@@ -2,8 +2,8 @@
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
-#include "net/load/transport_memory.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/net/memory_network.h"
 
 #include <catch2/catch.hpp>
 
@@ -31,7 +31,7 @@ struct Web {
   LoadOptions options;
   Lines printed, warnings;
 
-  Web() { options.memory = network; }
+  Web() { options.memory = net::MakeMemoryTransport{network}; }
   std::string file(const std::string& name, const std::string& body) { return folder.write(name, kHeader + body); }
   void put(const std::string& url, const std::string& body, net::AddressSpace space = net::AddressSpace::global) {
     const auto bytes = std::as_bytes(std::span(body));

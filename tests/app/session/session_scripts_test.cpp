@@ -3,8 +3,8 @@
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
-#include "net/load/transport_memory.h"
 #include "tests/app/late_worlds.h"
+#include "tests/net/memory_network.h"
 
 #include <catch2/catch.hpp>
 
@@ -46,7 +46,7 @@ std::vector<std::string> run(const LoadOptions& options, double seconds = 1) {
 
 LoadOptions site() {
   LoadOptions options;
-  options.memory = std::make_shared<net::MemoryNetwork>();
+  options.memory = net::MakeMemoryTransport{};
   return options;
 }
 

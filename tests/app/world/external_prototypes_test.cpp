@@ -1,10 +1,10 @@
 // Tests of EXTERNPROTOs with PROTOs of their own file, and of missing ones.
 #include "app/world/world_loading.h"
 
-#include "net/load/transport_memory.h"
 #include "tests/app/formats_helpers.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
+#include "tests/net/memory_network.h"
 
 #include <catch2/catch.hpp>
 
@@ -62,7 +62,7 @@ TEST_CASE("accepts an EXTERNPROTO that names a PROTO of its own file (VRML97 4.9
 TEST_CASE("loads an EXTERNPROTO of its own file in pieces, and in libraries") {
   auto network = std::make_shared<net::MemoryNetwork>();
   LoadOptions options;
-  options.memory = network;
+  options.memory = net::MakeMemoryTransport{network};
   const auto put = [&](const std::string& url, std::string_view text) {
     net::MemoryResource resource;
     resource.bytes = test::bytes_of(text);

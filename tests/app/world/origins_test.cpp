@@ -5,10 +5,10 @@
 #include "app/formats/volume/volume.h"
 #include "net/base/reference_policy.h"
 #include "net/cells/udp.h"
-#include "net/load/transport_memory.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
+#include "tests/net/memory_network.h"
 
 #include <catch2/catch.hpp>
 
@@ -47,7 +47,7 @@ struct Web {
   LoadOptions options;
 
   Web() {
-    options.memory = network;
+    options.memory = net::MakeMemoryTransport{network};
     options.timeout_seconds = 60;
   }
   void put(const std::string& url, std::string_view body, net::AddressSpace space = net::AddressSpace::global) {

@@ -2,12 +2,12 @@
 #include "app/world/world_loading.h"
 
 #include "app/streams/stream_feed.h"
-#include "net/load/transport_memory.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "tests/app/clouds.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
+#include "tests/net/memory_network.h"
 
 #include <catch2/catch.hpp>
 
@@ -36,7 +36,7 @@ struct Web {
   LoadOptions options;
 
   Web() {
-    options.memory = network;
+    options.memory = net::MakeMemoryTransport{network};
     options.timeout_seconds = 60;
   }
   void put(const std::string& url, std::string_view text, const std::string& version = "\"1\"") {

@@ -1,7 +1,7 @@
 #include "app/session/documents/world_reader.h"
 
-#include "net/load/transport_memory.h"
 #include "render/image/image.h"
+#include "tests/net/memory_network.h"
 
 #include <catch2/catch.hpp>
 
@@ -26,8 +26,8 @@ LoadOptions slow_world(int boxes) {
   for (int i = 0; i < boxes; ++i)
     text += "Transform { translation " + std::to_string(i) + " 0 0 children Shape { geometry Box { } } }\n";
   LoadOptions options;
-  options.memory = std::make_shared<net::MemoryNetwork>();
-  options.memory->put("memory://a/slow.wrl", [text](const net::TransferRequest&, unsigned) {
+  options.memory = net::MakeMemoryTransport{};
+  net::network_of(options.memory).put("memory://a/slow.wrl", [text](const net::TransferRequest&, unsigned) {
     net::MemoryAnswer answer;
     answer.head.content_length = text.size();
     const auto bytes = std::as_bytes(std::span(text));
@@ -77,7 +77,7 @@ TEST_CASE("reports visible parts while reading, and hands over the world at the 
 
 TEST_CASE("hands over a world before a late image, and adds the image later") {
   LoadOptions options;
-  options.memory = std::make_shared<net::MemoryNetwork>();
+  options.memory = net::MakeMemoryTransport{};
   const std::string text =
       "#VRML V2.0 utf8\nDEF T TimeSensor { loop TRUE }\n"
       "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 ] }\n"
@@ -94,10 +94,10 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
     };
   };
   const auto bytes = std::as_bytes(std::span(text));
-  options.memory->put("memory://a/world.wrl", answer({bytes.begin(), bytes.end()}, 0));
+  net::network_of(options.memory).put("memory://a/world.wrl", answer({bytes.begin(), bytes.end()}, 0));
   const auto png = render::encode_png(render::Image{2, 2, 3, std::vector<std::uint8_t>(12, 200)});
   const auto image = std::as_bytes(std::span(png));
-  options.memory->put("memory://a/late.png", answer({image.begin(), image.end()}, png.size()));
+  net::network_of(options.memory).put("memory://a/late.png", answer({image.begin(), image.end()}, png.size()));
   WorldReader reader("memory://a/world.wrl", options, {});
   std::shared_ptr<Document> document;
   bool over = false;
