@@ -167,11 +167,9 @@ void CellAssembly::take_piece(std::size_t stream, const Pdu& pdu, std::vector<Ce
   event.total = place->total;
   if (bytes.size() == place->total) {
     event.bytes.assign(bytes.begin(), bytes.end());
-    bytes_ += bytes.size();
   } else {
     Progress& progress = this->progress(name, place->total);
     if (!add_range(progress.ranges, place->at, place->at + static_cast<std::uint32_t>(bytes.size()))) return;
-    bytes_ += bytes.size();
     std::copy(bytes.begin(), bytes.end(), progress.bytes.begin() + place->at);
     if (!complete(progress.ranges, place->total)) return;
     waiting_bytes_ -= progress.bytes.size();
@@ -226,7 +224,6 @@ void CellAssembly::put_records(std::size_t stream, const Group& group, std::uint
 
 void CellAssembly::hand_out_records(const ChunkName& name, const Group& group, std::uint32_t offset,
                                     std::span<const std::byte> bytes, std::vector<CellEvent>& out) {
-  bytes_ += bytes.size();
   // Join consecutive pieces.
   if (!out.empty()) {
     CellEvent& last = out.back();

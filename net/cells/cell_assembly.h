@@ -61,8 +61,6 @@ class CellAssembly {
   /// Returns the incomplete chunks of these streams (bits), most important first, at most `most`.
   [[nodiscard]] std::vector<ChunkName> missing(std::uint32_t streams, std::size_t most) const;
   [[nodiscard]] std::uint64_t damaged() const { return reassembler_.damaged(); }
-  /// Returns the bytes of chunk bodies that were returned or that wait for the rest of their chunk.
-  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
  private:
   /// Chunk of records that the cells of a stream belong to.
@@ -107,7 +105,7 @@ class CellAssembly {
   std::vector<Stream> streams_;
   std::map<ChunkName, Progress> progress_;
   std::vector<Pdu> pdus_;  // output of the reassembler, reused
-  std::uint64_t clock_ = 0, waiting_bytes_ = 0, bytes_ = 0;
+  std::uint64_t clock_ = 0, waiting_bytes_ = 0;
   std::optional<std::uint32_t> stamp_;
 };
 

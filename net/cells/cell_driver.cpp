@@ -234,10 +234,6 @@ void CellClientDriver::want(std::size_t slot, CellWish wish) {
   command([slot, wish = std::move(wish)](CellClient& client, Instant now) { client.want(slot, wish, now); });
 }
 
-void CellClientDriver::drop(std::size_t slot) {
-  command([slot](CellClient& client, Instant now) { client.drop(slot, now); });
-}
-
 void CellClientDriver::prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks) {
   command([slot, regions = std::move(regions), chunks = std::move(chunks)](CellClient& client, Instant) {
     client.prefer(slot, regions, chunks);

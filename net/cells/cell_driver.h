@@ -49,7 +49,6 @@ class CellClientDriver {
   CellClientDriver& operator=(const CellClientDriver&) = delete;
   /// These functions forward to CellClient.
   void want(std::size_t slot, CellWish wish);
-  void drop(std::size_t slot);
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
   void set_rate(std::uint64_t bits_per_second);
   /// Returns the events, with about `most_bytes` bytes at most.

@@ -63,12 +63,6 @@ void CellClient::want(std::size_t number, CellWish wish, Instant now) {
   if (phase_ == Phase::idle) begin(now);
 }
 
-void CellClient::drop(std::size_t number, Instant now) {
-  if (number >= kMostSlots || slots_[number].state == Slot::State::empty) return;
-  want(number, CellWish{}, now);
-  slots_[number].assembly.reset();
-}
-
 void CellClient::prefer(std::size_t number, std::vector<Region> regions, std::vector<ChunkName> chunks) {
   if (number >= kMostSlots) return;
   regions.resize(std::min(regions.size(), kMostRegions));
@@ -392,10 +386,6 @@ Instant CellClient::deadline(Instant now) const {
 std::vector<CellEvent> CellClient::take_events() {
   waiting_ = 0;
   return std::exchange(events_, {});
-}
-
-std::uint64_t CellClient::bytes(std::size_t slot) const {
-  return slot < kMostSlots && slots_[slot].assembly ? slots_[slot].assembly->bytes() : 0;
 }
 
 CellClientStatistics CellClient::statistics() const {

@@ -56,10 +56,8 @@ class CellClient {
  public:
   explicit CellClient(CellClientOptions options);
 
-  /// Requests a source in slot 0 to 7, replacing the slot's earlier request.
+  /// Requests a source in slot 0 to 7, replacing the slot's earlier request. An empty path clears the slot.
   void want(std::size_t slot, CellWish wish, Instant now);
-  /// Clears a slot.
-  void drop(std::size_t slot, Instant now);
   /// Sets preferences: regions (of the source's box), or chunks by name, even if sent before. The next report contains
   /// them, at most kMostRegions and kMostWishes.
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
@@ -72,8 +70,6 @@ class CellClient {
   [[nodiscard]] Instant deadline(Instant now) const;
   /// Returns the events since the last call.
   [[nodiscard]] std::vector<CellEvent> take_events();
-  /// Returns the received bytes of chunks of a slot.
-  [[nodiscard]] std::uint64_t bytes(std::size_t slot) const;
   [[nodiscard]] CellClientStatistics statistics() const;
 
  private:

@@ -37,19 +37,6 @@ ErasureLayout erasure_layout(std::size_t bytes, std::size_t symbol) {
           static_cast<std::uint8_t>((symbols + blocks - 1) / blocks)};
 }
 
-double failure_of(std::size_t source, std::size_t symbols, double loss) {
-  if (loss <= 0) return symbols < source ? 1 : 0;
-  if (loss >= 1) return 1;
-  // Sum the binomial distribution from 0 to k - 1 received symbols, by logarithms.
-  double sum = 0;
-  for (std::size_t arrived = 0; arrived < std::min(source, symbols + 1); ++arrived) {
-    const auto n = static_cast<double>(symbols), i = static_cast<double>(arrived);
-    sum += std::exp(std::lgamma(n + 1) - std::lgamma(i + 1) - std::lgamma(n - i + 1) + i * std::log(1 - loss) +
-                    (n - i) * std::log(loss));
-  }
-  return std::min(sum, 1.0);
-}
-
 std::size_t symbols_for(std::size_t source, double loss, double failure) {
   std::size_t symbols = source;
   if (loss <= 0) return symbols;
@@ -95,13 +82,6 @@ bool ErasureDecoder::add(std::size_t block, std::size_t number, std::span<const 
   if (at.symbols.size() == layout_.source) solve(block);
   if (done()) data_.resize(layout_.bytes);
   return true;
-}
-
-std::size_t ErasureDecoder::missing() const {
-  std::size_t most = 0;
-  for (const Block& block : blocks_)
-    if (!block.done) most = std::max<std::size_t>(most, layout_.source - block.symbols.size());
-  return most;
 }
 
 void ErasureDecoder::solve(std::size_t number) {

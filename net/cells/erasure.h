@@ -34,8 +34,6 @@ struct ErasureLayout {
 /// Returns the smallest n, at most 255, for which fewer than `source` of n symbols are received with a probability
 /// below `failure`. Each symbol is lost with probability `loss`.
 [[nodiscard]] std::size_t symbols_for(std::size_t source, double loss, double failure);
-/// Returns the probability that fewer than `source` of `symbols` symbols are received.
-[[nodiscard]] double failure_of(std::size_t source, std::size_t symbols, double loss);
 
 /// Makes symbols. Holds a copy of the data.
 class ErasureEncoder {
@@ -64,8 +62,6 @@ class ErasureDecoder {
   [[nodiscard]] bool done() const { return done_ == blocks_.size(); }
   /// Reports whether a block is restored.
   [[nodiscard]] bool done(std::size_t block) const { return block < blocks_.size() && blocks_[block].done; }
-  /// Returns the maximum number of symbols that a block still lacks.
-  [[nodiscard]] std::size_t missing() const;
   /// Returns all data, once `done()` is true.
   [[nodiscard]] const std::vector<std::byte>& data() const { return data_; }
 

@@ -80,11 +80,6 @@ int bound_socket(bool ipv6, std::uint16_t port, bool loopback) {
 
 }  // namespace
 
-std::string endpoint_text(const Endpoint& endpoint) {
-  const std::string address = address_text(endpoint.address), port = std::to_string(endpoint.port);
-  return is_ipv4(endpoint) ? address + ":" + port : "[" + address + "]:" + port;
-}
-
 std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_t port, AddressSpace reach,
                                            const AddressSpaceOf& space_of) {
   addrinfo hints{};

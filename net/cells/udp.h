@@ -20,8 +20,6 @@ struct UdpError {
   std::string message;
 };
 
-/// Returns an endpoint as text, such as "192.0.2.1:6635" or "[2001:db8::1]:6635".
-[[nodiscard]] std::string endpoint_text(const Endpoint& endpoint);
 /// Returns the first address of a host name or number to which a document with this reach may send datagrams. Blocks
 /// while name servers are asked.
 [[nodiscard]] std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_t port,

@@ -2,6 +2,7 @@
 
 #include "net/cells/cell_framing.h"
 #include "net/cells/cell_rebuild.h"
+#include "tests/net/cells/failure_odds.h"
 #include "tests/net/link.h"
 
 #include <catch2/catch.hpp>

@@ -195,7 +195,7 @@ TEST_CASE("shares the rate between slots by weight", "[cell_sender]") {
   REQUIRE(ratio > 2.8);
   REQUIRE(ratio < 3.2);
   // After one is dropped, the other gets the whole rate.
-  scene.clients[0]->client.drop(0, scene.now);
+  scene.clients[0]->client.want(0, {}, scene.now);
   scene.run(scene.now + 500ms);
   const auto first = bytes[0], second = bytes[5];
   scene.run(scene.now + 2s);

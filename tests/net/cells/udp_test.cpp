@@ -16,7 +16,6 @@ TEST_CASE("sends datagrams from socket to socket", "[udp]") {
   REQUIRE(from.port() != 0);
   const auto found = find_host("127.0.0.1", to.port());
   const Endpoint endpoint = std::get<Endpoint>(found);
-  REQUIRE(endpoint_text(endpoint) == "127.0.0.1:" + std::to_string(to.port()));
   Endpoint who;
   REQUIRE_FALSE(to.receive(who));
   const std::vector<std::byte> bytes(1360, std::byte{7});
@@ -35,10 +34,6 @@ TEST_CASE("reports a port in use and an unknown host", "[udp]") {
   REQUIRE(std::get<UdpError>(second).message.find("cannot use UDP port") == 0);
   const auto nowhere = find_host("256.256.256.256.invalid", 1);
   REQUIRE(std::get<UdpError>(nowhere).message.find("cannot find the host") == 0);
-  Endpoint six;
-  six.address[15] = 1;
-  six.port = 80;
-  REQUIRE(endpoint_text(six) == "[::1]:80");
 }
 
 }  // namespace
