@@ -69,16 +69,6 @@ ssize_t read_all(int file, std::byte* to, std::size_t size) {
   return static_cast<ssize_t>(done);
 }
 
-bool write_all(int file, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  return true;
-}
-
 /// Makes the new name durable. Some file systems cannot; the file is in place either way.
 void sync_folder(const std::string& folder) {
   const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -98,6 +88,16 @@ std::optional<std::string> fill_and_rename(Descriptor& file, const std::string& 
 }
 
 }  // namespace
+
+bool write_all(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
 
 std::optional<std::string> MappedFile::changed() const {
   if (!file_) return std::nullopt;

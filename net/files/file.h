@@ -21,6 +21,9 @@ struct FileError {
   std::string message;
 };
 
+/// Writes all bytes. Returns false and sets errno on failure.
+bool write_all(int file, std::span<const std::byte> bytes);
+
 /// Checks the first bytes (at most 8 KiB) of a file. Returns why it must not be read, or nullopt.
 using CheckFirstBytes = std::function<std::optional<std::string>(std::span<const std::byte> first)>;
 

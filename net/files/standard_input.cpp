@@ -1,6 +1,6 @@
 #include "net/files/standard_input.h"
 
-#include "net/base/descriptor.h"
+#include "net/files/file.h"
 
 #include <array>
 #include <cerrno>
@@ -16,17 +16,6 @@ namespace {
 
 std::string input_problem() { return "standard input: " + std::generic_category().message(errno); }
 
-// Writes all bytes. Returns false and sets errno on failure.
-bool write_bytes(int file, std::span<const char> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  return true;
-}
-
 }  // namespace
 
 std::optional<std::string> hold_standard_input(std::uint64_t limit) {
@@ -36,7 +25,7 @@ std::optional<std::string> hold_standard_input(std::uint64_t limit) {
   if (::isatty(STDIN_FILENO) == 1) return "standard input is a terminal; expected a file or a pipe";
   const Descriptor memory(::memfd_create("stdin", MFD_CLOEXEC));
   if (!memory) return input_problem();
-  std::array<char, 1 << 16> buffer;
+  std::array<std::byte, 1 << 16> buffer;
   for (std::uint64_t held = 0;;) {
     const ssize_t got = ::read(STDIN_FILENO, buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
@@ -45,7 +34,7 @@ std::optional<std::string> hold_standard_input(std::uint64_t limit) {
     held += static_cast<std::uint64_t>(got);
     if (held > limit)
       return "standard input has more than " + std::to_string(limit) + " bytes; raise --memory to read more";
-    if (!write_bytes(memory.get(), std::span(buffer).first(static_cast<std::size_t>(got)))) return input_problem();
+    if (!write_all(memory.get(), std::span(buffer).first(static_cast<std::size_t>(got)))) return input_problem();
   }
   return ::dup2(memory.get(), STDIN_FILENO) < 0 ? std::optional(input_problem()) : std::nullopt;
 }

@@ -72,25 +72,27 @@ DataVerdict LoadEngine::on_data(TransferId id, std::span<const std::byte> bytes)
   return verdict;
 }
 
-void LoadEngine::on_end(TransferId id, const TransferEnd& end) {
+std::optional<LoadEngine::Running> LoadEngine::remove(TransferId id) {
   const auto found = running_.find(id);
-  if (found == running_.end()) return;
+  if (found == running_.end()) return std::nullopt;
   const Running running = found->second;
   running_.erase(found);
   running.fetch->transfer = 0;
   running.fetch->paused = running.fetch->preempted = false;
-  touched_.insert(running.job->id());
-  running.job->on_end(*running.fetch, end, now_);
+  return running;
+}
+
+void LoadEngine::on_end(TransferId id, const TransferEnd& end) {
+  const auto running = remove(id);
+  if (!running) return;
+  touched_.insert(running->job->id());
+  running->job->on_end(*running->fetch, end, now_);
 }
 
 void LoadEngine::stop(TransferId id) {
-  const auto found = running_.find(id);
-  if (found == running_.end()) return;
-  const Running running = found->second;
-  running_.erase(found);
-  running.fetch->transfer = 0;
-  running.fetch->paused = running.fetch->preempted = false;
-  running.transport->cancel(id);
+  const auto running = remove(id);
+  if (!running) return;
+  running->transport->cancel(id);
   schedule_needed_ = true;
 }
 

@@ -56,6 +56,8 @@ class LoadEngine final : private TransferSink {
   DataVerdict on_data(TransferId id, std::span<const std::byte> bytes) override;
   void on_end(TransferId id, const TransferEnd& end) override;
 
+  /// Removes a transfer from the running ones. Returns nullopt if it does not run.
+  std::optional<Running> remove(TransferId id);
   void stop(TransferId id);
   void pump();
   void hold_back();

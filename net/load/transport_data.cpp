@@ -1,8 +1,7 @@
-#include <algorithm>
-#include <map>
-
 #include "net/base/hexadecimal.h"
-#include "net/load/transport.h"
+#include "net/load/local_transport.h"
+
+#include <algorithm>
 
 namespace gs::net {
 namespace {
@@ -61,88 +60,31 @@ bool is_base64_mark(std::string_view text) {
   return lower == "base64";
 }
 
+struct DataTransfer : LocalTransfer {
+  std::optional<DataUrl> data;  // nullopt before the head
+};
+
 /// Delivers the bytes in the next step.
-class DataTransport final : public Transport {
- public:
-  void start(TransferId id, const TransferRequest& request, TimePoint) override { transfers_[id].request = request; }
-  void cancel(TransferId id) override {
-    if (const auto found = transfers_.find(id); found != transfers_.end()) found->second.over = true;
-  }
-  void pause(TransferId id, bool paused) override {
-    if (const auto found = transfers_.find(id); found != transfers_.end()) found->second.paused = paused;
-  }
-  void step(TransferSink& sink, TimePoint) override {
-    for (auto& [id, transfer] : transfers_)
-      if (!transfer.over && !transfer.paused) advance(id, transfer, sink);
-    std::erase_if(transfers_, [](const auto& entry) { return entry.second.over; });
-  }
-  [[nodiscard]] std::optional<TimePoint> deadline(TimePoint now) const override {
-    for (const auto& [id, transfer] : transfers_)
-      if (transfer.over || !transfer.paused) return now;
-    return std::nullopt;
-  }
-
- private:
-  struct Transfer {
-    TransferRequest request;
-    std::vector<std::byte> bytes;
-    std::size_t next = 0, end = 0;
-    bool begun = false, paused = false, over = false;
-  };
-
-  static void fail(TransferId id, Transfer& transfer, TransferSink& sink, LoadErrorKind kind, std::string message) {
-    transfer.over = true;
-    sink.on_end(id, {LoadError{kind, std::move(message)}, false});
-  }
-
-  static bool begin(TransferId id, Transfer& transfer, TransferSink& sink) {
-    auto decoded = decode_data_url(transfer.request.url);
-    if (!decoded) {
-      fail(id, transfer, sink, LoadErrorKind::bad_request,
-           "malformed data: URL; expected data:[type][;base64],content (RFC 2397)");
-      return false;
-    }
-    transfer.begun = true;
-    transfer.bytes = std::move(decoded->bytes);
-    transfer.end = transfer.bytes.size();
-    ResponseHead head;
-    head.content_type = decoded->media_type;
-    head.accepts_ranges = true;
-    const auto& range = transfer.request.range;
-    if (range && (range->begin > 0 || range->end < transfer.end)) {
-      if (range->begin >= transfer.bytes.size()) {
-        fail(
-            id, transfer, sink, LoadErrorKind::bad_request,
-            "byte " + std::to_string(range->begin) + " was requested; it has " + std::to_string(transfer.bytes.size()));
-        return false;
-      }
-      head.status = 206;
-      transfer.next = static_cast<std::size_t>(range->begin);
-      transfer.end = static_cast<std::size_t>(std::min<std::uint64_t>(range->end, transfer.bytes.size()));
-      head.content_range = ContentRange{transfer.next, transfer.end, transfer.bytes.size()};
-    }
-    head.content_length = transfer.end - transfer.next;
-    transfer.over = sink.on_head(id, head) != HeadVerdict::take;
-    return !transfer.over && !transfer.paused;
-  }
-
-  static void advance(TransferId id, Transfer& transfer, TransferSink& sink) {
+class DataTransport final : public LocalTransport<DataTransfer> {
+  std::optional<TransferEnd> advance(TransferId id, DataTransfer& transfer, TransferSink& sink) override {
     constexpr std::size_t kBlock = std::size_t{64} << 10;
-    if (!transfer.begun && !begin(id, transfer, sink)) return;
-    while (transfer.next < transfer.end && !transfer.over && !transfer.paused) {
-      const std::size_t count = std::min(kBlock, transfer.end - transfer.next);
-      const auto block = std::span(transfer.bytes).subspan(transfer.next, count);
-      transfer.next += count;
-      const DataVerdict verdict = sink.on_data(id, block);
-      transfer.over |= verdict == DataVerdict::stop;
-      transfer.paused |= verdict == DataVerdict::pause;
+    std::optional<TransferEnd> end;
+    if (!transfer.data) {
+      transfer.data = decode_data_url(transfer.request.url);
+      if (!transfer.data)
+        return failure(LoadErrorKind::bad_request,
+                       "malformed data: URL; expected data:[type][;base64],content (RFC 2397)");
+      ResponseHead head;
+      head.content_type = transfer.data->media_type;
+      end = deliver_head(id, transfer, std::move(head), transfer.data->bytes.size(), sink);
     }
-    if (transfer.over || transfer.next < transfer.end) return;
-    transfer.over = true;
-    sink.on_end(id, {});
+    while (!end && !transfer.over && !transfer.paused) {
+      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, transfer.end - transfer.next));
+      end = deliver(id, transfer,
+                    std::span(transfer.data->bytes).subspan(static_cast<std::size_t>(transfer.next), count), sink);
+    }
+    return end;
   }
-
-  std::map<TransferId, Transfer> transfers_;
 };
 
 }  // namespace

@@ -181,7 +181,7 @@ TEST_CASE("set_url of an Inline twice within a step stops the fetches of its inn
   Site files = site();
   files.put("nested.wrl", kHeader + "Inline { url \"silent.wrl\" }");
   std::atomic<bool> asked = false;
-  files.options.memory->put("memory://a/silent.wrl", [&](const net::TransferRequest&, unsigned) {
+  net::network_of(files.options.memory).put("memory://a/silent.wrl", [&](const net::TransferRequest&, unsigned) {
     asked = true;
     net::MemoryAnswer answer;
     answer.answers = false;
