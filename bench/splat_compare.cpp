@@ -13,7 +13,7 @@
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
-#include "render/rays/raycast.h"
+#include "tests/render/rays/raycast.h"
 #include "render/scene/camera.h"
 #include "render/splat/splat_gl.h"
 #include "render/splat/splat_pieces.h"

@@ -122,7 +122,7 @@ class DiscPicker {
     }
   }
 
-  /// Exact test, by the definition in raycast_surface.
+  /// Exact test, by the definition in tests/render/rays/raycast.h.
   void exact(std::size_t i, DiscPick& nearest) const {
     const glm::vec3 place = cloud_.positions[i] - ray_.origin;
     const glm::vec3& normal = cloud_.normals[i];

@@ -35,9 +35,9 @@ struct DiscPick {
 };
 
 /// Returns the nearest splat of a surface on the ray: the distance in world units, and the splat's colour. The hit is
-/// the one that an image sample shows by the definition of raycast_surface, with splats no smaller than drawn ones.
-/// Back-facing splats count only if the point set is two-sided. Accepts any affine matrix; returns nullopt if the point
-/// set's arrays are inconsistent or the matrix is singular.
+/// the one that an image sample shows by the definition in tests/render/rays/raycast.h, with splats no smaller than
+/// drawn ones. Back-facing splats count only if the point set is two-sided. Accepts any affine matrix; returns nullopt
+/// if the point set's arrays are inconsistent or the matrix is singular.
 ///
 /// For a point set with levels it decodes the cut along the ray, like LodStream::cut for the viewport kPickViewport;
 /// call it on the drawing thread. Otherwise it tests every splat in about 6 ns. Accepts any numbers.

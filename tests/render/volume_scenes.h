@@ -2,11 +2,11 @@
 
 // Helpers of tests of volumes: an exact picture of several volumes, and a target to draw into.
 
-#include "render/rays/raycast.h"
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_pass.h"
 #include "tests/render/clouds.h"
 #include "tests/render/drawing.h"
+#include "tests/render/rays/raycast.h"
 
 #include <catch2/catch.hpp>
 #include <glm/gtc/type_ptr.hpp>

@@ -1,4 +1,4 @@
-#include "render/rays/raycast.h"
+#include "tests/render/rays/raycast.h"
 
 #include "render/splat/splat_constants.h"
 #include "tests/render/clouds.h"

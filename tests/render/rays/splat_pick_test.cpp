@@ -3,8 +3,8 @@
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
-#include "render/rays/raycast.h"
 #include "tests/render/clouds.h"
+#include "tests/render/rays/raycast.h"
 #include "tests/render/splat_scenes.h"
 
 #include <catch2/catch.hpp>

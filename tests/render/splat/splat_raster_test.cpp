@@ -3,9 +3,9 @@
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/stream_decoder.h"
-#include "render/rays/raycast.h"
 #include "render/splat/splat_kernel.h"
 #include "tests/render/clouds.h"
+#include "tests/render/rays/raycast.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 #include "render/volume/volume_raster.h"
 
-#include "render/rays/raycast.h"
 #include "render/volume/volume_tile.h"
+#include "tests/render/rays/raycast.h"
 #include "tests/render/volume_scenes.h"
 
 #include <catch2/catch.hpp>

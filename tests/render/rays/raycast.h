@@ -1,30 +1,55 @@
-#include "render/rays/raycast.h"
+#pragma once
 
 #include "qnv/base/parallel.h"
 #include "render/splat/splat_constants.h"
+#include "render/splat/splat_raster.h"
+#include "render/volume/volume_model.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 namespace gs::render {
-namespace {
+
+/// Result of casting a ray per pixel of the viewport, rows from the bottom.
+struct RayImage {
+  int width = 0, height = 0;
+  std::vector<glm::vec4> color;  // RGBA 0..1, premultiplied
+  std::vector<float> depth;      // along the view axis, camera units; 0 means no hit
+
+  [[nodiscard]] bool empty() const { return color.empty(); }
+};
+
+/// Result of casting rays at a surface, rows from the bottom.
+struct RaySurface {
+  int width = 0, height = 0;
+  std::vector<glm::vec4> normal;  // camera space, unit; w is the covered fraction of the pixel's samples
+  std::vector<glm::vec4> color;   // RGB 0..1
+  std::vector<float> depth;       // along the view axis, camera units, of the nearest sample; 0 means no hit
+
+  [[nodiscard]] bool empty() const { return normal.empty(); }
+};
+
+namespace exact {
 
 using glm::dvec2;
 using glm::dvec3;
 
 // Shared constants of the splatters, in double precision.
-constexpr double kCubeMargin = double{splat::kCubeMargin}, kSampleMargin = double{splat::kSampleMargin},
-                 kBackMargin = double{splat::kBackMargin}, kCubeBell = double{splat::kCubeBell},
-                 kDiscCover = double{splat::kDiscCover}, kDiscBell = double{splat::kDiscBell},
-                 kLeastReach = double{splat::kLeastReach}, kGrazing = double{splat::kGrazing},
-                 kSmoothing = double{splat::kSmoothing};
+inline constexpr double kCubeMargin = double{splat::kCubeMargin}, kSampleMargin = double{splat::kSampleMargin},
+                        kBackMargin = double{splat::kBackMargin}, kCubeBell = double{splat::kCubeBell},
+                        kDiscCover = double{splat::kDiscCover}, kDiscBell = double{splat::kDiscBell},
+                        kLeastReach = double{splat::kLeastReach}, kGrazing = double{splat::kGrazing},
+                        kSmoothing = double{splat::kSmoothing};
 
 struct Lens {
   glm::dmat4 camera_from_node;
@@ -40,7 +65,7 @@ struct Lens {
   }
 };
 
-std::optional<Lens> lens_of(const SplatView& view, int supersample) {
+inline std::optional<Lens> lens_of(const SplatView& view, int supersample) {
   Lens lens{};
   lens.camera_from_node = view.camera_from_node;
   lens.linear = glm::dmat3(lens.camera_from_node);
@@ -62,8 +87,8 @@ struct Vector {
 };
 
 /// Returns the vectors in front of the camera, nearest first.
-std::vector<Vector> vectors_of(const qnv::Cloud& cloud, const SplatView& view, const Lens& lens,
-                               const VolumeOptions& options) {
+inline std::vector<Vector> vectors_of(const qnv::Cloud& cloud, const SplatView& view, const Lens& lens,
+                                      const VolumeOptions& options) {
   std::vector<Vector> vectors;
   const VolumeModel model = volume_model(cloud, view.threads);
   const double scale = std::cbrt(std::abs(lens.determinant));
@@ -92,7 +117,7 @@ std::vector<Vector> vectors_of(const qnv::Cloud& cloud, const SplatView& view, c
   return vectors;
 }
 
-double alpha_at(const Vector& v, const dvec3& ray) {
+inline double alpha_at(const Vector& v, const dvec3& ray) {
   const dvec3 away = ray * -v.place.z - v.place;
   const double exponent = glm::dot(away, away) / v.area;
   return exponent > 60 ? 0 : v.alpha * std::exp(-exponent);  // below 1e-26, no float changes
@@ -112,7 +137,7 @@ struct Disc {
   }
 };
 
-std::vector<Disc> discs_of(const qnv::Cloud& cloud, const Lens& lens, const dvec3& eye) {
+inline std::vector<Disc> discs_of(const qnv::Cloud& cloud, const Lens& lens, const dvec3& eye) {
   std::vector<Disc> discs;
   const double step = 2 * std::max(lens.tangents.x / lens.width, lens.tangents.y / lens.height);
   double scale = 0;
@@ -152,7 +177,7 @@ struct Sample {
 };
 
 /// `ray` is in node space.
-Sample sample_of(const std::vector<Disc>& discs, const dvec3& ray, double near_plane, bool smooth) {
+inline Sample sample_of(const std::vector<Disc>& discs, const dvec3& ray, double near_plane, bool smooth) {
   Sample sample;
   double side = 0;
   for (const Disc& d : discs) {
@@ -184,13 +209,19 @@ Sample sample_of(const std::vector<Disc>& discs, const dvec3& ray, double near_p
   return sample;
 }
 
-}  // namespace
+}  // namespace exact
 
-RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, const VolumeOptions& options) {
+/// Evaluates equation (1) of the paper for a volume, exactly and slowly. For each pixel's ray it sums over all vectors
+/// in double precision, for the model of volume_model.h. Footprints are unbounded, and only vectors that the model
+/// excludes are skipped. This is the reference for rasterize_volume. The depth is that of the vector at which the
+/// opacity from the front reaches 0.5; 0 if it never does.
+///
+/// Takes time proportional to pixels times vectors. Thread-safe; accepts any numbers. Empty if nothing is in view.
+inline RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, const VolumeOptions& options) {
   RayImage image;
-  const auto lens = lens_of(view, 1);
+  const auto lens = exact::lens_of(view, 1);
   if (!lens) return image;
-  const std::vector<Vector> vectors = vectors_of(cloud, view, *lens, options);
+  const std::vector<exact::Vector> vectors = exact::vectors_of(cloud, view, *lens, options);
   if (vectors.empty()) return image;
   image.width = view.width;
   image.height = view.height;
@@ -199,12 +230,12 @@ RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, const Vo
   image.depth.assign(columns * rows, 0);
   const auto cast_row = [&](std::size_t row) {
     for (std::size_t column = 0; column < columns; ++column) {
-      const dvec3 ray = lens->ray(static_cast<int>(column), static_cast<int>(row));
+      const glm::dvec3 ray = lens->ray(static_cast<int>(column), static_cast<int>(row));
       // In equation (1), k = 0 is the farthest; here the nearest comes first, and `clear` is the product.
       double clear = 1, depth = 0;
-      dvec3 color(0);
-      for (const Vector& v : vectors) {
-        const double alpha = alpha_at(v, ray);
+      glm::dvec3 color(0);
+      for (const exact::Vector& v : vectors) {
+        const double alpha = exact::alpha_at(v, ray);
         color += v.color * (alpha * clear);
         if (clear > 0.5 && clear * (1 - alpha) <= 0.5) depth = -v.place.z;
         clear *= 1 - alpha;
@@ -217,13 +248,32 @@ RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, const Vo
   return image;
 }
 
-RaySurface raycast_surface(const qnv::Cloud& cloud, const SplatView& view, bool smooth) {
+/// Implements the definition of rasterize_surface, exactly and slowly, in double precision.
+///
+/// For each sample's ray, it finds the nearest splat that covers the ray's intersection with its plane. A splat from an
+/// octree covers its cube plus a margin on each side: kCubeMargin of the edge (kBackMargin if its back is visible), or
+/// kSampleMargin samples. Any other splat covers kDiscCover times its radius; if the point set has cubes, it covers a
+/// cube of that half edge. All splats cover at least kLeastReach samples. Back-facing splats count only if the point
+/// set is two-sided. Splats seen edge-on, up to a cosine of kGrazing, never count. splat_constants.h defines the
+/// constants.
+///
+/// At that point p, normals and colours are weighted means over all splats that show the same side. The weights are
+/// bells (1 - |p - x_k|^2 / (4 R_k^2))^4. These approximate the paper's exp(-|p - x_k|^2 / A_k) with A_k = 0.83 R_k^2
+/// and are zero beyond two R_k. R_k is kDiscBell times the splat's radius; for cubes it is kCubeBell times the radius,
+/// at least half the edge; for both at least kLeastReach samples.
+///
+/// With `smooth`, kSmoothing times the slope of the blended surface is added to the normal. That surface is the zero
+/// set of the weighted mean height over the splats' planes. rasterize_surface does so if survey_surface says so.
+///
+/// Takes time proportional to samples times splats. Thread-safe; accepts any numbers. Empty if the point set or the
+/// view is.
+inline RaySurface raycast_surface(const qnv::Cloud& cloud, const SplatView& view, bool smooth) {
   RaySurface image;
   const int s = std::max(view.supersample, 1);
-  const auto lens = lens_of(view, s);
+  const auto lens = exact::lens_of(view, s);
   if (!lens || cloud.empty()) return image;
-  const dvec3 eye = -(lens->inverse * dvec3(lens->camera_from_node[3]));
-  const std::vector<Disc> discs = discs_of(cloud, *lens, eye);
+  const glm::dvec3 eye = -(lens->inverse * glm::dvec3(lens->camera_from_node[3]));
+  const std::vector<exact::Disc> discs = exact::discs_of(cloud, *lens, eye);
   image.width = view.width;
   image.height = view.height;
   const auto columns = static_cast<std::size_t>(view.width), rows = static_cast<std::size_t>(view.height);
@@ -234,22 +284,23 @@ RaySurface raycast_surface(const qnv::Cloud& cloud, const SplatView& view, bool 
   const auto cast = [&](int x, int y) {
     double depth = 0;
     int covered = 0;
-    dvec3 normal(0), color(0);
+    glm::dvec3 normal(0), color(0);
     for (int i = 0; i < s * s; ++i) {
-      const dvec3 ray = lens->inverse * lens->ray(x * s + i % s, y * s + i / s);
-      const Sample sample = sample_of(discs, ray, static_cast<double>(view.near_plane), smooth);
+      const glm::dvec3 ray = lens->inverse * lens->ray(x * s + i % s, y * s + i / s);
+      const exact::Sample sample = exact::sample_of(discs, ray, static_cast<double>(view.near_plane), smooth);
       if (!(sample.depth > 0)) continue;
       depth = covered == 0 ? sample.depth : std::min(depth, sample.depth);
       ++covered;
       color += sample.color;
-      const dvec3 n = normal_matrix * sample.normal;
+      const glm::dvec3 n = normal_matrix * sample.normal;
       const double length = glm::length(n);
       if (length > 0) normal += n / length;
     }
     if (covered == 0) return;
     const std::size_t at = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
     const double length = glm::length(normal);
-    image.normal[at] = glm::vec4(length > 0 ? normal / length : dvec3(0, 0, 1), static_cast<double>(covered) / (s * s));
+    image.normal[at] =
+        glm::vec4(length > 0 ? normal / length : glm::dvec3(0, 0, 1), static_cast<double>(covered) / (s * s));
     image.color[at] = glm::vec4(color / static_cast<double>(covered), 1);
     image.depth[at] = static_cast<float>(depth);
   };
