@@ -39,11 +39,6 @@ using TakeBand = std::function<bool(Image& band)>;
 [[nodiscard]] std::optional<ContextError> draw_picture(Renderer& renderer, const RenderList& list, const Camera& camera,
                                                        const PictureOptions& options, const TakeBand& take,
                                                        FrameStatistics* statistics = nullptr);
-/// Draws the whole image into memory.
-[[nodiscard]] std::variant<Image, ContextError> draw_whole_picture(Renderer& renderer, const RenderList& list,
-                                                                   const Camera& camera, const PictureOptions& options,
-                                                                   FrameStatistics* statistics = nullptr);
-
 /// Derives RGBA, not premultiplied, from two images of the same scene on black and on white.
 [[nodiscard]] Image without_background(const Image& on_black, const Image& on_white);
 /// Combines two images of equal size, RGB or RGBA.

@@ -95,11 +95,4 @@ class PngWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Difference of two images of equal size over all components; PSNR in dB (infinite if equal).
-struct ImageDifference {
-  double maximum = 0, mean = 0, psnr = 0;
-  std::size_t differing_pixels = 0;
-};
-[[nodiscard]] std::variant<ImageDifference, ImageError> compare(const Image& a, const Image& b);
-
 }  // namespace gs::render

@@ -98,26 +98,6 @@ void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, st
   }
 }
 
-VolumeDecoded decode_volume_code(const VolumeCode& code, const VolumeCoding& coding) {
-  VolumeDecoded out;
-  for (int axis = 0; axis < 3; ++axis)
-    out.position[axis] =
-        coding.lower[axis] + static_cast<float>(code[static_cast<std::size_t>(axis)] & 0xFFFFFu) * coding.step[axis];
-  const std::uint32_t u = code[0] >> 20 & 1023u, v = code[1] >> 20 & 1023u;
-  if (u != VolumeCoding::kNoNormal) {
-    constexpr float half = 0.5f * static_cast<float>(VolumeCoding::kLargestNormal);
-    glm::vec3 n(static_cast<float>(u) / half - 1, static_cast<float>(v) / half - 1, 0);
-    n.z = 1 - std::abs(n.x) - std::abs(n.y);
-    const float fold = std::max(-n.z, 0.0f);
-    n.x += n.x >= 0 ? -fold : fold;
-    n.y += n.y >= 0 ? -fold : fold;
-    out.normal = n / std::sqrt(glm::dot(n, n));
-  }
-  const std::uint32_t weight = code[0] >> 30 | (code[1] >> 30) << 2 | (code[2] >> 20) << 4;
-  out.weight = weight == 0 ? 0.0f : std::exp2(coding.weight.x + static_cast<float>(weight) * coding.weight.y);
-  return out;
-}
-
 VolumeStore::VolumeStore(const Gl& gl, std::size_t most_bytes)
     : gl_(gl), most_(most_bytes / kBytes), codes_(make_texture(gl)), spacings_(make_texture(gl)) {
   GLint texels = 0;

@@ -35,13 +35,6 @@ struct VolumeCoding {
 /// Encodes codes.size() vectors from index `first`.
 void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, std::size_t first,
                          std::span<VolumeCode> codes);
-/// Code as the vertex shader decodes it, before shading.
-struct VolumeDecoded {
-  glm::vec3 position{0}, normal{0};
-  float weight = 0;
-};
-[[nodiscard]] VolumeDecoded decode_volume_code(const VolumeCode& code, const VolumeCoding& coding);
-
 /// Volume with shared ownership of its point set and model.
 struct SharedVolume {
   std::shared_ptr<const qnv::Cloud> cloud;

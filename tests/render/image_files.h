@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/image/image.h"
+#include "tests/render/image_difference.h"
 
 #include <catch2/catch.hpp>
 

@@ -5,6 +5,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "tests/render/image_difference.h"
+
 #include <catch2/catch.hpp>
 
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "render/draw/picture.h"
 #include "render/draw/renderer.h"
+#include "tests/render/draw/whole_picture.h"
 #include "tests/render/drawing.h"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,7 @@
 #include "render/draw/picture.h"
 #include "render/draw/renderer.h"
 #include "tests/render/clouds.h"
+#include "tests/render/draw/whole_picture.h"
 #include "tests/render/drawing.h"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,9 @@
 #include "render/draw/picture.h"
 
 #include "tests/render/clouds.h"
+#include "tests/render/draw/whole_picture.h"
 #include "tests/render/drawing.h"
+#include "tests/render/image_difference.h"
 
 #include <cmath>
 #include <utility>

@@ -1,5 +1,7 @@
 #include "render/image/image.h"
 
+#include "tests/render/image_difference.h"
+
 #include <catch2/catch.hpp>
 
 #include <cmath>

@@ -333,35 +333,6 @@ TEST_CASE("rejects data that are no image, and names the expected formats") {
   CHECK(message_of(bytes_of({0xff, 0xd8, 0xff, 0xd9})).find("broken JPEG") == 0);
 }
 
-TEST_CASE("measures the difference of two pictures") {
-  const Image a{2, 1, 3, {0, 0, 0, 10, 20, 30}};
-  Image b = a;
-  auto result = compare(a, b);
-  REQUIRE(std::holds_alternative<ImageDifference>(result));
-  auto difference = std::get<ImageDifference>(result);
-  CHECK(difference.maximum == 0);
-  CHECK(difference.mean == 0);
-  CHECK(std::isinf(difference.psnr));
-  CHECK(difference.differing_pixels == 0);
-
-  b.pixels[3] = 16;
-  b.pixels[5] = 18;
-  difference = std::get<ImageDifference>(compare(a, b));
-  CHECK(difference.maximum == 12);
-  CHECK(difference.mean == Approx(18.0 / 6));
-  CHECK(difference.differing_pixels == 1);
-  // Mean square: (36 + 144) / 6 = 30.
-  CHECK(difference.psnr == Approx(10 * std::log10(255.0 * 255.0 / 30)));
-}
-
-TEST_CASE("compares different kinds of pictures as RGBA, and refuses different sizes") {
-  const Image grey{1, 1, 1, {9}};
-  CHECK(std::get<ImageDifference>(compare(grey, {1, 1, 3, {9, 9, 9}})).maximum == 0);
-  CHECK(std::get<ImageDifference>(compare(grey, {1, 1, 4, {9, 9, 9, 0}})).maximum == 255);
-  CHECK(std::get<ImageError>(compare(grey, {1, 2, 1, {9, 9}})).message == "different picture sizes: 1x1 and 1x2");
-  CHECK(std::holds_alternative<ImageError>(compare(grey, {1, 1, 1, {}})));
-}
-
 }  // namespace
 
 TEST_CASE("reads bitmaps, pixmaps and Targa files of other programs") {

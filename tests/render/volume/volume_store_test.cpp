@@ -2,7 +2,9 @@
 
 #include "tests/render/volume_scenes.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 using namespace gs;
 using namespace gs::test;
@@ -13,6 +15,32 @@ namespace {
 SharedVolume shared(std::size_t count, unsigned seed, std::size_t counted = 1u << 30) {
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(count, seed, 0.1f));
   return {cloud, std::make_shared<const VolumeModel>(volume_model(*cloud, 0, counted))};
+}
+
+/// Code as the vertex shader decodes it, before shading.
+struct VolumeDecoded {
+  glm::vec3 position{0}, normal{0};
+  float weight = 0;
+};
+
+VolumeDecoded decode_volume_code(const VolumeCode& code, const VolumeCoding& coding) {
+  VolumeDecoded out;
+  for (int axis = 0; axis < 3; ++axis)
+    out.position[axis] =
+        coding.lower[axis] + static_cast<float>(code[static_cast<std::size_t>(axis)] & 0xFFFFFu) * coding.step[axis];
+  const std::uint32_t u = code[0] >> 20 & 1023u, v = code[1] >> 20 & 1023u;
+  if (u != VolumeCoding::kNoNormal) {
+    constexpr float half = 0.5f * static_cast<float>(VolumeCoding::kLargestNormal);
+    glm::vec3 n(static_cast<float>(u) / half - 1, static_cast<float>(v) / half - 1, 0);
+    n.z = 1 - std::abs(n.x) - std::abs(n.y);
+    const float fold = std::max(-n.z, 0.0f);
+    n.x += n.x >= 0 ? -fold : fold;
+    n.y += n.y >= 0 ? -fold : fold;
+    out.normal = n / std::sqrt(glm::dot(n, n));
+  }
+  const std::uint32_t weight = code[0] >> 30 | (code[1] >> 30) << 2 | (code[2] >> 20) << 4;
+  out.weight = weight == 0 ? 0.0f : std::exp2(coding.weight.x + static_cast<float>(weight) * coding.weight.y);
+  return out;
 }
 
 }  // namespace
