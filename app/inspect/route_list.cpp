@@ -31,10 +31,6 @@ void RouteList::refresh(const vrml::Execution* world, const NodeAt& selected) {
   }
 }
 
-std::string RouteList::text_of(const Row& row) {
-  return label_of(row.from) + "." + row.event_out->name + " -> " + label_of(row.to) + "." + row.event_in->name;
-}
-
 float RouteList::light_of(const Row& row, const EventWatch& watch, double now) {
   constexpr double kSeconds = 0.5;
   const EventWatch::Seen* const seen = watch.find(row.from, *row.event_out);

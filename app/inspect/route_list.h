@@ -33,8 +33,6 @@ class RouteList {
   /// Returns how many times the list was rebuilt.
   [[nodiscard]] std::uint64_t made() const { return made_; }
 
-  /// Formats a row: "Clock.fraction_changed -> Door.set_fraction".
-  [[nodiscard]] static std::string text_of(const Row& row);
   /// Returns the highlight of a row: 1 for an event now, fading to 0 after half a second.
   [[nodiscard]] static float light_of(const Row& row, const EventWatch& watch, double now);
 

@@ -46,7 +46,6 @@ class Engine {
     Turn& operator=(const Turn&) = delete;
     /// Returns the reason that ended it, if any.
     [[nodiscard]] Stop stop() const { return engine_.stop_; }
-    [[nodiscard]] bool outermost() const { return outermost_; }
     /// Runs one promise job that this turn enqueued. Returns false if there is none. `*good`: see JobQueue::run_one.
     bool run_job(bool* good);
 

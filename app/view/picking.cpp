@@ -86,10 +86,6 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
   return nearest ? nearest : faint;
 }
 
-std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options) {
-  return Picker().pick(list, ray, options);
-}
-
 std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& hit) {
   std::vector<vrml::PathStep> path;
   const auto& places = list.places;

@@ -74,9 +74,6 @@ struct SensorGeometry {
 /// if there are only lines, points and triangles seen edge-on.
 [[nodiscard]] std::optional<render::SightLine> line_that_meets(const render::RenderList& list, const glm::dvec3& eye);
 
-/// Picks once, without a cache.
-[[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options = {});
-
 /// Returns the path from the root of the world to the hit Shape. Returns an empty path if limits omitted it.
 [[nodiscard]] std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& hit);
 

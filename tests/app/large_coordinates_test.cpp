@@ -1,7 +1,7 @@
 #include "app/view/navigation.h"
 #include "app/view/picking.h"
-#include "tests/render/drawing.h"
 #include "tests/app/pairs.h"
+#include "tests/render/drawing.h"
 
 #include <catch2/catch.hpp>
 
@@ -129,7 +129,8 @@ TEST_CASE("moves by millimetres and points exactly far from the origin") {
   Pose pose;
   pose.position = kFar;
   pose.field_of_view = 1;
-  Navigation state = start_navigation({NavigationMode::fly, {true, true, true, true, true}, true, 0.001f, {}}, {}, pose);
+  Navigation state =
+      start_navigation({NavigationMode::fly, {true, true, true, true, true}, true, 0.001f, {}}, {}, pose);
   NavigationInput keys;
   keys.move = {0, 0, 1};
   for (int i = 0; i < 100; ++i) state = step(state, keys, 0.1f);
@@ -144,10 +145,10 @@ TEST_CASE("moves by millimetres and points exactly far from the origin") {
   pose.position = kFar;
   const glm::vec2 size(800, 600);
   const float at = 300 * 0.05f / 0.3f / std::tan(0.5f);  // pixels from the centre
-  const auto hit = pick(list, ray_through(pose, {400 + at, 300}, size), {});
+  const auto hit = Picker().pick(list, ray_through(pose, {400 + at, 300}, size), {});
   REQUIRE(hit);
   CHECK(glm::distance(hit->point - kFar, glm::dvec3(0.05, 0, -0.3)) < 1e-5);
-  CHECK_FALSE(pick(list, ray_through(pose, {400 + at * 1.3f, 300}, size), {}));
+  CHECK_FALSE(Picker().pick(list, ray_through(pose, {400 + at * 1.3f, 300}, size), {}));
 }
 
 }  // namespace gs::app::large_coordinates_test

@@ -59,6 +59,5 @@ struct ExportFormat {
 [[nodiscard]] std::span<const ExportFormat> export_formats();
 /// Returns the format with the longest matching extension of `path`, ignoring case; null if none matches.
 [[nodiscard]] const ExportFormat* export_format_of(std::string_view path);
-[[nodiscard]] const ExportFormat* export_format_named(std::string_view name);
 
 }  // namespace gs::app

@@ -36,10 +36,4 @@ const ExportFormat* export_format_of(std::string_view path) {
   return best;
 }
 
-const ExportFormat* export_format_named(std::string_view name) {
-  const auto* found = std::find_if(std::begin(kExportFormats), std::end(kExportFormats),
-                                   [&](const ExportFormat& f) { return f.name == name; });
-  return found == std::end(kExportFormats) ? nullptr : found;
-}
-
 }  // namespace gs::app

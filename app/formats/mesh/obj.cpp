@@ -449,18 +449,4 @@ void import_obj(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml:
   ObjImporter(bytes, builder, read_file).run();
 }
 
-std::vector<std::string> obj_material_libraries(std::span<const std::byte> bytes) {
-  std::vector<std::string> names;
-  TextCursor cursor(bytes);
-  while (!cursor.at_end()) {
-    const std::string_view line = cursor.line();
-    TextCursor words(line.data(), line.data() + line.size());
-    if (words.word() != "mtllib") continue;
-    const auto name = trimmed({words.next, static_cast<std::size_t>(words.end - words.next)});
-    if (names.size() < kMaxLibraries && !name.empty() && std::find(names.begin(), names.end(), name) == names.end())
-      names.emplace_back(name);
-  }
-  return names;
-}
-
 }  // namespace gs::app

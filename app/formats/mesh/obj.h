@@ -6,8 +6,6 @@
 
 #include <cstddef>
 #include <span>
-#include <string>
-#include <vector>
 
 namespace gs::app {
 
@@ -17,8 +15,5 @@ namespace gs::app {
 /// are ignored. Safe for untrusted input. An invalid line gives an error with its location, and its face is skipped.
 void import_obj(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
                 const ReadFile& read_file = {});
-
-/// Returns the names of an OBJ file's material libraries, without duplicates, in file order.
-[[nodiscard]] std::vector<std::string> obj_material_libraries(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

@@ -94,29 +94,4 @@ std::optional<float> VolumeGrid::nearest(const glm::dvec3& voxel) const {
   return value == value ? std::optional(value) : std::nullopt;
 }
 
-std::optional<float> VolumeGrid::between(const glm::dvec3& voxel) const {
-  std::array<std::uint32_t, 3> low{}, high{};
-  glm::dvec3 part(0);
-  for (int i = 0; i < 3; ++i) {
-    const auto axis = static_cast<std::size_t>(i);
-    const double at = voxel[i] / step_, last = static_cast<double>(kept_[axis] - 1);
-    if (!(at >= 0 && at <= last)) return std::nullopt;
-    low[axis] = static_cast<std::uint32_t>(at);
-    high[axis] = std::min(low[axis] + 1, kept_[axis] - 1);
-    part[i] = at - std::floor(at);
-  }
-  double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    std::array<std::uint32_t, 3> at{};
-    for (int i = 0; i < 3; ++i) {
-      const bool upper = (corner >> i & 1) != 0;
-      at[static_cast<std::size_t>(i)] = upper ? high[static_cast<std::size_t>(i)] : low[static_cast<std::size_t>(i)];
-      weight *= upper ? part[i] : 1 - part[i];
-    }
-    if (weight > 0) sum += weight * static_cast<double>(kept_value(at[0], at[1], at[2]));
-  }
-  return sum == sum ? std::optional(static_cast<float>(sum)) : std::nullopt;
-}
-
 }  // namespace gs::app

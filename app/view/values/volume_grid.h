@@ -48,8 +48,6 @@ class VolumeGrid {
   /// Returns the value of the nearest kept voxel. Returns nullopt if the position is over half a voxel outside, or the
   /// value is missing.
   [[nodiscard]] std::optional<float> nearest(const glm::dvec3& voxel) const;
-  /// Interpolates linearly. Returns nullopt outside the centres of the outer voxels, or next to a missing value.
-  [[nodiscard]] std::optional<float> between(const glm::dvec3& voxel) const;
   /// Returns the number of kept voxels along an axis.
   [[nodiscard]] std::uint32_t kept(std::size_t axis) const { return kept_[axis]; }
   /// Returns a kept value; kMissing if the value is missing.

@@ -25,7 +25,9 @@ struct Routed {
     routes.set_only_selected(true);
     routes.refresh(&execution, only);
     Lines all;
-    for (const RouteList::Row& row : routes.rows()) all.push_back(RouteList::text_of(row));
+    for (const RouteList::Row& row : routes.rows())
+      all.push_back(label_of(row.from) + "." + row.event_out->name + " -> " + label_of(row.to) + "." +
+                    row.event_in->name);
     return all;
   }
   void set(const char* name, const char* event, float value) {

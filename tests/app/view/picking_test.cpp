@@ -24,6 +24,10 @@ std::shared_ptr<const vrml::Mesh> square_mesh() {
   return mesh;
 }
 
+std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options = {}) {
+  return Picker().pick(list, ray, options);
+}
+
 render::RenderList list_of(std::initializer_list<glm::mat4> places) {
   render::RenderList list;
   const auto mesh = square_mesh();

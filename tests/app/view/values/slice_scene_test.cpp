@@ -46,10 +46,6 @@ TEST_CASE("returns the values of voxels, and interpolates linearly between them"
   CHECK_FALSE(grid->nearest({-0.6, 0, 0}));
   CHECK_FALSE(grid->nearest({0, 0, std::nan("")}));
   CHECK(*grid->nearest({3.49, 2.49, 0}) == 23);
-  for (const glm::dvec3& at : {glm::dvec3(1.25, 0.5, 0.75), glm::dvec3(3, 2, 1), glm::dvec3(2.5, 1.75, 0)})
-    CHECK(*grid->between(at) == Approx(at.x + 10 * at.y + 100 * at.z));
-  CHECK_FALSE(grid->between({0.5, 0.5, 0.5}));  // beside the missing one
-  CHECK_FALSE(grid->between({3.1, 0, 0}));
 }
 
 TEST_CASE("keeps every second voxel of a grid that is too large") {
