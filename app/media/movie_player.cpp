@@ -1,7 +1,7 @@
 #include "app/media/movie_player.h"
 
 #include "app/formats/texture_image.h"
-#include "render/image/movie.h"
+#include "render/media/movie.h"
 
 #include <algorithm>
 #include <cstdint>

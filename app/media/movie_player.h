@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/base/world_budget.h"
-#include "app/formats/media_file.h"
+#include "app/media/media_file.h"
 #include "render/image/image.h"
 
 #include <atomic>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/media_file.h"
+#include "app/media/media_file.h"
 #include "render/media/sample_reader.h"
 
 #include <cstddef>

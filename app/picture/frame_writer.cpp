@@ -1,7 +1,7 @@
 #include "app/picture/frame_writer.h"
 
 #include "net/files/file.h"
-#include "render/image/movie_writer.h"
+#include "render/media/movie_writer.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,5 +1,5 @@
-#include "app/formats/media_file.h"
 #include "app/formats/texture_image.h"
+#include "app/media/media_file.h"
 #include "app/world/scene_handler.h"
 
 #include <utility>

@@ -1,7 +1,6 @@
 #include "render/image/image.h"
 
 #include "render/image/image_codecs.h"
-#include "render/image/movie.h"
 
 #include <algorithm>
 #include <array>

@@ -21,8 +21,10 @@ using DecodedImage = std::variant<Image, ImageError>;
 /// Decodes BMP, binary PPM and PGM.
 [[nodiscard]] DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& limits);
 [[nodiscard]] DecodedImage decode_targa(std::span<const std::byte> bytes, const ImageLimits& limits);
-/// Decodes the first frame of a movie (movie.h).
+/// Decodes the first frame of a movie; defined in render/media/movie.cpp.
 [[nodiscard]] DecodedImage decode_movie(std::span<const std::byte> bytes, const ImageLimits& limits);
+/// Reports whether the bytes start like a movie in a known container; defined in render/media/movie.cpp.
+[[nodiscard]] bool is_movie(std::span<const std::byte> bytes);
 /// Reports whether the bytes may be a Targa file, which has no magic number.
 [[nodiscard]] bool is_targa(std::span<const std::byte> bytes);
 

@@ -1,7 +1,7 @@
 // A target for every row of the table of images; one for sounds, one for movies that play.
 #include "render/image/image_codecs.h"
-#include "render/image/movie.h"
 #include "render/media/midi_reader.h"
+#include "render/media/movie.h"
 #include "render/media/sample_reader.h"
 #include "tests/fuzz/fuzz_target.h"
 

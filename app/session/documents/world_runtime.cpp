@@ -1,7 +1,7 @@
 #include "app/session/documents/world_runtime.h"
 
-#include "app/formats/media_file.h"
 #include "app/formats/qnv/cloud_reader.h"
+#include "app/media/media_file.h"
 #include "render/scene/late_meshes.h"
 #include "vrml/behaviours/browser_events.h"
 

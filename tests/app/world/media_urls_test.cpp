@@ -1,4 +1,4 @@
-#include "app/formats/media_file.h"
+#include "app/media/media_file.h"
 #include "app/session/documents/documents.h"
 #include "app/world/world_loader.h"
 #include "tests/app/scratch_folder.h"

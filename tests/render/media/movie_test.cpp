@@ -1,5 +1,5 @@
 // Movies of 48 x 32 pixels and six frames: three red and blue ones, three green ones.
-#include "render/image/movie.h"
+#include "render/media/movie.h"
 
 #include "render/media/sample_reader.h"
 

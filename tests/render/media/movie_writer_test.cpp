@@ -1,6 +1,6 @@
-#include "render/image/movie_writer.h"
+#include "render/media/movie_writer.h"
 
-#include "render/image/movie.h"
+#include "render/media/movie.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "render/image/movie.h"
+#include "render/media/movie.h"
 
 #include "render/image/image_codecs.h"
 #include "render/media/media_input.h"

@@ -43,7 +43,4 @@ class Movie {
   std::unique_ptr<State> state_;
 };
 
-/// Reports whether the bytes start like a movie in a known container.
-[[nodiscard]] bool is_movie(std::span<const std::byte> bytes);
-
 }  // namespace gs::render

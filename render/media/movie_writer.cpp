@@ -1,4 +1,4 @@
-#include "render/image/movie_writer.h"
+#include "render/media/movie_writer.h"
 
 #include "render/media/libav.h"
 
