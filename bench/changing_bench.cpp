@@ -37,7 +37,7 @@ struct Times {
 void run(std::size_t side, int frames, bool beside, bool picks) {
   app::OpenedWorld opened;
   opened.scene = std::make_unique<vrml::SceneGraph>("changing.wrl");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nShape { geometry IndexedFaceSet { creaseAngle 3 coord DEF C Coordinate { } } }",
                     *opened.scene, diagnostics);
   vrml::SceneGraph& scene = *opened.scene;

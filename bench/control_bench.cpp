@@ -66,7 +66,7 @@ struct Controlled {
       : session({{}, {}, {}, true}, {}, [] {}), control(channel, wake) {
     OpenedWorld world;
     world.scene = std::make_unique<vrml::SceneGraph>("bench.wrl");
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     (void)vrml::parse("#VRML V2.0 utf8\n" + text, *world.scene, diagnostics);
     document = hold_world(std::move(world));
     begin_world(*document, now);

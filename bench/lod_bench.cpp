@@ -88,7 +88,7 @@ bool for_each_triangle(int n, float width, const qnv::TriangleSink& sink) {
 
 // Returns the area in faces of the surrounding cube.
 double faces_of(int n, float width) {
-  qnv::Box box;
+  Box box;
   double area = 0;
   (void)for_each_triangle(n, width, [&](std::span<const qnv::Triangle> triangles) {
     for (const qnv::Triangle& t : triangles) {
@@ -147,7 +147,7 @@ int make_stream(const std::string& path, double vectors) {
 
 /// Returns a view on the flight from far away to close above the ground, one and a half times around, looking down and
 /// ahead.
-qnv::LodView view_at(double t, const qnv::Box& box) {
+qnv::LodView view_at(double t, const Box& box) {
   const float width = box.size().y / box.size().x;
   const double angle = 9.4 * t;
   const glm::vec3 direction = glm::normalize(glm::vec3(std::cos(angle), std::sin(angle), 0.3 + 0.4 * std::sin(3 * t)));

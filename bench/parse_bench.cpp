@@ -4,8 +4,8 @@
 // parser with 64 KiB at a time. Prints medians. Peak memory is that of child processes that only parse: `peak` reads
 // the file into memory and parses it whole, `streamed` reads and parses 64 KiB at a time.
 
+#include "base/diagnostic.h"
 #include "bench/bare_loop.h"
-#include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"
 
@@ -54,7 +54,7 @@ struct Parsed {
 
 Parsed parse_whole(std::string_view text) {
   Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   vrml::parse(text, *parsed.scene, diagnostics);
   parsed.errors = diagnostics.errors();
   return parsed;
@@ -62,7 +62,7 @@ Parsed parse_whole(std::string_view text) {
 
 Parsed parse_pieces(std::string_view text) {
   Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   vrml::Parser parser(*parsed.scene, diagnostics);
   for (std::size_t i = 0; i < text.size(); i += kPiece) parser.push(text.substr(i, kPiece));
   parser.finish();
@@ -73,7 +73,7 @@ Parsed parse_pieces(std::string_view text) {
 /// Parses a file without holding its whole text.
 Parsed parse_streamed(const std::string& path) {
   Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   vrml::Parser parser(*parsed.scene, diagnostics);
   std::ifstream in(path, std::ios::binary);
   std::vector<char> piece(kPiece);

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
             n + ".fraction ROUTE S" + n + ".moved TO T" + n + ".translation\n";
   }
   vrml::SceneGraph scene("bench.wrl");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse(text, scene, diagnostics);
   vrml::Execution execution(scene);
   const long before = peak_kib();

@@ -6,7 +6,7 @@
 // shader unpacks, each until glFinish. Prints medians and minima as a Markdown table: splats per second, of all and of
 // those in view. A first round, which uploads and compiles, is not counted.
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "qnv/codecs/records/record.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
@@ -78,7 +78,7 @@ float sum_of(const qnv::Cloud& cloud, unsigned threads) {
     for (const float lane : lanes) all += lane;
     return all;
   };
-  qnv::parallel_for(
+  parallel_for(
       sums.size(),
       [&](std::size_t part) {
         const std::size_t first = part * kPart, count = std::min(kPart, cloud.size() - first);

@@ -18,7 +18,7 @@ Studio::Studio() {
   if (auto* renderer = std::get_if<std::unique_ptr<render::Renderer>>(&created)) renderer_ = std::move(*renderer);
 }
 
-std::vector<render::Image> Studio::pictures(const render::RenderList& list, const render::WorldBounds& bounds,
+std::vector<render::Image> Studio::pictures(const render::RenderList& list, const WideBox& bounds,
                                             std::span<const View> views) {
   constexpr float kFieldOfView = 0.785398f;
   std::vector<render::Image> out;

@@ -26,7 +26,7 @@ class Studio {
   /// Returns false if no picture can be drawn.
   [[nodiscard]] bool good() const { return renderer_ != nullptr; }
   /// Returns one picture per view of an object with these bounds, or fewer if drawing failed.
-  [[nodiscard]] std::vector<render::Image> pictures(const render::RenderList& list, const render::WorldBounds& bounds,
+  [[nodiscard]] std::vector<render::Image> pictures(const render::RenderList& list, const WideBox& bounds,
                                                     std::span<const View> views);
 
  private:

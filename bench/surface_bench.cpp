@@ -75,7 +75,7 @@ class Bench {
   Bench(qnv::Cloud patches, qnv::Cloud arrays, int frames, std::string only) : frames_(frames), only_(std::move(only)) {
     patches_ = std::make_shared<const qnv::Cloud>(std::move(patches));
     arrays_ = std::make_shared<const qnv::Cloud>(std::move(arrays));
-    const qnv::Box box = patches_->patches->box();
+    const Box box = patches_->patches->box();
     bounds_.add(box.lower);
     bounds_.add(box.upper);
     auto opened = render::open_headless_context("osmesa");
@@ -196,7 +196,7 @@ class Bench {
   int frames_;
   std::string only_;
   std::shared_ptr<const qnv::Cloud> patches_, arrays_;
-  vrml::Bounds bounds_;
+  Box bounds_;
   std::unique_ptr<render::GlContext> context_;
   std::unique_ptr<render::Renderer> renderer_;
 };

@@ -112,7 +112,7 @@ class Painter {
   [[nodiscard]] std::vector<render::Image> pictures(const qnv::Cloud& cloud) const {
     std::vector<render::Image> out;
     const render::VolumeModel model = render::volume_model(cloud);
-    const vrml::Bounds bounds{about_.box.lower, about_.box.upper};
+    const Box bounds{about_.box.lower, about_.box.upper};
     for (const auto& [azimuth, elevation] : kViews) {
       constexpr float kFieldOfView = 0.785398f;
       const render::Camera camera = render::fit_depth(

@@ -13,7 +13,7 @@ inline void read_world(const char* path, vrml::SceneGraph& scene) {
   std::ifstream file(path, std::ios::binary);
   std::stringstream text;
   text << file.rdbuf();
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse(text.str(), scene, diagnostics);
 }
 

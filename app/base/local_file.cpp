@@ -1,5 +1,5 @@
 #include "app/base/local_file.h"
-#include "app/base/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -67,7 +67,7 @@ class AnimatedWorld {
     if (!show_) {
       show_ = std::make_unique<VolumeShow>();
       if (auto problem = show_->prepare(options_.volume, file_, shown, simulation_->world().color_key,
-                                        std::make_shared<vrml::Budget>(options_.limits)))
+                                        std::make_shared<Budget>(options_.limits)))
         return std::move(*problem);
     }
     show_->apply(scene);
@@ -133,7 +133,7 @@ int run_animate(const AnimateCommand& given_options) {
     return fail_unless_told(*problem);
   world.run(series ? 0 : steps.front().time);
   render::Camera camera = world.own_camera();
-  const render::WorldBounds bounds = world.list().bounds;
+  const WideBox bounds = world.list().bounds;
   const glm::dvec3 center = bounds.empty() ? glm::dvec3(0) : glm::dvec3(bounds.center()), up = world.up();
   auto tour = tour_of(options, world.list());
   if (auto* problem = std::get_if<std::string>(&tour)) return fail(*problem);

@@ -1,10 +1,10 @@
 #include "app/commands/check.h"
 
 #include "app/base/console.h"
-#include "app/base/fact.h"
 #include "app/commands/common/shared.h"
 #include "app/script/script_runner.h"
 #include "app/world/world_loader.h"
+#include "base/json_value.h"
 
 namespace gs::app {
 
@@ -16,7 +16,7 @@ int run_check(const CheckCommand& options) {
     load.references = false;
     OpenedWorld world = load_world(file, load);
     if (options.scripts && world.scene) check_programs(*world.scene, world.diagnostics);
-    for (const vrml::Diagnostic& diagnostic : world.diagnostics.entries()) print_line("%s", diagnostic.text().c_str());
+    for (const Diagnostic& diagnostic : world.diagnostics.entries()) print_line("%s", diagnostic.text().c_str());
     if (world.diagnostics.dropped() > 0)
       print_line("%s: note: %zu more diagnostics", file.c_str(), world.diagnostics.dropped());
     bytes += world.bytes;
@@ -26,12 +26,12 @@ int run_check(const CheckCommand& options) {
     if (world.scene) nodes += world.scene->node_count();
   }
   if (!options.stats.empty()) {
-    const Fact stats = Fact::named({{"bytes", bytes},
-                                    {"parse_s", seconds},
-                                    {"nodes", nodes},
-                                    {"peak_rss_bytes", peak_memory()},
-                                    {"errors", errors},
-                                    {"warnings", warnings}});
+    const JsonValue stats = JsonValue::named({{"bytes", bytes},
+                                              {"parse_s", seconds},
+                                              {"nodes", nodes},
+                                              {"peak_rss_bytes", peak_memory()},
+                                              {"errors", errors},
+                                              {"warnings", warnings}});
     if (const int status = write_stats(options.stats, stats.json()); status != kDone) return status;
   }
   return errors > 0 ? kFailed : kDone;

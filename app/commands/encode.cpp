@@ -1,10 +1,10 @@
 #include "app/commands/encode.h"
 
 #include "app/base/console.h"
-#include "app/base/fact.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
+#include "base/json_value.h"
 #include "net/files/file.h"
 #include "qnv/container/container.h"
 
@@ -60,11 +60,11 @@ int run_encode(const EncodeCommand& options) {
   const auto vectors = static_cast<double>(stream.header.vectors);
   const double bits = vectors > 0 ? static_cast<double>(stream.bytes.size()) * 8 / vectors : 0;
   if (options.json) {
-    const Fact facts = Fact::named({{"file", out},
-                                    {"vectors", stream.header.vectors},
-                                    {"bytes", stream.bytes.size()},
-                                    {"bits_per_vector", bits},
-                                    {"seconds", seconds}});
+    const JsonValue facts = JsonValue::named({{"file", out},
+                                              {"vectors", stream.header.vectors},
+                                              {"bytes", stream.bytes.size()},
+                                              {"bits_per_vector", bits},
+                                              {"seconds", seconds}});
     print_text(facts.json());
   } else {
     print_line("%s: %llu vectors, %zu bytes, %.2f bits/vector, %.2f s", out.c_str(),

@@ -1,6 +1,4 @@
 #include "app/base/console.h"
-#include "app/base/fact.h"
-#include "app/base/gunzip.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
@@ -9,6 +7,8 @@
 #include "app/encode/surface_triangles.h"
 #include "app/formats/export/outline_text.h"
 #include "app/formats/export/vrml_text.h"
+#include "base/gzip.h"
+#include "base/json_value.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/codecs/encode.h"
@@ -36,10 +36,9 @@ std::variant<OutlineModel, std::string> model_of(const EncodeCommand& options, c
                                                  ProgressBar& progress) {
   if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
     if (options.isovalue) return "is not a volume; --isovalue applies to volumes only";
-    const vrml::Budget budget(options.limits);
+    const Budget budget(options.limits);
     const std::uint64_t bytes = summarize_surface((*opened)->list).triangles * kOutlineTriangleBytes;
-    if (bytes > budget.left(vrml::Resource::meshes))
-      return "has triangles that need " + budget.refusal(vrml::Resource::meshes);
+    if (bytes > budget.left(Resource::meshes)) return "has triangles that need " + budget.refusal(Resource::meshes);
     return outline_model((*opened)->list, texture_urls((*opened)->world));
   }
   if (const auto* mesh = std::get_if<MeshStream>(&input.content))
@@ -69,16 +68,16 @@ void tell(const EncodeCommand& options, const qnv::OutlineGroups& groups, std::s
   for (const qnv::OutlineGroup& group : groups.groups) outlines += group.outline.size(), inner += group.inner.size();
   const qnv::OutlineCounts& counts = groups.counts;
   if (options.json) {
-    const Fact facts = Fact::named({{"file", options.files[1]},
-                                    {"source_polygons", counts.polygons},
-                                    {"groups", groups.groups.size()},
-                                    {"outline_polygons", outlines},
-                                    {"inner_polygons", inner},
-                                    {"invalid", counts.invalid},
-                                    {"degenerate", counts.degenerate},
-                                    {"duplicates", counts.duplicates},
-                                    {"bytes", bytes},
-                                    {"seconds", seconds}});
+    const JsonValue facts = JsonValue::named({{"file", options.files[1]},
+                                              {"source_polygons", counts.polygons},
+                                              {"groups", groups.groups.size()},
+                                              {"outline_polygons", outlines},
+                                              {"inner_polygons", inner},
+                                              {"invalid", counts.invalid},
+                                              {"degenerate", counts.degenerate},
+                                              {"duplicates", counts.duplicates},
+                                              {"bytes", bytes},
+                                              {"seconds", seconds}});
     print_text(facts.json());
     return;
   }
@@ -136,7 +135,7 @@ int encode_outlines(const EncodeCommand& options) {
     bytes = std::move(std::get<qnv::Encoding>(encoded).stream.bytes);
   } else {
     // A model with the axes of VRML97 needs no Viewpoint.
-    qnv::Box box;
+    Box box;
     for (const glm::vec3& position : model.model.positions) box.add(position);
     bytes = outline_world(groups, model.appearances, input->title,
                           upright == Upright{} ? std::string() : front_viewpoint(box, upright));

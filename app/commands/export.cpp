@@ -24,8 +24,7 @@ const ExportFormat* format_of(const ExportCommand& options) {
 }
 
 // Returns the first `count` vectors of the progressive order. A surface keeps its area.
-qnv::Cloud thinned(const qnv::Cloud& cloud, std::size_t count, const ConversionOptions& options,
-                   qnv::Progress& progress) {
+qnv::Cloud thinned(const qnv::Cloud& cloud, std::size_t count, const ConversionOptions& options, Progress& progress) {
   qnv::OrderOptions order_options;
   order_options.seed = options.seed;
   order_options.kind = cloud.description.kind;

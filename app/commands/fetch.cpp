@@ -1,11 +1,11 @@
 #include "app/commands/fetch.h"
 
 #include "app/base/console.h"
-#include "app/base/fact.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
 #include "app/streams/stream_feed.h"
 #include "app/world/world_loading.h"
+#include "base/json_value.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
 
@@ -53,24 +53,26 @@ void count(OpenedWorld& world, Report& report) {
     if (item.mesh) report.triangles += item.mesh->indices.size() / 3;
 }
 
-Fact facts_of(const std::string& url, const Report& report) {
-  Fact facts = Fact::named({{"url", net::url_for_messages(url)},
-                            {"bytes", report.bytes},
-                            {"seconds", report.seconds},
-                            {"vectors", report.vectors},
-                            {"triangles", report.triangles},
-                            {"first_picture_s", report.first_seconds < 0 ? Fact() : Fact(report.first_seconds)},
-                            {"first_picture_bytes", report.first_bytes},
-                            {"complete", report.complete}});
+JsonValue facts_of(const std::string& url, const Report& report) {
+  JsonValue facts =
+      JsonValue::named({{"url", net::url_for_messages(url)},
+                        {"bytes", report.bytes},
+                        {"seconds", report.seconds},
+                        {"vectors", report.vectors},
+                        {"triangles", report.triangles},
+                        {"first_picture_s", report.first_seconds < 0 ? JsonValue() : JsonValue(report.first_seconds)},
+                        {"first_picture_bytes", report.first_bytes},
+                        {"complete", report.complete}});
   if (report.is_cells)
-    facts.put("cells", Fact::named({{"datagrams", report.cells.datagrams},
-                                    {"lost_datagrams", report.cells.lost},
-                                    {"parity_datagrams", report.cells.parity},
-                                    {"rebuilt_datagrams", report.cells.rebuilt},
-                                    {"damaged_pdus", report.cells.damaged_pdus},
-                                    {"granted_bit_s", report.cells.granted},
-                                    {"rate_bit_s", report.cells.server_rate},
-                                    {"round_trip_ms", static_cast<double>(report.cells.round_trip.count()) / 1000}}));
+    facts.put("cells",
+              JsonValue::named({{"datagrams", report.cells.datagrams},
+                                {"lost_datagrams", report.cells.lost},
+                                {"parity_datagrams", report.cells.parity},
+                                {"rebuilt_datagrams", report.cells.rebuilt},
+                                {"damaged_pdus", report.cells.damaged_pdus},
+                                {"granted_bit_s", report.cells.granted},
+                                {"rate_bit_s", report.cells.server_rate},
+                                {"round_trip_ms", static_cast<double>(report.cells.round_trip.count()) / 1000}}));
   return facts;
 }
 

@@ -1,12 +1,12 @@
 #include "app/commands/info.h"
 
 #include "app/base/console.h"
-#include "app/base/fact.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"
+#include "base/json_value.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/codecs/displaced/surface.h"
@@ -29,14 +29,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-Fact fact_of(const glm::dvec3& p) { return Fact::list({p.x, p.y, p.z}); }
+JsonValue fact_of(const glm::dvec3& p) { return JsonValue::list({p.x, p.y, p.z}); }
 
-void put_box(Fact& facts, const glm::dvec3& lower, const glm::dvec3& upper) {
-  if (lower.x <= upper.x) facts.put("box", Fact::named({{"lower", fact_of(lower)}, {"upper", fact_of(upper)}}));
+void put_box(JsonValue& facts, const glm::dvec3& lower, const glm::dvec3& upper) {
+  if (lower.x <= upper.x) facts.put("box", JsonValue::named({{"lower", fact_of(lower)}, {"upper", fact_of(upper)}}));
 }
 
-void put_metadata(Fact& facts, const std::vector<std::pair<std::string, std::string>>& metadata) {
-  Fact all = Fact::named();
+void put_metadata(JsonValue& facts, const std::vector<std::pair<std::string, std::string>>& metadata) {
+  JsonValue all = JsonValue::named();
   for (const auto& [key, value] : metadata) all.put(key, value);
   if (!all.empty()) facts.put("metadata", std::move(all));
 }
@@ -49,7 +49,7 @@ std::string written(const qnv::Rgb8& color) {
   return text;
 }
 
-void put_cloud(Fact& facts, const qnv::Cloud& cloud) {
+void put_cloud(JsonValue& facts, const qnv::Cloud& cloud) {
   const qnv::Description& d = cloud.description;
   const bool volume = d.kind == qnv::Kind::volume;
   facts.put("kind", volume ? "volume" : "surface");
@@ -57,7 +57,7 @@ void put_cloud(Fact& facts, const qnv::Cloud& cloud) {
   facts.put(volume ? "magnitude" : "area", d.total);
   if (volume) {
     facts.put("spacing", d.spacing);
-    facts.put("values", Fact::list({d.value_range.first, d.value_range.second}));
+    facts.put("values", JsonValue::list({d.value_range.first, d.value_range.second}));
     facts.put("transfer_points", d.transfer.size());
   } else {
     facts.put("two_sided", d.two_sided);
@@ -104,7 +104,7 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
   return levels;
 }
 
-void put_levels(Fact& facts, const qnv::StreamHeader& header, const qnv::Cloud& cloud,
+void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Cloud& cloud,
                 std::span<const std::byte> bytes) {
   const bool voxels = header.payload == qnv::Payload::voxels, octree = voxels || header.payload == qnv::Payload::packed;
   const bool layers = header.payload == qnv::Payload::records;
@@ -119,16 +119,16 @@ void put_levels(Fact& facts, const qnv::StreamHeader& header, const qnv::Cloud& 
   if (octree)
     for (const qnv::Cell& cell : cloud.cells)
       if (voxels || cell.edge > 0) ++levels[level_of(cell)].vectors;
-  Fact list = Fact::list();
+  JsonValue list = JsonValue::list();
   for (const auto& [level, l] : levels) {
-    Fact fact = Fact::named({{layers ? "layer" : "level", level}, {"chunks", l.chunks}, {"bytes", l.bytes}});
+    JsonValue fact = JsonValue::named({{layers ? "layer" : "level", level}, {"chunks", l.chunks}, {"bytes", l.bytes}});
     if (octree || layers) fact.put(octree ? "shown" : "vectors", l.vectors);
     list.add(std::move(fact));
   }
   facts.put("levels", std::move(list));
 }
 
-bool describe_outlines(Fact& facts, std::span<const std::byte> bytes, const std::string& path, const vrml::Budget&) {
+bool describe_outlines(JsonValue& facts, std::span<const std::byte> bytes, const std::string& path, const Budget&) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   qnv::OutlineDecoder decoder;
   for (auto rest = bytes; !rest.empty(); rest = rest.subspan(std::min(kPiece, rest.size()))) {
@@ -137,7 +137,7 @@ bool describe_outlines(Fact& facts, std::span<const std::byte> bytes, const std:
   }
   decoder.finish();
   const qnv::StreamHeader* header = decoder.header();
-  Fact problems = Fact::list();
+  JsonValue problems = JsonValue::list();
   for (const qnv::StreamProblem& problem : decoder.problems()) {
     const std::string text = "byte " + std::to_string(problem.offset) + ": " + problem.message;
     problems.add(text);
@@ -161,12 +161,12 @@ bool describe_outlines(Fact& facts, std::span<const std::byte> bytes, const std:
   return true;
 }
 
-bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::string& path,
-                     const vrml::Budget& budget) {
+bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const std::string& path,
+                     const Budget& budget) {
   qnv::StreamDecoder decoder(most_decoded_vectors(budget));
   (void)decoder.push(bytes);
   decoder.finish();
-  Fact problems = Fact::list();
+  JsonValue problems = JsonValue::list();
   for (const qnv::StreamProblem& problem : decoder.problems())
     problems.add("byte " + std::to_string(problem.offset) + ": " + problem.message);
   const qnv::StreamHeader* header = decoder.header();
@@ -178,7 +178,7 @@ bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::s
   }
   if (decoder.full())
     complain("%s: error: vectors need %s; finer ones are not counted", path.c_str(),
-             budget.refusal(vrml::Resource::vectors).c_str());
+             budget.refusal(Resource::vectors).c_str());
   const qnv::Cloud cloud = decoder.cloud();
   facts.put("payload", std::string(qnv::row_of(header->payload).name));
   put_cloud(facts, cloud);
@@ -189,7 +189,7 @@ bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::s
   facts.put("damaged_chunks", decoder.refused_chunks() + decoder.problems().size());
   const qnv::MeshProgress mesh = decoder.mesh();
   if (mesh.bytes > 0) {
-    Fact tail = Fact::named({{"bytes", mesh.bytes}, {"come", mesh.received}});
+    JsonValue tail = JsonValue::named({{"bytes", mesh.bytes}, {"come", mesh.received}});
     if (mesh.whole) {
       tail.put("bits", mesh.bits);
       tail.put("triangles", cloud.triangles.size() / 3);
@@ -198,17 +198,17 @@ bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::s
       tail.put("triangles_come", mesh.triangles);
     }
     if (mesh.texture_bytes > 0)
-      tail.put("picture", Fact::named({{"bytes", mesh.texture_bytes}, {"come", mesh.texture_received}}));
+      tail.put("picture", JsonValue::named({{"bytes", mesh.texture_bytes}, {"come", mesh.texture_received}}));
     facts.put("exact", std::move(tail));
   }
   if (mesh.growing)
-    facts.put("progressive", Fact::named({{"bits", mesh.bits},
-                                          {"vertices", mesh.vertices},
-                                          {"triangles", cloud.triangles.size() / 3},
-                                          {"whole", mesh.final}}));
+    facts.put("progressive", JsonValue::named({{"bits", mesh.bits},
+                                               {"vertices", mesh.vertices},
+                                               {"triangles", cloud.triangles.size() / 3},
+                                               {"whole", mesh.final}}));
   if (header->payload == qnv::Payload::voxels) {
     const auto& [x, y, z] = header->lattice.dimensions;
-    facts.put("dimensions", Fact::list({x, y, z}));
+    facts.put("dimensions", JsonValue::list({x, y, z}));
   }
   put_levels(facts, *header, cloud, bytes);
   put_metadata(facts, header->description.metadata);
@@ -221,11 +221,11 @@ const char* name_of(qnv::VoxelType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
-void describe_volume(Fact& facts, const qnv::VolumeSource& volume, Clock::time_point deadline) {
+void describe_volume(JsonValue& facts, const qnv::VolumeSource& volume, Clock::time_point deadline) {
   const qnv::VolumeLayout& layout = volume.layout;
-  facts.put("dimensions", Fact::list({layout.dimensions[0], layout.dimensions[1], layout.dimensions[2]}));
+  facts.put("dimensions", JsonValue::list({layout.dimensions[0], layout.dimensions[1], layout.dimensions[2]}));
   facts.put("type_of_voxels", std::string(name_of(layout.type)) + (layout.big_endian ? "be" : ""));
-  facts.put("axes", Fact::list({fact_of(layout.axes[0]), fact_of(layout.axes[1]), fact_of(layout.axes[2])}));
+  facts.put("axes", JsonValue::list({fact_of(layout.axes[0]), fact_of(layout.axes[1]), fact_of(layout.axes[2])}));
   facts.put("origin", fact_of(layout.base + layout.origin));
   float least = std::numeric_limits<float>::infinity(), most = -least;
   std::uint64_t missing = 0, seen = 0;
@@ -240,20 +240,20 @@ void describe_volume(Fact& facts, const qnv::VolumeSource& volume, Clock::time_p
     }
     seen += values.size();
   }
-  if (least <= most) facts.put("values", Fact::list({least, most}));
+  if (least <= most) facts.put("values", JsonValue::list({least, most}));
   if (missing > 0) facts.put("missing_voxels", missing);
   if (qnv::check(layout) || seen < qnv::voxel_count(layout)) facts.put("voxels_read", seen);
   put_metadata(facts, layout.metadata);
 }
 
-void put_notes(Fact& facts, const vrml::Diagnostics& diagnostics) {
-  Fact notes = Fact::list();
-  for (const vrml::Diagnostic& one : diagnostics.entries())
-    if (one.severity == vrml::Severity::note) notes.add(one.message);
+void put_notes(JsonValue& facts, const Diagnostics& diagnostics) {
+  JsonValue notes = JsonValue::list();
+  for (const Diagnostic& one : diagnostics.entries())
+    if (one.severity == Severity::note) notes.add(one.message);
   if (!notes.empty()) facts.put("notes", std::move(notes));
 }
 
-void describe_world(Fact& facts, const OpenedSurface& opened) {
+void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
   const OpenedWorld& world = opened.world;
   std::size_t vectors = 0;
@@ -285,12 +285,11 @@ int run_info(const InfoCommand& options) {
   auto mapped = net::map_file(local);
   if (const auto* problem = std::get_if<net::FileError>(&mapped)) return fail(problem->message);
   auto bytes = std::get<net::MappedFile>(mapped).bytes();
-  Fact facts = Fact::named({{"file", path}, {"type", ""}, {"bytes", bytes.size()}});
+  JsonValue facts = JsonValue::named({{"file", path}, {"type", ""}, {"bytes", bytes.size()}});
   bytes = bytes.first(std::min(bytes.size(), options.max_bytes));
   if (const ContentType* type = content_type_by_mark(bytes); type && type->content == ContentClass::stream) {
     facts.put("type", type->name);
-    if (!(is_outline_stream(bytes) ? describe_outlines : describe_stream)(facts, bytes, path,
-                                                                          vrml::Budget(options.limits)))
+    if (!(is_outline_stream(bytes) ? describe_outlines : describe_stream)(facts, bytes, path, Budget(options.limits)))
       return kFailed;
     if (const auto changed = std::get<net::MappedFile>(mapped).changed()) return fail(local + ": " + *changed);
   } else {

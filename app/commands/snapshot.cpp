@@ -1,5 +1,4 @@
 #include "app/base/console.h"
-#include "app/base/fact.h"
 #include "app/commands/common/picture_memory.h"
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/shared.h"
@@ -14,6 +13,7 @@
 #include "app/world/left_out.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
+#include "base/json_value.h"
 #include "net/files/file.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
@@ -65,10 +65,10 @@ double seconds_so_far() {
 }
 
 /// Adds the phases of the program so far; their sum is `total_s`.
-void add_phases(render::PhaseClock& phases, Fact& stats) {
-  phases.enter(render::Phase::other);
-  for (std::size_t i = 0; i < render::kPhaseNames.size(); ++i)
-    stats.put(std::string(render::kPhaseNames[i]) + "_s", phases.seconds(static_cast<render::Phase>(i)));
+void add_phases(PhaseClock& phases, JsonValue& stats) {
+  phases.enter(Phase::other);
+  for (std::size_t i = 0; i < kPhaseNames.size(); ++i)
+    stats.put(std::string(kPhaseNames[i]) + "_s", phases.seconds(static_cast<Phase>(i)));
   stats.put("total_s", phases.total());
 }
 
@@ -140,14 +140,13 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   use_universal_time();
   OpenCommand options = given_options;
   if (const auto problem = settle_size(options)) return fail(*problem);
-  using render::Phase;
   GivenPlace given = given_place(named);
   if (!given.problem.empty()) return fail(given.target + ": " + given.problem);
   if (const auto problem = settle_series(options, options.time, given.target)) return fail(*problem);
   const std::string& file = given.target;
   const Clock::time_point start = Clock::now();
-  render::PhaseClock phases(seconds_now, seconds_now() - seconds_so_far());
-  render::PhaseClock* const measured = options.stats.empty() ? nullptr : &phases;
+  PhaseClock phases(seconds_now, seconds_now() - seconds_so_far());
+  PhaseClock* const measured = options.stats.empty() ? nullptr : &phases;
   LoadOptions load = load_options(options);
   load.phases = measured;
   if (options.backend == "glfw")
@@ -198,7 +197,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
       simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
   if (options.display != render::DisplayMode::surface && !has_faces(list))
     complain("%s: warning: splats and volumes have no faces; --display has no effect", file.c_str());
-  vrml::Diagnostics left_out;
+  Diagnostics left_out;
   report_left_out(list, left_out);
   print_diagnostics(left_out);
 
@@ -219,7 +218,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   if (!options.stats.empty()) scene.over = [&](render::Image& band, int, const glm::ivec2&) { colors.add(band); };
   VolumeShow volume;
   if (const auto problem = volume.prepare(options.volume, file, list, simulation.world().color_key,
-                                          std::make_shared<vrml::Budget>(options.limits)))
+                                          std::make_shared<Budget>(options.limits)))
     return fail(*problem);
   volume.apply(scene);
   auto picture = paint_png(renderer, scene, options.picture, &statistics, [&](double) {
@@ -234,7 +233,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
     return fail_to_write(options.snapshot + ": " + problem->message);
 
   if (!options.stats.empty()) {
-    Fact stats;
+    JsonValue stats;
     add_phases(phases, stats);
     const Clock::time_point again = Clock::now();
     (void)paint_image(renderer, scene, options.picture);

@@ -32,7 +32,7 @@ bool plan_input(const SimulationOptions& options, Simulation& simulation) {
     return false;
   }
   const auto bytes = std::get<net::MappedFile>(opened).bytes();
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const auto rows =
       read_input_rows({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, options.input, diagnostics);
   (void)simulation.plan(rows, options.input, diagnostics);

@@ -107,7 +107,7 @@ class ValueReader {
   bool read_image(vrml::PixelImage& value) {
     if (json_.kind() != JsonKind::list) return expected("a list of width, height, components and pixels");
     json_.open();
-    vrml::Array<std::uint32_t> words;
+    Array<std::uint32_t> words;
     double most = 4294967295.0;
     std::uint64_t pixels = 0;
     for (std::size_t i = 0; json_.more(); ++i) {
@@ -130,10 +130,10 @@ class ValueReader {
     return true;
   }
   template <class T>
-  bool read_list(vrml::Array<T>& value) {
+  bool read_list(Array<T>& value) {
     if (json_.kind() != JsonKind::list) return expected("a list");
     json_.open();
-    vrml::Array<T> list;
+    Array<T> list;
     bool flat = false;
     while (json_.more()) {
       T one{};
@@ -184,7 +184,7 @@ struct ValueWriter {
     out += ']';
   }
   template <class T>
-  void operator()(const vrml::Array<T>& value) const {
+  void operator()(const Array<T>& value) const {
     list(value);
   }
   template <class T>

@@ -103,17 +103,17 @@ bool create_from_string(ServiceCall& call) {
   const auto text = call.text(0);
   if (!text) return false;
   vrml::SceneGraph& scene = *call.document->world.scene;
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const vrml::RunTimeNodes made =
       call.document->runtime->programs().create(scene, "control", *text, diagnostics, &scene);
   std::string messages = "[";
-  for (const vrml::Diagnostic& one : diagnostics.entries()) {
+  for (const Diagnostic& one : diagnostics.entries()) {
     if (messages.size() > 1) messages += ',';
     append_json_string(messages, one.text());
   }
   if (made.outcome == vrml::ParseOutcome::refused) {
     call.problem = "not VRML97 text";
-    for (const vrml::Diagnostic& one : diagnostics.entries()) {
+    for (const Diagnostic& one : diagnostics.entries()) {
       call.problem += ": " + one.text();
       break;
     }

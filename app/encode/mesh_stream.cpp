@@ -4,8 +4,8 @@
 #include "app/formats/common/ply_source.h"
 #include "app/formats/common/ply_table.h"
 #include "app/formats/mesh/stl_binary.h"
+#include "base/finite.h"
 #include "qnv/base/cloud.h"
-#include "qnv/base/finite.h"
 
 #include <algorithm>
 #include <array>
@@ -184,9 +184,9 @@ std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable 
   MeshStream stream;
   stream.faces = std::min<std::uint64_t>(faces.count, data.size() / least);
   const auto rows = std::make_shared<const VertexRows<big>>(std::move(table), *places);
-  qnv::WideBox box;
+  WideBox box;
   for (std::size_t i = 0; i < rows->size(); ++i)
-    if (const glm::dvec3 p = rows->place(i); qnv::finite(p)) box.add(p);
+    if (const glm::dvec3 p = rows->place(i); finite(p)) box.add(p);
   if (!box.empty()) stream.size = glm::vec3(box.upper - box.lower);
   // float32 coordinates gain nothing from another origin.
   if (rows->wide()) stream.origin = qnv::local_origin(box);

@@ -1,5 +1,5 @@
 #include "app/encode/surface_triangles.h"
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -15,7 +15,6 @@
 namespace gs::app {
 namespace {
 
-using qnv::finite;
 
 constexpr std::size_t kTriangleBatch = 4096;
 // Edges of textured triangles are halved down to this length in texels, but at most kMostDivisions times.

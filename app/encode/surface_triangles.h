@@ -33,7 +33,7 @@ void for_each_whole_triangle(const render::RenderList& list, const WholeTriangle
 
 /// Summary of the triangles that for_each_triangle will send.
 struct SurfaceSummary {
-  qnv::WideBox box;           // bounds of the used corners
+  WideBox box;                // bounds of the used corners
   std::size_t triangles = 0;  // number before subdivision
   bool two_sided = false;     // some mesh is visible from behind, too
   bool textured = false;

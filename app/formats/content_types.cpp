@@ -1,7 +1,5 @@
 #include "app/formats/content_types.h"
 
-#include "app/base/gunzip.h"
-#include "app/base/text.h"
 #include "app/formats/gltf/gltf.h"
 #include "app/formats/mesh/avs_geometry.h"
 #include "app/formats/mesh/obj.h"
@@ -13,6 +11,8 @@
 #include "app/formats/mesh/vtk_legacy.h"
 #include "app/formats/mesh/vtp.h"
 #include "app/formats/volume/volume.h"
+#include "base/gzip.h"
+#include "base/text.h"
 #include "qnv/codecs/payloads.h"
 
 #include <algorithm>
@@ -55,9 +55,9 @@ bool is_ucd_text(Bytes bytes) {
   return false;
 }
 
-using ImportMesh = void (*)(Bytes, vrml::SceneGraph&, vrml::Diagnostics&);
+using ImportMesh = void (*)(Bytes, vrml::SceneGraph&, Diagnostics&);
 template <ImportMesh import_mesh>
-void alone(Bytes bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics, const ReadFile&) {
+void alone(Bytes bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics, const ReadFile&) {
   import_mesh(bytes, scene, diagnostics);
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "app/base/read_file.h"
-#include "app/base/world_budget.h"
 #include "app/formats/common/upright.h"
 #include "app/formats/splats/splats.h"
-#include "vrml/scene/diagnostic.h"
+#include "base/budget.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -34,7 +34,7 @@ struct ContentType {
   bool (*sniff)(std::span<const std::byte> bytes);  // by the first bytes; null if only the name decides
   ContentClass content = ContentClass::vrml;
   /// ContentClass::mesh: bytes to nodes.
-  void (*import)(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
+  void (*import)(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics,
                  const ReadFile& read_file) = nullptr;
   /// ContentClass::cloud: bytes to vectors.
   ImportedCloud (*import_cloud)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;

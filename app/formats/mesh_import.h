@@ -1,8 +1,8 @@
 #pragma once
 
-#include "app/base/world_budget.h"
 #include "app/formats/content_types.h"
-#include "vrml/scene/diagnostic.h"
+#include "base/budget.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -16,8 +16,7 @@ namespace gs::app {
 /// `read_file` provides material and buffer files. Returns null if there is nothing to show; the diagnostics say why.
 /// Safe for untrusted input; memory is charged to `budget`.
 [[nodiscard]] std::unique_ptr<vrml::SceneGraph> import_mesh(const ContentType& type, const std::string& path,
-                                                            std::span<const std::byte> bytes,
-                                                            vrml::Diagnostics& diagnostics, const ReadFile& read_file,
-                                                            const WorldBudget& budget);
+                                                            std::span<const std::byte> bytes, Diagnostics& diagnostics,
+                                                            const ReadFile& read_file, const WorldBudget& budget);
 
 }  // namespace gs::app

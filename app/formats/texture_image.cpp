@@ -19,37 +19,37 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 }  // namespace
 
 render::ImageLimits texture_limits(const WorldBudget& budget) {
-  const vrml::Limits& limits = budget->limits();
-  const std::uint64_t left = budget->left(vrml::Resource::pixels) / 2 / kMostPixelBytes;
+  const Limits& limits = budget->limits();
+  const std::uint64_t left = budget->left(Resource::pixels) / 2 / kMostPixelBytes;
   render::ImageLimits image_limits;
   image_limits.file_pixels = limits.image_pixels;
   image_limits.kept_pixels = static_cast<std::size_t>(std::min<std::uint64_t>(limits.texture_pixels, left));
-  image_limits.working_bytes = static_cast<std::size_t>(budget->left(vrml::Resource::pixels) / 2);
+  image_limits.working_bytes = static_cast<std::size_t>(budget->left(Resource::pixels) / 2);
   image_limits.stopped = [budget] { return budget->stopped(); };
   return image_limits;
 }
 
 std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes, const WorldBudget& budget) {
   const render::ImageLimits image_limits = texture_limits(budget);
-  if (image_limits.kept_pixels < kFewestPixels) return render::ImageError{budget->refusal(vrml::Resource::pixels)};
+  if (image_limits.kept_pixels < kFewestPixels) return render::ImageError{budget->refusal(Resource::pixels)};
   auto decoded = render::decode_image(bytes, image_limits);
   if (auto* error = std::get_if<render::ImageError>(&decoded)) return std::move(*error);
   struct Held {
     render::Image image;
-    vrml::Share share;
+    Share share;
   };
-  auto held = std::make_shared<Held>(
-      Held{std::move(std::get<render::Image>(decoded)), vrml::Share(budget, vrml::Resource::pixels)});
+  auto held =
+      std::make_shared<Held>(Held{std::move(std::get<render::Image>(decoded)), Share(budget, Resource::pixels)});
   const render::Image& image = held->image;
   const std::uint64_t cost = image.pixels.size() + kCopyBytes * image.width * image.height;
-  if (!held->share.grow(cost)) return render::ImageError{budget->refusal(vrml::Resource::pixels)};
+  if (!held->share.grow(cost)) return render::ImageError{budget->refusal(Resource::pixels)};
   Texture texture;
   if (image.reduction > 1)
     texture.note =
         "is shown as " + size_of(image.width, image.height) + " pixels, " + std::to_string(image.reduction) +
         " times smaller in each direction: " +
         (image_limits.kept_pixels < budget->limits().texture_pixels
-             ? budget->refusal(vrml::Resource::pixels)
+             ? budget->refusal(Resource::pixels)
              : "more than the limit for one texture, " + std::to_string(budget->limits().texture_pixels) + " pixels");
   texture.image = {held, &held->image};
   return texture;

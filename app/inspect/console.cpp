@@ -7,8 +7,8 @@ namespace gs::app {
 namespace {
 
 // Converts a diagnostic of a program to a console line; nullopt for other diagnostics.
-std::optional<ProgramLine> line_of(const vrml::Diagnostic& one) {
-  if (one.severity == vrml::Severity::note && one.file == "print")
+std::optional<ProgramLine> line_of(const Diagnostic& one) {
+  if (one.severity == Severity::note && one.file == "print")
     return ProgramLine{ProgramLine::Kind::printed, {}, one.message};
   if (!one.message.starts_with("Script: ") &&
       !(one.message.starts_with("Script ") && one.message.find(": ") != std::string::npos))

@@ -139,7 +139,7 @@ struct Check {
     return why_not(rotation.angle, ranges.angle);
   }
   template <class T>
-  std::optional<std::string> operator()(const vrml::Array<T>& list) const {
+  std::optional<std::string> operator()(const Array<T>& list) const {
     if constexpr (requires(T one) { (*this)(one); })
       for (std::size_t i = 0; i < list.size(); ++i)
         if (auto why = (*this)(list[i])) return "element " + std::to_string(i + 1) + ": " + *why;

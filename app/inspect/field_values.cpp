@@ -1,6 +1,6 @@
 #include "app/inspect/field_values.h"
 
-#include "app/base/text.h"
+#include "base/text.h"
 #include "vrml/syntax/printer.h"
 
 #include <algorithm>

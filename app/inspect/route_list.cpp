@@ -1,6 +1,6 @@
 #include "app/inspect/route_list.h"
 
-#include "app/base/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 

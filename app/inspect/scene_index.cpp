@@ -30,7 +30,7 @@ void SceneIndex::begin() {
   entries_ = {};
   scenes_.clear();
   scene_numbers_.clear();
-  share_ = world_ ? vrml::Share(world_->scenes().root().budget(), vrml::Resource::nodes) : vrml::Share();
+  share_ = world_ ? Share(world_->scenes().root().budget(), Resource::nodes) : Share();
   way_.clear();
   depth_ = 0;
   walked_ = world_ == nullptr;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/inspect/node_children.h"
-#include "vrml/scene/budget.h"
+#include "base/budget.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -81,7 +81,7 @@ class SceneIndex {
   std::vector<Entry> entries_;
   std::vector<Scene> scenes_;
   std::unordered_map<const vrml::SceneGraph*, std::uint16_t> scene_numbers_;
-  vrml::Share share_;
+  Share share_;
   std::vector<Standing> way_;
   std::size_t depth_ = 0;  // used length of way_; its lists are reused
   bool walked_ = false, cut_short_ = false;

@@ -12,7 +12,7 @@
 
 namespace gs::app {
 
-render::WorldBounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes) {
+WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes) {
   // A PROTO instance is drawn as the node that implements it.
   std::vector<NodeAt> drawn;
   for (const NodeAt& node : nodes)
@@ -24,26 +24,26 @@ render::WorldBounds bounds_in(const render::RenderList& list, std::span<const No
   };
   std::size_t best = drawn.size();
   for (const render::Place& place : list.places) best = std::min(best, rank_of(place));
-  render::WorldBounds bounds;
+  WideBox bounds;
   if (best == drawn.size()) return bounds;
   std::vector<bool> inside(list.places.size());
   for (std::size_t i = 0; i < list.places.size(); ++i) {
     const render::Place& place = list.places[i];
     inside[i] = (place.parent < i && inside[place.parent]) || rank_of(place) == best;
   }
-  const auto add = [&](const render::WorldBounds& one) { bounds.add(one); };
+  const auto add = [&](const WideBox& one) { bounds.add(one); };
   for (const render::DrawItem& item : list.items)
     if (item.place < inside.size() && inside[item.place] && item.mesh && item.seen)
       add(render::world_bounds(item.mesh->bounds, item.world_from_node));
   for (const render::SplatItem& splat : list.splats)
     if (splat.place < inside.size() && inside[splat.place] && splat.cloud) {
-      const qnv::Box& box = splat.cloud->description.box;
+      const Box& box = splat.cloud->description.box;
       add(render::world_bounds({box.lower, box.upper}, splat.world_from_node));
     }
   return bounds;
 }
 
-std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose, const Viewport& viewport) {
+std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport) {
   std::vector<PixelLine> lines;
   if (box.empty()) return lines;
   const glm::dquat viewer_from_world = glm::conjugate(glm::dquat(pose.orientation));

@@ -19,13 +19,12 @@ namespace gs::app {
 
 /// Returns the world-space bounds of the first of `nodes` that is visible in a list, with all its USEs. Empty if none
 /// is visible. The time is proportional to the list.
-[[nodiscard]] render::WorldBounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes);
+[[nodiscard]] WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes);
 
 /// Line between two framebuffer pixels.
 using PixelLine = std::pair<glm::vec2, glm::vec2>;
 /// Projects the edges of a box into a viewport. Clips them to the front of the viewer, not to the viewport.
-[[nodiscard]] std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose,
-                                              const Viewport& viewport);
+[[nodiscard]] std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport);
 
 /// Bounds of the selected node, and its outline in the pictures.
 class SelectionMark {
@@ -33,7 +32,7 @@ class SelectionMark {
   /// Finds the bounds of a node in a view, at a rate that limits the time in large worlds. `now` is in seconds.
   void find_bounds(const NodeAt& node, const SceneIndex& index, const View& view, double now);
   /// Returns the bounds in world space. Empty if nothing of the node is visible.
-  [[nodiscard]] const render::WorldBounds& bounds() const { return bounds_; }
+  [[nodiscard]] const WideBox& bounds() const { return bounds_; }
   void forget_bounds() { bounds_ = {}; }
 
   /// Outline in framebuffer pixels, with the viewport that clips it.
@@ -49,7 +48,7 @@ class SelectionMark {
   void clear() { *this = {}; }
 
  private:
-  render::WorldBounds bounds_;
+  WideBox bounds_;
   NodeAt node_;     // node of `bounds_`
   double due_ = 0;  // time at which to find the bounds again
   std::vector<Outline> outlines_;

@@ -1,6 +1,6 @@
-#include "app/base/text.h"
 #include "app/interface/base/text_field.h"
 #include "app/interface/ui_state.h"
+#include "base/text.h"
 
 #include <imgui.h>
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "app/base/text.h"
 #include "app/interface/base/icons.h"
 #include "app/interface/base/interface_input.h"
 #include "app/interface/base/notices.h"
@@ -9,6 +8,7 @@
 #include "app/interface/dock_view.h"
 #include "app/interface/ui_overlay.h"
 #include "app/settings/user_folders.h"
+#include "base/text.h"
 
 #include <imgui.h>
 

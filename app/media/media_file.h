@@ -1,9 +1,8 @@
 #pragma once
 
-#include "app/base/world_budget.h"
+#include "base/budget.h"
 #include "net/files/file.h"
 #include "render/media/sample_reader.h"
-#include "vrml/scene/budget.h"
 
 #include <cstddef>
 #include <memory>
@@ -19,8 +18,8 @@ namespace gs::app {
 class MediaFile {
  public:
   /// Holds a file from the network. `held` is the budget share of the bytes.
-  MediaFile(std::vector<std::byte> bytes, vrml::Share held) : copy_(std::move(bytes)), held_(std::move(held)) {}
-  explicit MediaFile(net::MappedFile file, vrml::Share held) : held_(std::move(held)), file_(std::move(file)) {}
+  MediaFile(std::vector<std::byte> bytes, Share held) : copy_(std::move(bytes)), held_(std::move(held)) {}
+  explicit MediaFile(net::MappedFile file, Share held) : held_(std::move(held)), file_(std::move(file)) {}
   MediaFile(const MediaFile&) = delete;
   MediaFile& operator=(const MediaFile&) = delete;
 
@@ -31,7 +30,7 @@ class MediaFile {
 
  private:
   std::vector<std::byte> copy_;
-  vrml::Share held_;
+  Share held_;
   std::optional<net::MappedFile> file_;
 };
 

@@ -39,8 +39,8 @@ struct MoviePlayers::Player::Decoder {
   }
 };
 
-MoviePlayers::Player::Player(std::shared_ptr<const MediaFile> file, std::shared_ptr<render::Image> image,
-                             vrml::Share share, WorldBudget budget, std::shared_ptr<std::atomic<bool>> over)
+MoviePlayers::Player::Player(std::shared_ptr<const MediaFile> file, std::shared_ptr<render::Image> image, Share share,
+                             WorldBudget budget, std::shared_ptr<std::atomic<bool>> over)
     : file_(std::move(file)),
       image_(std::move(image)),
       share_(std::move(share)),
@@ -55,7 +55,7 @@ std::shared_ptr<MoviePlayers::Player> MoviePlayers::open(std::shared_ptr<const M
                                                          const render::Image& first, const WorldBudget& budget) {
   // Room for this picture, a ready one, one being decoded, and the decoder's reference pictures.
   constexpr std::size_t kPictures = 12;
-  vrml::Share share(budget, vrml::Resource::pixels);
+  Share share(budget, Resource::pixels);
   if (!share.grow(kPictures * first.pixels.size())) return nullptr;
   return std::make_shared<Player>(std::move(file), std::make_shared<render::Image>(first), std::move(share), budget,
                                   over_);

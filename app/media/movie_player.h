@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/base/world_budget.h"
 #include "app/media/media_file.h"
+#include "base/budget.h"
 #include "render/image/image.h"
 
 #include <atomic>
@@ -51,8 +51,8 @@ class MoviePlayers::Player {
   /// Reports whether anyone else, such as the renderer, holds the image.
   [[nodiscard]] bool shown() const { return image_.use_count() > kOwn; }
 
-  Player(std::shared_ptr<const MediaFile> file, std::shared_ptr<render::Image> image, vrml::Share share,
-         WorldBudget budget, std::shared_ptr<std::atomic<bool>> over);
+  Player(std::shared_ptr<const MediaFile> file, std::shared_ptr<render::Image> image, Share share, WorldBudget budget,
+         std::shared_ptr<std::atomic<bool>> over);
   ~Player();
 
  private:
@@ -62,7 +62,7 @@ class MoviePlayers::Player {
 
   std::shared_ptr<const MediaFile> file_;
   std::shared_ptr<render::Image> image_;
-  vrml::Share share_;
+  Share share_;
   WorldBudget budget_;
   double shown_time_ = 0;  // movie time of the picture in image_
   std::shared_ptr<std::atomic<bool>> over_;

@@ -41,7 +41,7 @@ std::variant<std::vector<std::byte>, std::string> paint_png(render::Renderer& re
                            request.transparent ? 4 : 3, request.dots_per_inch);
   double rows = 0;
   auto problem = paint(renderer, scene, request, statistics, [&](const render::Image& band) {
-    const render::PhaseScope phase(scene.phases, render::Phase::write);
+    const PhaseScope phase(scene.phases, Phase::write);
     writer.add(band);
     rows += band.height;
     return !go_on || go_on(rows / scene.draw.height);

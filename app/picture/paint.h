@@ -18,10 +18,10 @@ using DrawOver = std::function<void(render::Image& band, int top, const glm::ive
 struct PictureScene {
   const render::RenderList* list = nullptr;
   render::Camera camera;
-  render::DrawOptions draw;              // width and height are those of the whole picture
-  double unit = 1;                       // length of a metre in world units
-  DrawOver over;                         // null means no overlay
-  render::PhaseClock* phases = nullptr;  // clock for the phases; null means not measured
+  render::DrawOptions draw;      // width and height are those of the whole picture
+  double unit = 1;               // length of a metre in world units
+  DrawOver over;                 // null means no overlay
+  PhaseClock* phases = nullptr;  // clock for the phases; null means not measured
 };
 
 /// Draws a picture as PNG bytes, or returns an error message. `go_on` is called after each band of rows of a large

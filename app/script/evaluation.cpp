@@ -33,7 +33,7 @@ ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::No
   if (program->off) return no("the program of this Script is switched off after three faults");
   if (!program->runs || !program->global) return no("this Script has no running program");
   JSContext* const context = engine_.context();
-  const vrml::Limits& limits = execution_.scenes().root().limits();
+  const Limits& limits = execution_.scenes().root().limits();
   Evaluation result;
   Program* const outer = std::exchange(running_, program);
   if (!outer) clock_looks_ = 0;
@@ -49,7 +49,7 @@ ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::No
       result.failed = true;
       bool recursion = false;
       const bool thrown = turn.stop() == Stop::none && JS_IsExceptionPending(context);
-      const std::optional<vrml::Diagnostic> said = thrown ? take_exception(context, recursion) : std::nullopt;
+      const std::optional<Diagnostic> said = thrown ? take_exception(context, recursion) : std::nullopt;
       result.text = turn.stop() == Stop::memory ? "it exceeds the memory limit of programs"
                     : turn.stop() == Stop::time ? "it exceeded the time limit"
                     : said                      ? said->text()

@@ -31,10 +31,10 @@ double World::random() {
 void World::print(std::string text) {
   constexpr std::size_t kMostText = 4096;
   if (text.size() > kMostText) text.resize(kMostText);
-  tell({{vrml::Severity::note, "", {}, std::move(text)}, true});
+  tell({{Severity::note, "", {}, std::move(text)}, true});
 }
 
-void World::warn_once(std::string text) { report(vrml::Severity::warning, *running_, std::move(text)); }
+void World::warn_once(std::string text) { report(Severity::warning, *running_, std::move(text)); }
 
 // Drops requests when too many of them, or too much text, wait for the session.
 void World::request(ScriptRequest request) {
@@ -49,8 +49,7 @@ void World::request(ScriptRequest request) {
 
 std::string World::late_message(const Program& program) const {
   const vrml::Node& node = program.scene->node(program.id);
-  return vrml::Diagnostic{vrml::Severity::error, node.text->file_name(), node.location, label(program) + ": " + kLate}
-      .text();
+  return Diagnostic{Severity::error, node.text->file_name(), node.location, label(program) + ": " + kLate}.text();
 }
 
 }  // namespace gs::app::script

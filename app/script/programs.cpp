@@ -26,8 +26,7 @@ JSScript* compile(JSContext* context, const JS::CompileOptions& options, const s
 
 }  // namespace
 
-JSScript* compile_mended(JSContext* context, const std::string& text, const std::string& file,
-                         vrml::SourceLocation place) {
+JSScript* compile_mended(JSContext* context, const std::string& text, const std::string& file, SourceLocation place) {
   JS::CompileOptions options(context);
   options.setFileAndLine(file.c_str(), std::max(1U, place.line));
   options.setColumn(place.column > 0 ? place.column - 1 : 0);
@@ -44,7 +43,7 @@ JSScript* compile_mended(JSContext* context, const std::string& text, const std:
 }
 
 /// Clears the pending exception and returns its text. Returns nullopt if it has no text.
-std::optional<vrml::Diagnostic> take_exception(JSContext* context, bool& recursion) {
+std::optional<Diagnostic> take_exception(JSContext* context, bool& recursion) {
   JS::ExceptionStack stack(context);
   JS::ErrorReportBuilder builder(context);
   if (!JS::StealPendingExceptionStack(context, &stack) ||
@@ -53,7 +52,7 @@ std::optional<vrml::Diagnostic> take_exception(JSContext* context, bool& recursi
     return std::nullopt;
   }
   const JSErrorReport* const found = builder.report();
-  vrml::Diagnostic one{vrml::Severity::error, found && found->filename ? found->filename : std::string(), {}, {}};
+  Diagnostic one{Severity::error, found && found->filename ? found->filename : std::string(), {}, {}};
   if (found) one.location = {found->lineno, found->lineno == 0 ? 0 : std::max(1U, found->column)};
   one.message = builder.toStringResult() ? builder.toStringResult().c_str() : "the program failed";
   constexpr std::size_t kMostText = 400;
@@ -64,12 +63,12 @@ std::optional<vrml::Diagnostic> take_exception(JSContext* context, bool& recursi
 
 namespace {
 
-std::optional<vrml::Diagnostic> compile_problem(JSContext* context, const std::string& text, const std::string& file,
-                                                vrml::SourceLocation place) {
+std::optional<Diagnostic> compile_problem(JSContext* context, const std::string& text, const std::string& file,
+                                          SourceLocation place) {
   if (compile_mended(context, text, file, place)) return std::nullopt;
   bool recursion = false;
   auto problem = take_exception(context, recursion);
-  return problem ? problem : vrml::Diagnostic{vrml::Severity::error, file, place, "the program cannot be compiled"};
+  return problem ? problem : Diagnostic{Severity::error, file, place, "the program cannot be compiled"};
 }
 
 }  // namespace
@@ -78,7 +77,7 @@ std::optional<vrml::Diagnostic> compile_problem(JSContext* context, const std::s
 
 namespace gs::app {
 
-void check_programs(const vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void check_programs(const vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   script::Engine* const engine = script::Engine::of_this_thread();
   if (!engine) return;
   JSContext* const context = engine->context();
@@ -96,10 +95,10 @@ void check_programs(const vrml::SceneGraph& scene, vrml::Diagnostics& diagnostic
       const ProgramPlace held = program_place((*list)[k].view());
       const std::string label = node.name.empty() ? "Script" : "Script " + std::string(node.name);
       if (held.kind == ProgramPlace::Kind::java)
-        diagnostics.add({vrml::Severity::warning, node.text->file_name(), node.location,
-                         label + ": a Java program, which is not run"});
+        diagnostics.add(
+            {Severity::warning, node.text->file_name(), node.location, label + ": a Java program, which is not run"});
       if (held.kind != ProgramPlace::Kind::held) continue;
-      vrml::SourceLocation at = node.location;
+      SourceLocation at = node.location;
       if (node.type->url_places.size() == list->size()) {
         at = node.type->url_places[k];
         at.column += static_cast<std::uint32_t>(held.text.data() - (*list)[k].view().data()) + 1;

@@ -44,7 +44,7 @@ std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldT
 }
 
 vrml::RunTimeNodes make_nodes(vrml::Execution& execution, vrml::SceneGraph& scene, const std::string& label,
-                              std::string_view text, vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
+                              std::string_view text, Diagnostics& diagnostics, const vrml::SourceText* written_by,
                               std::shared_ptr<const vrml::TextSource> fetched_from) {
   vrml::RunTimeNodes made = vrml::read_into(scene, label, text, diagnostics, written_by, std::move(fetched_from));
   execution.scenes().attach(scene);

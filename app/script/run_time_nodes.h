@@ -18,8 +18,8 @@ namespace gs::app {
 /// Makes nodes of a text (createVrmlFromString). No field holds them yet: hold them before events go on. `label` names
 /// the text in messages. `written_by` and `fetched_from`: see vrml::read_into.
 [[nodiscard]] vrml::RunTimeNodes make_nodes(vrml::Execution& execution, vrml::SceneGraph& scene,
-                                            const std::string& label, std::string_view text,
-                                            vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
+                                            const std::string& label, std::string_view text, Diagnostics& diagnostics,
+                                            const vrml::SourceText* written_by,
                                             std::shared_ptr<const vrml::TextSource> fetched_from = nullptr);
 
 /// Sends created nodes to the target of create_from_url. Returns false if the target no longer exists.

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "base/diagnostic.h"
 #include "vrml/event_model/script_host.h"
 #include "vrml/events/execution.h"
-#include "vrml/scene/diagnostic.h"
 
 #include <cstdint>
 #include <functional>
@@ -16,7 +16,7 @@ namespace gs::app {
 
 /// Printed text of a program, or its error.
 struct ScriptMessage {
-  vrml::Diagnostic diagnostic;
+  Diagnostic diagnostic;
   bool printed = false;  // `diagnostic.message` is a line of print() or trace()
 };
 
@@ -38,8 +38,8 @@ struct ScriptRequest {
   vrml::SceneGraph* scene = nullptr;               // of the Script, or of the node that gets the event
   vrml::NodeId node;
   const vrml::InterfaceDeclaration* event_in = nullptr;
-  vrml::SourceLocation location;  // of the Script
-  bool from_client = false;       // a client of --control asks; its files are held to the world's folder
+  SourceLocation location;   // of the Script
+  bool from_client = false;  // a client of --control asks; its files are held to the world's folder
 };
 
 /// Properties of the browser that programs can read.
@@ -108,6 +108,6 @@ struct ProgramPlace {
 [[nodiscard]] ProgramPlace program_place(std::string_view url);
 
 /// Reports errors in the programs of the scene's Scripts, without running them.
-void check_programs(const vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
+void check_programs(const vrml::SceneGraph& scene, Diagnostics& diagnostics);
 
 }  // namespace gs::app

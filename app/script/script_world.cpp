@@ -90,7 +90,7 @@ std::string World::modern_text_of(const Program& program, std::string_view text)
 }
 
 // The places are those of the text in its file, so that messages say where.
-bool World::load(Program& program, std::string_view text, const std::string& file, vrml::SourceLocation place) {
+bool World::load(Program& program, std::string_view text, const std::string& file, SourceLocation place) {
   JSContext* const context = engine_.context();
   bool good = false;
   run(program, [&] {
@@ -111,7 +111,7 @@ void World::run(Program& program, const Do& what) {
   JSContext* const context = engine_.context();
   Program* const outer = std::exchange(running_, &program);
   if (!outer) clock_looks_ = 0;
-  const vrml::Limits& limits = execution_.scenes().root().limits();
+  const Limits& limits = execution_.scenes().root().limits();
   {
     Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap, program.late_message);
     const JSAutoRealm realm(context, program.global);
@@ -194,13 +194,13 @@ bool World::go_on(vrml::EventNode node) {
   const vrml::MFString urls = url ? std::get<vrml::MFString>(script.values[url->slot]) : vrml::MFString{};
   program.library = library_of_source(program.source);
   if (!program.library) {
-    report(vrml::Severity::error, program, "not enough memory for programs");
+    report(Severity::error, program, "not enough memory for programs");
     return false;
   }
   const std::string file = url ? program.scene->text_of(program.id, url->slot).file_name() : script.text->file_name();
   const bool own_places = script.type->url_places.size() == urls.size() && url &&
                           &program.scene->text_of(program.id, url->slot) == script.text;
-  const auto try_one = [&](std::string_view text, const std::string& name, vrml::SourceLocation at_place) {
+  const auto try_one = [&](std::string_view text, const std::string& name, SourceLocation at_place) {
     if (!program.global && !make_global(program)) return false;
     if (!load(program, text, name, at_place)) return false;
     program.runs = true;
@@ -223,13 +223,13 @@ bool World::go_on(vrml::EventNode node) {
   while (program.next_url < urls.size()) {
     const ProgramPlace held = program_place(urls[program.next_url].view());
     if (held.kind == ProgramPlace::Kind::held) {
-      vrml::SourceLocation at_place = own_places ? script.type->url_places[program.next_url] : script.location;
+      SourceLocation at_place = own_places ? script.type->url_places[program.next_url] : script.location;
       const auto before = static_cast<std::uint32_t>(held.text.data() - urls[program.next_url].view().data());
       if (own_places) at_place.column += before + 1;
       ++program.next_url;
       if (try_one(held.text, file, at_place)) return true;
     } else if (held.kind == ProgramPlace::Kind::java) {
-      report(vrml::Severity::warning, program, "a Java program, which is not run");
+      report(Severity::warning, program, "a Java program, which is not run");
       ++program.next_url;
     } else if (held.kind == ProgramPlace::Kind::file) {
       ScriptRequest wanted;
@@ -253,7 +253,7 @@ bool World::go_on(vrml::EventNode node) {
       return false;
     } else {
       if (!held.text.empty())
-        report(vrml::Severity::warning, program,
+        report(Severity::warning, program,
                "a program in '" + std::string(held.text.substr(0, 40)) + "', which is not run");
       ++program.next_url;
     }
@@ -329,7 +329,7 @@ bool World::has_time() {
 
 void World::begin_step() {
   if (const Program* const slowest = late_ ? program_of(slowest_) : nullptr)
-    report(vrml::Severity::warning, *slowest,
+    report(Severity::warning, *slowest,
            "used the time for programs in this step; remaining events wait for the next step");
   spent_ = longest_ = {};
   late_ = false;
@@ -367,7 +367,7 @@ bool World::post(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node,
     const vrml::Node& script = running_->scene->node(running_->id);
     const vrml::InterfaceDeclaration* const direct = script.type->find_field("directOutput");
     if (direct && !std::get<vrml::SFBool>(script.values[direct->slot]))
-      report(vrml::Severity::warning, *running_, "writes to other nodes with directOutput FALSE (VRML97 4.12.5)");
+      report(Severity::warning, *running_, "writes to other nodes with directOutput FALSE (VRML97 4.12.5)");
   }
   const std::size_t bytes = bytes_of(value);
   if (!engine_.may_have(bytes)) {
@@ -423,10 +423,10 @@ bool World::create_from_string(JSContext* context, std::string_view text, vrml::
   if (text.size() > kMostCreated)
     return fail_range(context, "a text of " + std::to_string(text.size()) + " bytes is too long to create nodes from");
   if (ends_ || running_->ended) return fail(context, "shutdown() cannot create nodes");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   vrml::RunTimeNodes made =
       make_nodes(execution_, *scene, label(*running_), text, diagnostics, &text_of_program(*running_));
-  for (const vrml::Diagnostic& one : diagnostics.entries())
+  for (const Diagnostic& one : diagnostics.entries())
     if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({one, false});
   if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "not VRML97 text");
   engine_.note_nodes(std::max({kWorthCollecting, made.roots.size(), text.size() / kTextOfNode}));
@@ -444,10 +444,9 @@ std::string World::label(const Program& program) const {
   return node.name.empty() ? std::string("Script") : "Script " + std::string(node.name);
 }
 
-void World::report(vrml::Severity severity, const Program& program, std::string message,
-                   std::optional<vrml::Diagnostic> at) {
+void World::report(Severity severity, const Program& program, std::string message, std::optional<Diagnostic> at) {
   const vrml::Node& node = program.scene->node(program.id);
-  vrml::Diagnostic one = at.value_or(vrml::Diagnostic{severity, node.text->file_name(), node.location, {}});
+  Diagnostic one = at.value_or(Diagnostic{severity, node.text->file_name(), node.location, {}});
   one.severity = severity;
   one.message = label(program) + ": " + std::move(message);
   if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({std::move(one), false});
@@ -458,9 +457,9 @@ void World::tell(ScriptMessage message) {
   if (messages_.size() < kMostMessages) messages_.push_back(std::move(message));
 }
 
-void World::fault(Program& program, const std::string& why, std::optional<vrml::Diagnostic> at) {
+void World::fault(Program& program, const std::string& why, std::optional<Diagnostic> at) {
   const bool last = ++program.faults >= kMostFaults;
-  report(vrml::Severity::error, program,
+  report(Severity::error, program,
          why + (last ? "; this third fault switches the program off"
                      : " (fault " + std::to_string(program.faults) + " of " + std::to_string(kMostFaults) + ")"),
          std::move(at));
@@ -470,7 +469,7 @@ void World::fault(Program& program, const std::string& why, std::optional<vrml::
 void World::report_exception(Program& program) {
   const bool no_memory = JS_IsThrowingOutOfMemory(engine_.context());
   bool recursion = false;
-  std::optional<vrml::Diagnostic> at = take_exception(engine_.context(), recursion);
+  std::optional<Diagnostic> at = take_exception(engine_.context(), recursion);
   if (no_memory) return fault(program, "the program exceeds the memory limit");
   if (!at) return fault(program, "the program failed");
   const vrml::Node& node = program.scene->node(program.id);
@@ -478,7 +477,7 @@ void World::report_exception(Program& program) {
   if (at->location.line == 0) at->location = node.location;
   std::string text = std::move(at->message);
   if (recursion) return fault(program, text, std::move(at));
-  report(vrml::Severity::error, program, std::move(text), std::move(at));
+  report(Severity::error, program, std::move(text), std::move(at));
 }
 
 }  // namespace gs::app::script

@@ -213,7 +213,7 @@ class World final : public ScriptRunner {
   Program* program_of(vrml::EventNode node) const;
   /// Tries what has not been tried of its urls.
   bool go_on(vrml::EventNode node);
-  bool load(Program& program, std::string_view text, const std::string& file, vrml::SourceLocation place);
+  bool load(Program& program, std::string_view text, const std::string& file, SourceLocation place);
   /// A program's text as the engine takes it, with the names of its own fields.
   [[nodiscard]] std::string modern_text_of(const Program& program, std::string_view text);
   bool make_global(Program& program);
@@ -225,9 +225,8 @@ class World final : public ScriptRunner {
   void report_exception(Program& program);
   void report_failure(Program& program, const Engine::Turn& turn);
   void tell(ScriptMessage message);
-  void report(vrml::Severity severity, const Program& program, std::string message,
-              std::optional<vrml::Diagnostic> at = {});
-  void fault(Program& program, const std::string& why, std::optional<vrml::Diagnostic> at = {});
+  void report(Severity severity, const Program& program, std::string message, std::optional<Diagnostic> at = {});
+  void fault(Program& program, const std::string& why, std::optional<Diagnostic> at = {});
   [[nodiscard]] std::string label(const Program& program) const;
   [[nodiscard]] std::string late_message(const Program& program) const;
 
@@ -274,10 +273,9 @@ void forget_program(JSObject* global);
 
 // programs.cpp
 /// With what the engine refuses mended, if that helps. Else an exception, of the text as it is.
-JSScript* compile_mended(JSContext* context, const std::string& text, const std::string& file,
-                         vrml::SourceLocation place);
+JSScript* compile_mended(JSContext* context, const std::string& text, const std::string& file, SourceLocation place);
 /// Clears the pending exception, and returns its text or nullopt. Sets `recursion` if endless recursion caused it.
-std::optional<vrml::Diagnostic> take_exception(JSContext* context, bool& recursion);
+std::optional<Diagnostic> take_exception(JSContext* context, bool& recursion);
 
 // values.cpp
 /// Where a value was read from, that goes there again when a part of it is assigned: a global object (place: of an

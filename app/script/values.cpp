@@ -122,15 +122,14 @@ bool to_element(JSContext* context, JS::HandleValue value, FieldType type, vrml:
 }
 
 template <class T>
-bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene,
-                 vrml::Array<T>& array) {
+bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene, Array<T>& array) {
   array.clear();
   if (value.isNullOrUndefined()) return true;
   if (value.isObject()) {
     JS::RootedObject object(context, &value.toObject());
     if (ListBox* box = list_of(object)) {
       FieldValue* const own = list_value(*box);
-      if (const auto* same = own ? std::get_if<vrml::Array<T>>(own) : nullptr) {
+      if (const auto* same = own ? std::get_if<Array<T>>(own) : nullptr) {
         if constexpr (std::is_same_v<T, vrml::NodeId>)
           if (!same->empty() && box->scene.in(box->link.get()) != scene)
             return fail(context, "the nodes belong to another file");

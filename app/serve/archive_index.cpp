@@ -1,7 +1,7 @@
 #include "app/serve/archive_index.h"
 
-#include "app/base/text.h"
 #include "app/session/documents/link_file.h"
+#include "base/text.h"
 #include "net/serve/http_range.h"
 #include "net/serve/served_folder.h"
 

@@ -1,6 +1,6 @@
 #include "app/settings/user_folders.h"
 
-#include "app/base/text.h"
+#include "base/text.h"
 #include "net/files/file.h"
 
 #include <cstdlib>

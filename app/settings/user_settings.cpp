@@ -1,6 +1,6 @@
 #include "app/settings/user_settings.h"
 
-#include "app/base/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <charconv>

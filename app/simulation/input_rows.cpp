@@ -20,15 +20,15 @@ struct LineReader {
   std::string_view line;
   std::uint32_t number;
   const std::string& file;
-  vrml::Diagnostics& diagnostics;
+  Diagnostics& diagnostics;
 
   // Returns the position of a key in the line, in columns from 1. Returns column 1 if the key is written with escapes.
-  [[nodiscard]] vrml::SourceLocation place_of(std::string_view key) const {
+  [[nodiscard]] SourceLocation place_of(std::string_view key) const {
     const std::size_t at = line.find('"' + std::string(key) + '"');
     return {number, at == std::string_view::npos ? 1 : static_cast<std::uint32_t>(at + 1)};
   }
-  void error(vrml::SourceLocation place, std::string message) const {
-    diagnostics.add({vrml::Severity::error, file, place, std::move(message)});
+  void error(SourceLocation place, std::string message) const {
+    diagnostics.add({Severity::error, file, place, std::move(message)});
   }
 };
 
@@ -176,7 +176,7 @@ std::optional<InputRow> read_row(const LineReader& in, double earliest) {
 
 }  // namespace
 
-std::vector<InputRow> read_input_rows(std::string_view text, const std::string& file, vrml::Diagnostics& diagnostics) {
+std::vector<InputRow> read_input_rows(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
   std::vector<InputRow> rows;
   double earliest = 0;
   for (std::uint32_t number = 1; !text.empty(); ++number) {

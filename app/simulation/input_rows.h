@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/window/window.h"
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -34,13 +34,13 @@ struct InputRow {
   glm::dvec3 place{0};    // world space
   Key key = Key::unknown;
   bool down = false;
-  vrml::SourceLocation location;        // of the row's subject in the file
-  vrml::SourceLocation value_location;  // of `value`
+  SourceLocation location;        // of the row's subject in the file
+  SourceLocation value_location;  // of `value`
 };
 
 /// Parses the JSON lines of an `--input` file (see the manual page). Skips empty lines. Adds errors to `diagnostics`,
 /// under `file`. Pure.
 [[nodiscard]] std::vector<InputRow> read_input_rows(std::string_view text, const std::string& file,
-                                                    vrml::Diagnostics& diagnostics);
+                                                    Diagnostics& diagnostics);
 
 }  // namespace gs::app

@@ -44,7 +44,7 @@ std::optional<std::string> Simulation::bind_action(const std::string& viewpoint,
   return std::nullopt;
 }
 
-std::optional<std::string> Simulation::set_action(const InputRow& row, Action& action, vrml::SourceLocation& place) {
+std::optional<std::string> Simulation::set_action(const InputRow& row, Action& action, SourceLocation& place) {
   place = row.location;
   action.scene = world().scene.get();
   if (!names_) names_ = std::make_unique<vrml::NodeNames>(*world().scene);
@@ -71,7 +71,7 @@ std::optional<std::string> Simulation::sensor_action(const InputRow& row, Action
   return std::nullopt;
 }
 
-bool Simulation::plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics) {
+bool Simulation::plan(const std::vector<InputRow>& rows, const std::string& file, Diagnostics& diagnostics) {
   bool good = true;
   for (const InputRow& row : rows) {
     Action action;
@@ -79,8 +79,8 @@ bool Simulation::plan(const std::vector<InputRow>& rows, const std::string& file
     action.kind = row.kind;
     action.pointer = row.pointer;
     action.place = row.place;
-    action.trouble = {vrml::Severity::warning, file, row.location, {}};
-    vrml::SourceLocation place = row.location;
+    action.trouble = {Severity::warning, file, row.location, {}};
+    SourceLocation place = row.location;
     std::optional<std::string> problem;
     switch (row.kind) {
       case InputRow::Kind::set:
@@ -104,7 +104,7 @@ bool Simulation::plan(const std::vector<InputRow>& rows, const std::string& file
     }
     good = good && !problem;
     if (problem) {
-      diagnostics.add({vrml::Severity::error, file, place, *problem});
+      diagnostics.add({Severity::error, file, place, *problem});
     } else {
       actions_.push_back(std::move(action));
     }

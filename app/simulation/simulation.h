@@ -34,7 +34,7 @@ class Simulation {
   Simulation(OpenedWorld world, const glm::ivec2& size, const ViewStyle& style = {});
 
   /// Plans input rows. Returns false if rows name things that the world lacks; `diagnostics` lists them.
-  [[nodiscard]] bool plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics);
+  [[nodiscard]] bool plan(const std::vector<InputRow>& rows, const std::string& file, Diagnostics& diagnostics);
   /// Starts at the Viewpoint of this name (see find_viewpoint()) instead of the first one. Returns the problem, or
   /// nullopt.
   [[nodiscard]] std::optional<std::string> begin_at(const std::string& viewpoint);
@@ -43,7 +43,7 @@ class Simulation {
   /// Returns the results of press_sensors().
   [[nodiscard]] SensorTour::Counts pressed_sensors() { return tour_ ? tour_->counts() : SensorTour::Counts{}; }
   /// Returns the planned actions that failed when they were due.
-  [[nodiscard]] const vrml::Diagnostics& troubles() const { return troubles_; }
+  [[nodiscard]] const Diagnostics& troubles() const { return troubles_; }
   /// Advances time to `seconds` after the start and runs the actions planned until then. Stops early if `go_on` returns
   /// false. Later calls need later times.
   void run(double seconds, const std::function<bool()>& go_on = {});
@@ -56,7 +56,7 @@ class Simulation {
   void hear(std::function<void(std::span<const float>)> sink) { sink_ = std::move(sink); }
 
   /// Measures the time of phases with `phases`, which must outlive the simulation.
-  void measure(render::PhaseClock* phases) { document_->meshes.phases = phases; }
+  void measure(PhaseClock* phases) { document_->meshes.phases = phases; }
 
   [[nodiscard]] OpenedWorld& world() { return document_->world; }
   [[nodiscard]] vrml::Execution& execution() { return document_->runtime->execution(); }
@@ -86,11 +86,11 @@ class Simulation {
     glm::dvec2 pointer{0};
     glm::dvec3 place{0};
     WindowEvent input;
-    vrml::Diagnostic trouble;  // reported if the action fails
+    Diagnostic trouble;  // reported if the action fails
   };
   std::optional<std::string> bind_action(const std::string& viewpoint, Action& action);
   std::optional<std::string> sensor_action(const InputRow& row, Action& action);
-  std::optional<std::string> set_action(const InputRow& row, Action& action, vrml::SourceLocation& place);
+  std::optional<std::string> set_action(const InputRow& row, Action& action, SourceLocation& place);
   void input_action(const InputRow& row, Action& action);
   void step(double time, bool look);
   void choose_viewpoint(const vrml::SceneGraph& scene, vrml::NodeId node);
@@ -102,7 +102,7 @@ class Simulation {
   SessionInput input_;  // input of the next steps
   Session session_;
   std::optional<SensorTour> tour_;
-  vrml::Diagnostics troubles_;
+  Diagnostics troubles_;
   std::unique_ptr<vrml::NodeNames> names_;  // null until a row names a node
   std::vector<render::ViewpointState> viewpoints_;
   std::vector<Action> actions_;  // ordered by time

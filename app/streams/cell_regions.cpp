@@ -25,15 +25,15 @@ bool outside(const glm::vec3& lower, const glm::vec3& upper, const qnv::LodView&
 }
 
 // Returns the bounds of the parts of a box that a view may see, or nullopt.
-std::optional<qnv::Box> seen_part(const qnv::Box& box, const qnv::LodView& view) {
+std::optional<Box> seen_part(const Box& box, const qnv::LodView& view) {
   const glm::vec3 step = (box.upper - box.lower) / static_cast<float>(kParts);
-  std::optional<qnv::Box> seen;
+  std::optional<Box> seen;
   for (int i = 0; i < kParts * kParts * kParts; ++i) {
     const glm::vec3 at(static_cast<float>(i % kParts), static_cast<float>(i / kParts % kParts),
                        static_cast<float>(i / (kParts * kParts)));
     const glm::vec3 lower = box.lower + at * step, upper = lower + step;
     if (outside(lower, upper, view)) continue;
-    if (!seen) seen = qnv::Box{lower, upper};
+    if (!seen) seen = Box{lower, upper};
     seen->lower = glm::min(seen->lower, lower);
     seen->upper = glm::max(seen->upper, upper);
   }
@@ -41,7 +41,7 @@ std::optional<qnv::Box> seen_part(const qnv::Box& box, const qnv::LodView& view)
 }
 
 // Returns the volume fraction of a part. Ignores axes without extent.
-float share(const qnv::Box& part, const qnv::Box& all) {
+float share(const Box& part, const Box& all) {
   float share = 1;
   for (int axis = 0; axis < 3; ++axis) {
     const float extent = all.upper[axis] - all.lower[axis];
@@ -52,7 +52,7 @@ float share(const qnv::Box& part, const qnv::Box& all) {
 
 }  // namespace
 
-net::CellBox cell_box(const qnv::Box& box, const qnv::Box& all) {
+net::CellBox cell_box(const Box& box, const Box& all) {
   net::CellBox result{};
   for (int axis = 0; axis < 3; ++axis) {
     const double begin = all.lower[axis], extent = static_cast<double>(all.upper[axis]) - begin;
@@ -71,10 +71,10 @@ net::CellBox cell_box(const qnv::Box& box, const qnv::Box& all) {
   return result;
 }
 
-std::vector<net::Region> regions_of(std::span<const qnv::LodView> views, const qnv::Box& all) {
+std::vector<net::Region> regions_of(std::span<const qnv::LodView> views, const Box& all) {
   std::vector<net::Region> regions;
   for (const qnv::LodView& view : views) {
-    std::optional<qnv::Box> seen = all;
+    std::optional<Box> seen = all;
     for (int pass = 0; pass < kPasses && seen; ++pass) seen = seen_part(*seen, view);
     if (!seen || share(*seen, all) > kAll || regions.size() >= net::kMostRegions) continue;
     const net::Region region{cell_box(*seen, all), 1};

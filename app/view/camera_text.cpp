@@ -1,6 +1,6 @@
 #include "app/view/camera_text.h"
 
-#include "app/base/text.h"
+#include "base/text.h"
 
 #include <glm/gtc/quaternion.hpp>
 

@@ -13,8 +13,8 @@
 namespace gs::app {
 namespace {
 
-constexpr double kSquares = 10;         // approximate number of squares under the scene
-constexpr double kBright = 10;          // a bright line every so many lines
+constexpr double kSquares = 10;          // approximate number of squares under the scene
+constexpr double kBright = 10;           // a bright line every so many lines
 constexpr std::size_t kMostLines = 200;  // per direction
 
 /// Bounding box along the orientation's right, up and front.
@@ -22,17 +22,17 @@ struct OwnBox {
   glm::dvec3 lower{0}, upper{0};
 };
 
-bool fills_something(const render::WorldBounds& bounds) {
+bool fills_something(const WideBox& bounds) {
   return !bounds.empty() && std::isfinite(glm::length(bounds.size())) && glm::length(bounds.size()) > 0;
 }
 
-OwnBox own_box(const render::WorldBounds& bounds, const Upright& upright) {
+OwnBox own_box(const WideBox& bounds, const Upright& upright) {
   const glm::dmat3 own_from_world = glm::transpose(world_from_upright(upright));
   OwnBox box{glm::dvec3(HUGE_VAL), glm::dvec3(-HUGE_VAL)};
   for (int i = 0; i < 8; ++i) {
-    const glm::dvec3 corner = own_from_world * glm::dvec3(i & 1 ? bounds.upper.x : bounds.lower.x,
-                                                          i & 2 ? bounds.upper.y : bounds.lower.y,
-                                                          i & 4 ? bounds.upper.z : bounds.lower.z);
+    const glm::dvec3 corner =
+        own_from_world * glm::dvec3(i & 1 ? bounds.upper.x : bounds.lower.x, i & 2 ? bounds.upper.y : bounds.lower.y,
+                                    i & 4 ? bounds.upper.z : bounds.lower.z);
     box.lower = glm::min(box.lower, corner);
     box.upper = glm::max(box.upper, corner);
   }
@@ -51,8 +51,8 @@ void add_lines(render::RenderList& list, const std::vector<glm::vec3>& ends, con
   for (const glm::vec3& end : ends) mesh->bounds.add(end);
   list.bounds.add(glm::dvec3(mesh->bounds.lower) + origin);
   list.bounds.add(glm::dvec3(mesh->bounds.upper) + origin);
-  mesh->positions = vrml::Array<glm::vec3>(std::span<const glm::vec3>(ends));
-  mesh->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
+  mesh->positions = Array<glm::vec3>(std::span<const glm::vec3>(ends));
+  mesh->indices = Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
   render::DrawItem item;
   item.mesh = std::move(mesh);
   item.world_from_node = glm::translate(glm::dmat4(1), origin);
@@ -63,7 +63,7 @@ void add_lines(render::RenderList& list, const std::vector<glm::vec3>& ends, con
 
 }  // namespace
 
-double grid_spacing(const render::WorldBounds& bounds, const Upright& upright) {
+double grid_spacing(const WideBox& bounds, const Upright& upright) {
   if (!fills_something(bounds)) return 0;
   const OwnBox box = own_box(bounds, upright);
   const glm::dvec3 size = box.upper - box.lower;
@@ -74,7 +74,7 @@ double grid_spacing(const render::WorldBounds& bounds, const Upright& upright) {
   return power * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
 }
 
-std::shared_ptr<const render::RenderList> ground_grid(const render::WorldBounds& bounds, const Upright& upright) {
+std::shared_ptr<const render::RenderList> ground_grid(const WideBox& bounds, const Upright& upright) {
   const double spacing = grid_spacing(bounds, upright);
   if (!(spacing > 0)) return nullptr;
   const OwnBox box = own_box(bounds, upright);
@@ -102,7 +102,7 @@ std::shared_ptr<const render::RenderList> ground_grid(const render::WorldBounds&
   return list;
 }
 
-std::shared_ptr<const render::RenderList> GroundGrids::of(const render::WorldBounds& bounds, const Upright& upright) {
+std::shared_ptr<const render::RenderList> GroundGrids::of(const WideBox& bounds, const Upright& upright) {
   for (const Grid& grid : grids_)
     if (grid.bounds.lower == bounds.lower && grid.bounds.upper == bounds.upper && grid.upright == upright)
       return grid.lines;

@@ -11,21 +11,21 @@ namespace gs::app {
 
 /// Returns the line spacing of a ground grid for a scene of size `bounds`: 1, 2 or 5 times a power of ten, so that the
 /// scene spans about ten squares. Returns 0 for empty bounds.
-[[nodiscard]] double grid_spacing(const render::WorldBounds& bounds, const Upright& upright);
+[[nodiscard]] double grid_spacing(const WideBox& bounds, const Upright& upright);
 
 /// Builds ground lines at multiples of `grid_spacing` in world space; every tenth line is brighter. Returns null for
 /// empty bounds.
-[[nodiscard]] std::shared_ptr<const render::RenderList> ground_grid(const render::WorldBounds& bounds, const Upright& upright);
+[[nodiscard]] std::shared_ptr<const render::RenderList> ground_grid(const WideBox& bounds, const Upright& upright);
 
 /// Cache of the most recently used grids.
 class GroundGrids {
  public:
-  [[nodiscard]] std::shared_ptr<const render::RenderList> of(const render::WorldBounds& bounds, const Upright& upright);
+  [[nodiscard]] std::shared_ptr<const render::RenderList> of(const WideBox& bounds, const Upright& upright);
 
  private:
   static constexpr std::size_t kMostGrids = 8;
   struct Grid {
-    render::WorldBounds bounds;
+    WideBox bounds;
     Upright upright;
     std::shared_ptr<const render::RenderList> lines;
   };

@@ -1,5 +1,5 @@
 #include "app/view/navigation.h"
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -12,7 +12,6 @@
 namespace gs::app {
 namespace {
 
-using qnv::finite;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr glm::vec3 kUp(0, 1, 0);            // world up (VRML97 4.4.5)
@@ -269,7 +268,7 @@ bool Navigation::moving() const {
   return transition || body.moving() || zoom_left != 0 || velocity != glm::vec3(0) || turning != glm::vec2(0);
 }
 
-Navigation start_navigation(const NavigationRules& rules, const render::WorldBounds& bounds, const Pose& pose) {
+Navigation start_navigation(const NavigationRules& rules, const WideBox& bounds, const Pose& pose) {
   Navigation state;
   state.mode = rules.start;
   state.pose = valid_pose(pose, Pose{});
@@ -357,8 +356,7 @@ Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
   return state;
 }
 
-Navigation approach(Navigation state, const glm::dvec3& point, const render::WorldBounds& bounds,
-                    const glm::vec2& viewport) {
+Navigation approach(Navigation state, const glm::dvec3& point, const WideBox& bounds, const glm::vec2& viewport) {
   if (!finite(point)) return state;
   constexpr double kNearer = 1.0 / 3;  // remaining fraction of the distance for a viewer inside the bounds
   const glm::dvec3 position = state.pose.position;
@@ -390,8 +388,8 @@ Navigation seek(Navigation state, const glm::dvec3& point) {
   state.center = clean_place(point);
   const glm::dvec3 way = state.center - state.pose.position;
   Pose to = state.pose;
-  to.orientation = glm::normalize(
-      rotation_between(to.forward(), unit_or(glm::vec3(way), to.forward())) * to.orientation);
+  to.orientation =
+      glm::normalize(rotation_between(to.forward(), unit_or(glm::vec3(way), to.forward())) * to.orientation);
   to.position += way / 2.0;
   scale_height(to, 0.5);
   return travel_to(std::move(state), to);

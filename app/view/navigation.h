@@ -55,7 +55,7 @@ struct NavigationRules {
 [[nodiscard]] NavigationRules navigation_rules(const render::NavigationState& navigation);
 /// Returns the rules for a world without NavigationInfo: all modes, at a speed that crosses `bounds` in about eight
 /// seconds. Starts in the standard's default mode if the author defined a Viewpoint, else in EXAMINE.
-[[nodiscard]] NavigationRules default_navigation_rules(const render::WorldBounds& bounds, bool has_viewpoint);
+[[nodiscard]] NavigationRules default_navigation_rules(const WideBox& bounds, bool has_viewpoint);
 
 /// Returns `pose` with finite numbers in their ranges; uses parts of `otherwise` where needed.
 [[nodiscard]] Pose valid_pose(Pose pose, const Pose& otherwise);
@@ -142,8 +142,7 @@ struct Navigation {
 };
 
 /// Returns the initial state for a world of size `bounds`, with the viewer at `pose`.
-[[nodiscard]] Navigation start_navigation(const NavigationRules& rules, const render::WorldBounds& bounds,
-                                          const Pose& pose);
+[[nodiscard]] Navigation start_navigation(const NavigationRules& rules, const WideBox& bounds, const Pose& pose);
 
 /// Returns the state after `seconds`. Pure, and independent of the step size up to rounding (to second order if turning
 /// and moving combine). Clamps `seconds` to 0.25, so that a stalled frame does not throw the viewer out of the world.
@@ -161,7 +160,7 @@ struct Navigation {
 [[nodiscard]] Navigation travel_to(Navigation state, const Pose& pose, bool jump = false);
 /// Starts a transition that frames an object of size `bounds`, seen at `point`, from the present side and level. From
 /// inside `bounds`, moves closer to the point instead. The point becomes the EXAMINE centre.
-[[nodiscard]] Navigation approach(Navigation state, const glm::dvec3& point, const render::WorldBounds& bounds,
+[[nodiscard]] Navigation approach(Navigation state, const glm::dvec3& point, const WideBox& bounds,
                                   const glm::vec2& viewport);
 /// Starts a transition to half the distance of `point`, facing it. The point becomes the EXAMINE centre.
 [[nodiscard]] Navigation seek(Navigation state, const glm::dvec3& point);
@@ -170,20 +169,19 @@ struct Navigation {
 /// Makes `point` the EXAMINE centre and slides the view until the point is centred.
 [[nodiscard]] Navigation look_at_point(Navigation state, const glm::dvec3& point);
 /// Returns render::orbit_camera for an upright object: azimuth 0 and elevation 0 look at its front.
-[[nodiscard]] render::Camera orbit_camera_of(const render::WorldBounds& bounds, float azimuth, float elevation,
-                                             float field_of_view, const glm::vec2& viewport, const Upright& upright);
+[[nodiscard]] render::Camera orbit_camera_of(const WideBox& bounds, float azimuth, float elevation, float field_of_view,
+                                             const glm::vec2& viewport, const Upright& upright);
 /// Returns the height of a parallel projection from `camera` that shows all of `bounds`, with a margin.
-[[nodiscard]] double fitting_height(const render::Camera& camera, const render::WorldBounds& bounds,
-                                    const glm::vec2& viewport);
+[[nodiscard]] double fitting_height(const render::Camera& camera, const WideBox& bounds, const glm::vec2& viewport);
 /// Returns a pose that shows all of `bounds` from the present direction, level with respect to `up`.
-[[nodiscard]] Pose pose_that_fits(const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport,
+[[nodiscard]] Pose pose_that_fits(const Pose& pose, const WideBox& bounds, const glm::vec2& viewport,
                                   const glm::vec3& up = {0, 1, 0});
 /// Side of an object as named by a viewer in front of it: `left` is on the viewer's left.
 enum class ViewSide : std::uint8_t { front, back, left, right, top, bottom };
 inline constexpr int kSideCount = 6;
 /// Returns a pose that shows all of `bounds` from one side, with the field of view of `pose`.
-[[nodiscard]] Pose pose_at_side(ViewSide side, const Pose& pose, const render::WorldBounds& bounds,
-                                const glm::vec2& viewport, const Upright& upright);
+[[nodiscard]] Pose pose_at_side(ViewSide side, const Pose& pose, const WideBox& bounds, const glm::vec2& viewport,
+                                const Upright& upright);
 /// Removes roll from `pose`. Leaves it unchanged if it looks straight up or down.
 [[nodiscard]] Pose straightened(const Pose& pose, const glm::vec3& up);
 /// Returns the camera of the bound Viewpoint, or of the first one if that is hidden, for example in a Switch. Without
@@ -191,8 +189,7 @@ inline constexpr int kSideCount = 6;
 [[nodiscard]] render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node* bound,
                                               const glm::vec2& size);
 /// Returns the initial pose of a world without a Viewpoint: all of it, from the front.
-[[nodiscard]] Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport,
-                              const Upright& upright = {});
+[[nodiscard]] Pose first_pose(const WideBox& bounds, const glm::vec2& viewport, const Upright& upright = {});
 
 /// Returns the indices of Viewpoints to list for the user: those with a description, and the first one, which is bound
 /// at start (VRML97 6.53).

@@ -53,7 +53,7 @@ NavigationRules navigation_rules(const render::NavigationState& navigation) {
   return rules;
 }
 
-NavigationRules default_navigation_rules(const render::WorldBounds& bounds, bool has_viewpoint) {
+NavigationRules default_navigation_rules(const WideBox& bounds, bool has_viewpoint) {
   NavigationRules rules;
   rules.allowed.fill(true);
   rules.start = has_viewpoint ? NavigationMode::walk : NavigationMode::examine;

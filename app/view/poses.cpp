@@ -1,5 +1,5 @@
 #include "app/view/navigation.h"
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -13,7 +13,6 @@
 namespace gs::app {
 namespace {
 
-using qnv::finite;
 
 constexpr float kHalfTurn = std::numbers::pi_v<float>;
 constexpr glm::vec3 kWorldUp(0, 1, 0);  // VRML97 4.4.5
@@ -32,19 +31,19 @@ Pose turned(Pose pose, const glm::dmat3& rotation) {
   return pose;
 }
 
-render::WorldBounds turned(const render::WorldBounds& bounds, const glm::dmat3& rotation) {
+WideBox turned(const WideBox& bounds, const glm::dmat3& rotation) {
   if (bounds.empty() || rotation == glm::dmat3(1)) return bounds;
-  render::WorldBounds result;
+  WideBox result;
   for (int i = 0; i < 8; ++i)
     result.add(glm::dvec3(rotation * glm::dvec3(i & 1 ? bounds.upper.x : bounds.lower.x,
-                                               i & 2 ? bounds.upper.y : bounds.lower.y,
-                                               i & 4 ? bounds.upper.z : bounds.lower.z)));
+                                                i & 2 ? bounds.upper.y : bounds.lower.y,
+                                                i & 4 ? bounds.upper.z : bounds.lower.z)));
   return result;
 }
 
 /// Returns a pose that shows all of `bounds` from an azimuth and elevation, with the field of view of `pose`.
-Pose fitted(const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport, const Upright& upright,
-            float azimuth, float elevation) {
+Pose fitted(const Pose& pose, const WideBox& bounds, const glm::vec2& viewport, const Upright& upright, float azimuth,
+            float elevation) {
   if (bounds.empty()) return pose;
   const render::Camera camera = orbit_camera_of(bounds, azimuth, elevation, pose.field_of_view, viewport, upright);
   Pose to = pose_of(camera.world_from_camera, camera.field_of_view);
@@ -71,7 +70,7 @@ Pose valid_pose(Pose pose, const Pose& otherwise) {
   return pose;
 }
 
-render::Camera orbit_camera_of(const render::WorldBounds& bounds, float azimuth, float elevation, float field_of_view,
+render::Camera orbit_camera_of(const WideBox& bounds, float azimuth, float elevation, float field_of_view,
                                const glm::vec2& viewport, const Upright& upright) {
   const glm::dmat3 world_from_own = world_from_upright(upright);
   render::Camera camera = render::orbit_camera(turned(bounds, glm::transpose(world_from_own)), azimuth, elevation,
@@ -80,12 +79,12 @@ render::Camera orbit_camera_of(const render::WorldBounds& bounds, float azimuth,
   return camera;
 }
 
-double fitting_height(const render::Camera& camera, const render::WorldBounds& bounds, const glm::vec2& viewport) {
+double fitting_height(const render::Camera& camera, const WideBox& bounds, const glm::vec2& viewport) {
   constexpr double kAir = 1.05;
   return kAir * render::parallel_height(camera, bounds, viewport.x, viewport.y);
 }
 
-Pose pose_that_fits(const Pose& given, const render::WorldBounds& whole, const glm::vec2& viewport, const glm::vec3& up) {
+Pose pose_that_fits(const Pose& given, const WideBox& whole, const glm::vec2& viewport, const glm::vec3& up) {
   if (whole.empty()) return given;
   const Upright upright = upright_along(up);
   const Pose pose = turned(given, glm::transpose(world_from_upright(upright)));
@@ -96,13 +95,13 @@ Pose pose_that_fits(const Pose& given, const render::WorldBounds& whole, const g
   return fitted(given, whole, viewport, upright, azimuth, elevation);
 }
 
-Pose pose_at_side(ViewSide side, const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport,
+Pose pose_at_side(ViewSide side, const Pose& pose, const WideBox& bounds, const glm::vec2& viewport,
                   const Upright& upright) {
   struct Place {
     float azimuth, elevation;
   };
-  static constexpr Place kPlaces[kSideCount] = {{0, 0}, {kHalfTurn, 0}, {-kHalfTurn / 2, 0}, {kHalfTurn / 2, 0}, {0, kHalfTurn / 2},
-                                                {0, -kHalfTurn / 2}};
+  static constexpr Place kPlaces[kSideCount] = {
+      {0, 0}, {kHalfTurn, 0}, {-kHalfTurn / 2, 0}, {kHalfTurn / 2, 0}, {0, kHalfTurn / 2}, {0, -kHalfTurn / 2}};
   const Place place = kPlaces[static_cast<int>(side)];
   return fitted(pose, bounds, viewport, upright, place.azimuth, place.elevation);
 }
@@ -116,15 +115,14 @@ Pose straightened(const Pose& pose, const glm::vec3& up) {
   return valid_pose(level, pose);
 }
 
-Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport, const Upright& upright) {
+Pose first_pose(const WideBox& bounds, const glm::vec2& viewport, const Upright& upright) {
   const Pose pose;
   if (bounds.empty()) return pose;
   constexpr float kFromRight = 0.6f, kFromAbove = 0.5f;
   if (upright.three_quarter) return fitted(pose, bounds, viewport, upright, kFromRight, kFromAbove);
   const glm::dmat3 world_from_own = world_from_upright(upright);
-  const render::Camera camera = render::first_camera(turned(bounds, glm::transpose(world_from_own)),
-                                                     pose.field_of_view, std::max(viewport.x, 1.0f),
-                                                     std::max(viewport.y, 1.0f));
+  const render::Camera camera = render::first_camera(turned(bounds, glm::transpose(world_from_own)), pose.field_of_view,
+                                                     std::max(viewport.x, 1.0f), std::max(viewport.y, 1.0f));
   return valid_pose(turned(pose_of(camera.world_from_camera, camera.field_of_view), world_from_own), pose);
 }
 
@@ -134,7 +132,8 @@ Pose pose_of(const glm::dmat4& world_from_camera, float field_of_view) {
   const glm::vec3 back = unit_vector(glm::vec3(world_from_camera[2]), glm::vec3(0, 0, 1));
   const glm::vec3 up = glm::vec3(world_from_camera[1]);
   const glm::vec3 sideways = std::abs(back.y) < 0.9f ? kWorldUp : glm::vec3(0, 0, -1);
-  const glm::vec3 right = unit_vector(glm::cross(up, back), unit_vector(glm::cross(sideways, back), glm::vec3(1, 0, 0)));
+  const glm::vec3 right =
+      unit_vector(glm::cross(up, back), unit_vector(glm::cross(sideways, back), glm::vec3(1, 0, 0)));
   pose.orientation = glm::quat_cast(glm::mat3(right, glm::cross(back, right), back));
   pose.field_of_view = field_of_view;
   return valid_pose(pose, Pose{});

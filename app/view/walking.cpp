@@ -1,6 +1,6 @@
 #include "app/view/walking.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <glm/geometric.hpp>
 
@@ -187,7 +187,7 @@ class Body {
 Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, const dvec3& way, double seconds) {
   Walk next = from;
   next.item.reset();
-  if (!qnv::finite(from.eye) || !qnv::finite(way) || !(seconds >= 0) || !(avatar.radius > 0)) return next;
+  if (!finite(from.eye) || !finite(way) || !(seconds >= 0) || !(avatar.radius > 0)) return next;
   seconds = std::min(seconds, kLongestWalk);
   const dvec3 flat = avatar.gravity ? way - avatar.up * glm::dot(way, avatar.up) : way;
   const double piece = avatar.radius * 0.5, length = glm::length(flat);

@@ -1,9 +1,9 @@
 #include "app/viewer/viewer_controller.h"
 
 #include "app/base/console.h"
-#include "app/base/text.h"
 #include "app/view/camera_text.h"
 #include "app/viewer/hand_over.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,7 +79,7 @@ ViewerController::ViewerController(ViewerControllerOptions options, LoadOptions 
       window_(window),
       not_kept_(options.not_kept),
       up_given_(options.up_given),
-      memory_given_(load.limits.memory != vrml::Limits{}.memory),
+      memory_given_(load.limits.memory != Limits{}.memory),
       ui_(std::move(backend), options.scale, store_.settings()),
       session_(with_settings(options.session, store_.settings(), options.up_given), std::move(load), wake),
       dialog_(wake, options.dialogs) {

@@ -1,7 +1,7 @@
-#include "app/base/text.h"
 #include "app/view/ground_grid.h"
 #include "app/view/values/color_bar.h"
 #include "app/viewer/viewer_controller.h"
+#include "base/text.h"
 #include "net/base/schemes.h"
 
 #include <algorithm>

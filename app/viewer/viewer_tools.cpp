@@ -1,13 +1,13 @@
 #include "app/viewer/viewer_tools.h"
 
 #include "app/base/temporary_file.h"
-#include "app/base/text.h"
 #include "app/picture/paint.h"
 #include "app/picture/picture_marks.h"
 #include "app/picture/screenshot.h"
 #include "app/picture/volume_show.h"
 #include "app/view/values/picked_values.h"
 #include "app/view/values/transfer_file.h"
+#include "base/text.h"
 #include "net/files/file.h"
 
 #include <glm/geometric.hpp>

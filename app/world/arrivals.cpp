@@ -55,8 +55,8 @@ void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival) {
     if (!held) {
       held = arrival.cloud;
       world.diagnostics.add(
-          {vrml::Severity::warning, node->text->file_name(), node->location,
-           "QNV: with its own transfer function, " + scene.budget()->refusal(vrml::Resource::vectors) + "; left out"});
+          {Severity::warning, node->text->file_name(), node->location,
+           "QNV: with its own transfer function, " + scene.budget()->refusal(Resource::vectors) + "; left out"});
     }
   }
   if (!arrival.fallback) return;

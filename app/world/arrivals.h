@@ -2,7 +2,7 @@
 
 #include "app/world/external_prototypes.h"
 #include "app/world/opened_world.h"
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -81,7 +81,7 @@ struct Arrivals {
   std::vector<Cloud> clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;
   std::vector<UrlProgress> progress;
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
 
   [[nodiscard]] bool empty() const {
@@ -107,7 +107,7 @@ struct UrlRequest {
   bool fetched = false;                            // that text was read from a URL at run time
   bool computed = false;                           // a Script may have computed the URLs
   std::string type, file;                          // of the node: its type and the file of its text, for messages
-  vrml::SourceLocation location;
+  SourceLocation location;
 };
 
 /// Gives a QNV node its vectors. The node's own transfer function overrides that of the stream.

@@ -13,7 +13,6 @@
 namespace gs::app {
 namespace {
 
-using vrml::Severity;
 
 std::string file_name_of(const Found& found) {
   net::Url as_file = found.url;
@@ -28,8 +27,8 @@ CloudHandler::CloudHandler(World& world, Place place, Show show, Progress progre
       place_(std::move(place)),
       show_(std::move(show)),
       progress_(std::move(progress)),
-      held_bytes_(world.budget, vrml::Resource::files),
-      decoded_(world.budget, vrml::Resource::vectors) {}
+      held_bytes_(world.budget, Resource::files),
+      decoded_(world.budget, Resource::vectors) {}
 
 CloudHandler::~CloudHandler() = default;
 
@@ -68,10 +67,10 @@ void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::strin
   if (auto held = hold_cloud(std::move(*cloud), world_.budget))
     show_(std::move(held));
   else
-    give_up(vrml::Resource::vectors);
+    give_up(Resource::vectors);
 }
 
-void CloudHandler::give_up(vrml::Resource resource) {
+void CloudHandler::give_up(Resource resource) {
   way_ = Way::done;
   bytes_ = {};
   held_bytes_.shrink_to(0);
@@ -91,9 +90,9 @@ void CloudHandler::receive(std::span<const std::byte> bytes) {
     (void)decoder_->push(bytes);
     if (count_decoded() && !decoder_->full()) return show_records(false);
     show_records(true);
-    return give_up(vrml::Resource::vectors);
+    return give_up(Resource::vectors);
   }
-  if (!held_bytes_.grow(bytes.size())) return give_up(vrml::Resource::files);
+  if (!held_bytes_.grow(bytes.size())) return give_up(Resource::files);
   bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   if (way_ == Way::unknown) choose_way();
 }

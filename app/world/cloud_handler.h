@@ -29,7 +29,7 @@ class CloudHandler final : public ContentHandler {
   /// Owner of the vectors, for messages.
   struct Place {
     std::string file;
-    vrml::SourceLocation location;
+    SourceLocation location;
     vrml::MFString urls;
     bool is_node = false;  // a QNV node; otherwise the world itself
   };
@@ -54,9 +54,9 @@ class CloudHandler final : public ContentHandler {
   void show_records(bool last);
   void read_bytes();
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
-  void report_problems(const std::vector<qnv::StreamProblem>& problems, vrml::Severity severity);
+  void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
   /// Stops reading after the memory budget has refused a part, which is omitted.
-  void give_up(vrml::Resource resource);
+  void give_up(Resource resource);
   bool count_decoded();
 
   World& world_;
@@ -66,7 +66,7 @@ class CloudHandler final : public ContentHandler {
   Found found_;
   Way way_ = Way::unknown;
   std::vector<std::byte> bytes_;
-  vrml::Share held_bytes_, decoded_;
+  Share held_bytes_, decoded_;
   std::shared_ptr<StreamFeed> feed_;
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;

@@ -11,7 +11,6 @@ namespace gs::app {
 namespace {
 
 using vrml::NodeType;
-using vrml::Severity;
 
 void tell_unlike(const NodeType& type, const NodeType& source, const std::string& file, const ReportAt& report) {
   if (const vrml::InterfaceDeclaration* odd = vrml::unlike_prototype(type, source))
@@ -58,7 +57,7 @@ void tell_missing_prototype(const NodeType& type, const std::string& why, bool r
 
 bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype>& awaited,
                      std::unique_ptr<vrml::SceneGraph> library, const std::optional<std::string>& why,
-                     vrml::Diagnostics& diagnostics) {
+                     Diagnostics& diagnostics) {
   vrml::SceneGraph* attached = nullptr;
   bool any = false;
   for (const AwaitedPrototype& one : awaited) {
@@ -66,7 +65,7 @@ bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype
     if (!owner || one.type->prototype) continue;
     const vrml::WritingFor writing(scene, *owner);
     vrml::SourceText& text = scene.writing();
-    const ReportAt report = [&](Severity severity, vrml::SourceLocation at, std::string message) {
+    const ReportAt report = [&](Severity severity, SourceLocation at, std::string message) {
       diagnostics.add({severity, text.file_name(), at, std::move(message)});
     };
     const NodeType* source = nullptr;

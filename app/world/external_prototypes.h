@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <functional>
@@ -12,7 +12,7 @@
 namespace gs::app {
 
 /// Receiver of diagnostics about EXTERNPROTOs.
-using ReportAt = std::function<void(vrml::Severity, vrml::SourceLocation, std::string)>;
+using ReportAt = std::function<void(Severity, SourceLocation, std::string)>;
 
 /// EXTERNPROTO that waits for its body.
 struct AwaitedPrototype {
@@ -40,6 +40,6 @@ void tell_missing_prototype(const vrml::NodeType& type, const std::string& why, 
 /// on the thread of the scene.
 bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype>& awaited,
                      std::unique_ptr<vrml::SceneGraph> library, const std::optional<std::string>& why,
-                     vrml::Diagnostics& diagnostics);
+                     Diagnostics& diagnostics);
 
 }  // namespace gs::app

@@ -4,11 +4,11 @@
 
 namespace gs::app {
 
-void report_left_out(const render::RenderList& list, vrml::Diagnostics& diagnostics) {
+void report_left_out(const render::RenderList& list, Diagnostics& diagnostics) {
   for (const render::LeftOut& part : list.left_out) {
     const std::string others =
         part.count > 1 ? "; left out, as " + std::to_string(part.count - 1) + " more" : "; left out";
-    diagnostics.add({vrml::Severity::error, part.file, part.location, part.why + others});
+    diagnostics.add({Severity::error, part.file, part.location, part.why + others});
   }
 }
 

@@ -7,11 +7,10 @@
 // Sounds and movies of AudioClips and MovieTextures (VRML97 6.4, 6.28).
 namespace gs::app {
 
-using vrml::Severity;
 
 /// Content handler for a sound or movie that several nodes may play.
 struct WorldLoading::State::SharedMedia final : ContentHandler {
-  SharedMedia(State& state, vrml::UrlContent of, std::string type_name, std::string text, vrml::SourceLocation location,
+  SharedMedia(State& state, vrml::UrlContent of, std::string type_name, std::string text, SourceLocation location,
               vrml::MFString list)
       : world(state),
         content(of),
@@ -19,7 +18,7 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
         file(std::move(text)),
         place(location),
         urls(std::move(list)),
-        held(state.budget, vrml::Resource::files) {}
+        held(state.budget, Resource::files) {}
 
   bool begin(const Found& where) override {
     name = where.path;
@@ -33,7 +32,7 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
     closed = true;
     const std::size_t copied = from.bytes().size() < net::MappedFile::kMappedSize ? from.bytes().size() : 0;
     if (held.grow(copied))
-      examine(std::make_shared<MediaFile>(std::move(from), std::exchange(held, {world.budget, vrml::Resource::files})));
+      examine(std::make_shared<MediaFile>(std::move(from), std::exchange(held, {world.budget, Resource::files})));
     else
       refuse_size();
     return true;
@@ -50,8 +49,8 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
     if (problem) world.report(Severity::warning, file, place, type + ": " + *problem);
     if (stage != Stage::coming || closed) return;
     bytes.shrink_to_fit();
-    examine(std::make_shared<MediaFile>(std::exchange(bytes, {}),
-                                        std::exchange(held, {world.budget, vrml::Resource::files})));
+    examine(
+        std::make_shared<MediaFile>(std::exchange(bytes, {}), std::exchange(held, {world.budget, Resource::files})));
   }
   // Rejects an unreadable file, so that the next url is tried (VRML97 4.5.2).
   std::optional<std::string> wants_next() override { return stage == Stage::coming ? refused : std::nullopt; }
@@ -66,7 +65,7 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
     closed = true;
     bytes = {};
     held.shrink_to(0);
-    refuse(world.budget->refusal(vrml::Resource::files));
+    refuse(world.budget->refusal(Resource::files));
   }
   void refuse(std::string why) { refused = std::move(why); }
   void examine(std::shared_ptr<MediaFile> found) {
@@ -115,10 +114,10 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
   State& world;
   vrml::UrlContent content;
   std::string type, file, name;  // type of the first node, file of its text, name of the media file
-  vrml::SourceLocation place;
+  SourceLocation place;
   vrml::MFString urls;
   std::vector<std::byte> bytes;
-  vrml::Share held;     // of `bytes`
+  Share held;           // of `bytes`
   bool closed = false;  // more bytes are ignored
   std::optional<std::string> refused;
   std::vector<Arrivals::Place> players;

@@ -2,9 +2,9 @@
 
 #include "app/formats/common/color_key.h"
 #include "app/formats/common/upright.h"
+#include "base/diagnostic.h"
 #include "render/image/image.h"
 #include "render/scene/render_list.h"
-#include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -68,7 +68,7 @@ struct OpenedWorld {
   std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::SceneGraph>> outlines;
   std::vector<UrlProgress> progress;  // of QNV nodes
   std::vector<ProgramText> programs;  // of files
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
   bool network_allowed = false;       // --allow-network; see session/documents/network_gate.h
   bool authored = true;               // an authored world; false for a measured or modelled object

@@ -16,7 +16,7 @@ bool is_of_polygons(const vrml::InterfaceDeclaration& field) {
 }  // namespace
 
 OutlineHandler::OutlineHandler(WorldLoading::State& world, Arrivals::Place group, std::string file,
-                               vrml::SourceLocation location, vrml::MFString urls, const vrml::Node* begin_with)
+                               SourceLocation location, vrml::MFString urls, const vrml::Node* begin_with)
     : world_(world),
       group_(group),
       file_(std::move(file)),
@@ -49,14 +49,13 @@ void OutlineHandler::receive_cells(const net::CellEvent& event) {
 
 void OutlineHandler::end(const std::optional<std::string>& problem) {
   if (problem)
-    world_.report(vrml::Severity::warning, file_, location_,
-                  "OutlineGroup: " + *problem + "; the received part is shown");
+    world_.report(Severity::warning, file_, location_, "OutlineGroup: " + *problem + "; the received part is shown");
   reader_.end(name_, !problem && !cut);
   has_come();
 }
 
 void OutlineHandler::missing(const std::string& why) {
-  if (!told) world_.report(vrml::Severity::warning, file_, location_, "OutlineGroup: " + why_missing(urls_, why));
+  if (!told) world_.report(Severity::warning, file_, location_, "OutlineGroup: " + why_missing(urls_, why));
   if (group_.request > 0) give();  // removes the polygons of the former url
 }
 

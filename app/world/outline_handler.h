@@ -16,7 +16,7 @@ class OutlineHandler final : public ContentHandler, public std::enable_shared_fr
  public:
   /// Creates a handler for `group`. `file` and `location` are the group's, for messages. The new polygons follow those
   /// of `begin_with`, unless it is null.
-  OutlineHandler(WorldLoading::State& world, Arrivals::Place group, std::string file, vrml::SourceLocation location,
+  OutlineHandler(WorldLoading::State& world, Arrivals::Place group, std::string file, SourceLocation location,
                  vrml::MFString urls, const vrml::Node* begin_with);
   ~OutlineHandler() override;
   bool begin(const Found& found) override;
@@ -34,7 +34,7 @@ class OutlineHandler final : public ContentHandler, public std::enable_shared_fr
   WorldLoading::State& world_;
   Arrivals::Place group_;
   std::string file_, name_;  // file of the group's text; name of the stream
-  vrml::SourceLocation location_;
+  SourceLocation location_;
   vrml::MFString urls_;
   std::shared_ptr<vrml::SceneGraph> own_;
   vrml::NodeId node_;

@@ -33,14 +33,14 @@ void OutlineReader::end(const std::string& file, bool whole) {
   if (whole) outlines_.complete();
   changed_ = true;
   for (const qnv::StreamProblem& problem : decoder_.problems())
-    world_.report(decoder_.refused() ? vrml::Severity::error : vrml::Severity::warning, file, {},
+    world_.report(decoder_.refused() ? Severity::error : Severity::warning, file, {},
                   "byte " + std::to_string(problem.offset) + ": " + problem.message);
   if (outlines_.full())
-    world_.report(vrml::Severity::error, file, {},
-                  world_.budget->refusal(vrml::Resource::nodes) + "; the rest of the polygons is left out");
+    world_.report(Severity::error, file, {},
+                  world_.budget->refusal(Resource::nodes) + "; the rest of the polygons is left out");
   const std::size_t refused = decoder_.refused_records();
   if (refused > 0)
-    world_.report(vrml::Severity::warning, file, {}, std::to_string(refused) + " damaged polygons are left out");
+    world_.report(Severity::warning, file, {}, std::to_string(refused) + " damaged polygons are left out");
 }
 
 std::vector<vrml::NodeId> OutlineReader::take_changed() {

@@ -1,6 +1,6 @@
 #include "app/world/scene_handler.h"
-#include "app/base/text.h"
 #include "app/formats/mesh_import.h"
+#include "base/text.h"
 #include "vrml/scene/prototype.h"
 
 #include <algorithm>
@@ -11,12 +11,11 @@
 namespace gs::app {
 namespace {
 
-using vrml::Severity;
 
 }  // namespace
 
 SceneHandler::SceneHandler(World& world, Role given_role, SceneHandler* given_outer)
-    : role(given_role), outer(given_outer), world_(world), waiting_share_(world.budget, vrml::Resource::files) {}
+    : role(given_role), outer(given_outer), world_(world), waiting_share_(world.budget, Resource::files) {}
 
 SceneHandler::~SceneHandler() = default;
 
@@ -63,7 +62,7 @@ void SceneHandler::receive(std::span<const std::byte> bytes) {
   if (refused()) return;
   if (!type_ || type_->content == ContentClass::mesh) {
     if (!waiting_share_.grow(bytes.size())) {
-      report(Severity::error, {}, world_.budget->refusal(vrml::Resource::files) + "; left out");
+      report(Severity::error, {}, world_.budget->refusal(Resource::files) + "; left out");
       content = Content::refused;
       waiting_ = {};
       return;
@@ -118,7 +117,7 @@ void SceneHandler::read_rest(std::span<const std::byte> bytes) {
 }
 
 void SceneHandler::parse(std::span<const std::byte> bytes) {
-  const render::PhaseScope phase(world_.options.phases, render::Phase::parse);
+  const PhaseScope phase(world_.options.phases, Phase::parse);
   if (gunzip_)
     gunzip_->push(bytes, [this](std::string_view piece) {
       parser_->push(piece);
@@ -154,7 +153,7 @@ void SceneHandler::outlines_changed(vrml::NodeId id) {
 }
 
 void SceneHandler::read_mesh(std::span<const std::byte> bytes) {
-  const render::PhaseScope phase(world_.options.phases, render::Phase::parse);
+  const PhaseScope phase(world_.options.phases, Phase::parse);
   auto read =
       import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin), world_.budget);
   if (!read) content = Content::refused;

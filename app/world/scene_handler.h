@@ -1,12 +1,12 @@
 #pragma once
 
-#include "app/base/gunzip.h"
 #include "app/base/text_source.h"
 #include "app/formats/content_types.h"
 #include "app/world/cloud_handler.h"
 #include "app/world/external_prototypes.h"
 #include "app/world/outline_reader.h"
 #include "app/world/world_loading_state.h"
+#include "base/gzip.h"
 #include "vrml/syntax/parser.h"
 
 #include <cstddef>
@@ -70,7 +70,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   SceneHandler* outer;                     // handler of the scene with the Inline or EXTERNPROTO; null for the root
   vrml::NodeId inline_node;                // in the scene of `outer`
   std::string place_file;                  // file of the node in `outer`, for messages
-  vrml::SourceLocation place;              // in that file
+  SourceLocation place;                    // in that file
   std::string what;                        // "Inline" or "EXTERNPROTO Name", for messages
   vrml::MFString urls;                     // candidate URLs, for messages
   std::vector<AwaitedPrototype> awaiting;  // for a library: types of `outer` that wait for it
@@ -101,9 +101,8 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void give_away();
   void cut_short() { content = refused() ? Content::refused : Content::cut_short; }
   [[nodiscard]] ReportAt reporter() {
-    return [this](vrml::Severity severity, vrml::SourceLocation at, std::string message) {
-      report(severity, at, std::move(message));
-    };
+    return
+        [this](Severity severity, SourceLocation at, std::string message) { report(severity, at, std::move(message)); };
   }
   [[nodiscard]] bool leads_back(const Found& found) const;
   // scene_references.cpp
@@ -156,12 +155,12 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void give_prototypes(std::vector<AwaitedPrototype> awaited, std::unique_ptr<vrml::SceneGraph> library,
                        std::optional<std::string> why);
   void resolve_types();
-  void report(vrml::Severity severity, vrml::SourceLocation at, std::string message) {
+  void report(Severity severity, SourceLocation at, std::string message) {
     const bool is_own = scene && owner_ == Owner::reader;
     world_.report(severity, is_own ? scene->file_name() : found_.path, at, std::move(message));
   }
   void report_at(const vrml::Node& node, std::string message) {
-    world_.report(vrml::Severity::warning, node.text->file_name(), node.location, std::move(message));
+    world_.report(Severity::warning, node.text->file_name(), node.location, std::move(message));
   }
 
   World& world_;
@@ -170,7 +169,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   std::shared_ptr<vrml::SceneGraph> content_;  // content of an attached Inline; taken back to be read on
   std::weak_ptr<vrml::SceneGraph> given_;      // content of an Inline that belongs to the running world
   std::vector<std::byte> waiting_;  // bytes before the type is known, or all bytes of a file that is read at once
-  vrml::Share waiting_share_;
+  Share waiting_share_;
   const ContentType* type_ = nullptr;
   std::optional<vrml::Parser> parser_;
   std::unique_ptr<Gunzip> gunzip_;  // Packing::gzip

@@ -6,12 +6,11 @@
 // Programs of Scripts in own files (VRML97 4.12.1), and texts that programs request.
 namespace gs::app {
 
-using vrml::Severity;
 
 /// Content handler for a text of VRML or of a program, optionally gzip-compressed.
 struct WorldLoading::State::TextHandler final : ContentHandler {
   TextHandler(State& state, const SceneHandler* waits, const UrlRequest& request)
-      : world(state), waits_for(waits), what(request), held(state.budget, vrml::Resource::files) {}
+      : world(state), waits_for(waits), what(request), held(state.budget, Resource::files) {}
 
   [[nodiscard]] const SceneHandler* makes_nodes_of() const override { return waits_for; }
   bool begin(const Found& where) override {
@@ -23,14 +22,14 @@ struct WorldLoading::State::TextHandler final : ContentHandler {
       bytes.insert(bytes.end(), piece.begin(), piece.end());
     } else if (!std::exchange(full, true)) {
       world.report(Severity::warning, what.file, what.location,
-                   what.type + " " + found.path + ": " + world.budget->refusal(vrml::Resource::files) + "; left out");
+                   what.type + " " + found.path + ": " + world.budget->refusal(Resource::files) + "; left out");
     }
   }
   void end(const std::optional<std::string>& problem) override {
     if (problem) world.report(Severity::warning, what.file, what.location, what.type + ": " + *problem);
     if (full || problem) return give(std::nullopt);
     if (!is_gzip(bytes)) return give(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-    const UnpackedBytes unpacked = unpack_gzip(bytes, world.budget, vrml::Resource::files);
+    const UnpackedBytes unpacked = unpack_gzip(bytes, world.budget, Resource::files);
     if (unpacked.problem) {
       world.report(Severity::warning, what.file, what.location,
                    what.type + " " + found.path + ": " + *unpacked.problem);
@@ -54,7 +53,7 @@ struct WorldLoading::State::TextHandler final : ContentHandler {
   UrlRequest what;
   Found found;
   std::vector<std::byte> bytes;
-  vrml::Share held;  // of the bytes
+  Share held;  // of the bytes
   bool full = false;
 };
 

@@ -10,7 +10,6 @@
 namespace gs::app {
 namespace {
 
-using vrml::Severity;
 
 // Returns true if a url refers to this file or to a part of it.
 bool names_file(net::Url url, const std::string& file) {

@@ -188,7 +188,7 @@ void SceneHandler::visit_cloud(NodeId id) {
       world_.taken ? world_.cloud_arrived({{scene, id}, {}, std::move(held)})
                    : void(world_.world.clouds[&node] = std::move(held));
     else
-      report_at(node, "QNV: " + world_.budget->refusal(vrml::Resource::vectors) + "; left out");
+      report_at(node, "QNV: " + world_.budget->refusal(Resource::vectors) + "; left out");
     return;
   }
   const auto& list = scene->get<vrml::MFString>(id, "url");

@@ -6,17 +6,16 @@
 
 namespace gs::app {
 
-using vrml::Severity;
 using SharedImage = WorldLoading::State::SharedImage;
 
-SharedImage::SharedImage(WorldLoading::State& loading, std::string type_name, std::string text,
-                         vrml::SourceLocation location, vrml::MFString list)
+SharedImage::SharedImage(WorldLoading::State& loading, std::string type_name, std::string text, SourceLocation location,
+                         vrml::MFString list)
     : world(loading),
       type(std::move(type_name)),
       file(std::move(text)),
       place(location),
       urls(std::move(list)),
-      held(loading.budget, vrml::Resource::files) {}
+      held(loading.budget, Resource::files) {}
 
 bool SharedImage::begin(const Found& where) {
   name = where.path;
@@ -33,7 +32,7 @@ void SharedImage::receive(std::span<const std::byte> piece) {
   if (held.grow(piece.size())) {
     bytes.insert(bytes.end(), piece.begin(), piece.end());
   } else {
-    leave_out(world.budget->refusal(vrml::Resource::files));
+    leave_out(world.budget->refusal(Resource::files));
     bytes = {};
   }
 }

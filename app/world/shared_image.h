@@ -15,7 +15,7 @@ namespace gs::app {
 struct WorldLoading::State::SharedImage final : ContentHandler {
   /// Creates a handler. `type_name` is the type of the first texture, `text` and `location` are its position for
   /// messages; `list` has its urls.
-  SharedImage(WorldLoading::State& loading, std::string type_name, std::string text, vrml::SourceLocation location,
+  SharedImage(WorldLoading::State& loading, std::string type_name, std::string text, SourceLocation location,
               vrml::MFString list);
 
   bool begin(const Found& where) override;
@@ -36,10 +36,10 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
 
   WorldLoading::State& world;
   std::string type, file, name;  // type of the first texture, file of its text, name of the image
-  vrml::SourceLocation place;
+  SourceLocation place;
   vrml::MFString urls;
   std::vector<std::byte> bytes;
-  vrml::Share held;  // of `bytes`
+  Share held;  // of `bytes`
   std::vector<Arrivals::Place> textures;
   std::weak_ptr<const render::Image> image;
   enum class Stage : std::uint8_t { coming, shown, none };

@@ -11,7 +11,7 @@ OpenedWorld world_without_memory(const std::string& path) {
   OpenedWorld none;
   none.path = path;
   none.truncated = true;
-  none.diagnostics.add({vrml::Severity::error, path, {}, "not enough memory to open it"});
+  none.diagnostics.add({Severity::error, path, {}, "not enough memory to open it"});
   return none;
 }
 

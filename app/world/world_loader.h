@@ -1,8 +1,8 @@
 #pragma once
 
 #include "app/world/opened_world.h"
-#include "render/base/phases.h"
-#include "vrml/scene/limits.h"
+#include "base/limits.h"
+#include "base/phases.h"
 
 #include <atomic>
 #include <cstddef>
@@ -23,7 +23,7 @@ class LoadLedger;
 
 struct LoadOptions {
   std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();  // of the file; the rest is ignored
-  vrml::Limits limits;                                                  // max cost of the world
+  Limits limits;                                                        // max cost of the world
   double loss = 0;  // simulated loss of a stream, as a fraction of its packets
   std::uint64_t loss_seed = 1;
   double timeout_seconds = 30;                   // for the whole world; everything that is missing then is omitted
@@ -36,7 +36,7 @@ struct LoadOptions {
   bool by_view = false;      // views choose ranges of long streams on servers; otherwise they are read front to back
   std::uint64_t rate = 0;    // max bits per second of a server; 0 means unlimited
   std::string cache_folder;  // cache of network resources; empty means none
-  render::PhaseClock* phases = nullptr;                     // measures parsing; may be null
+  PhaseClock* phases = nullptr;                             // measures parsing; may be null
   std::shared_ptr<LoadLedger> ledger;                       // receives the progress of files and streams; may be null
   std::function<std::unique_ptr<net::Transport>()> memory;  // for tests: makes the transport of memory: URLs
 };

@@ -1,10 +1,10 @@
 #include "app/world/world_loading.h"
 
 #include "app/base/local_file.h"
-#include "app/base/text.h"
 #include "app/world/importance.h"
 #include "app/world/outline_handler.h"
 #include "app/world/scene_handler.h"
+#include "base/text.h"
 #include "net/base/schemes.h"
 #include "net/files/standard_input.h"
 
@@ -17,7 +17,6 @@ namespace gs::app {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using vrml::Severity;
 
 std::string title_of(const vrml::SceneGraph& scene) {
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
@@ -38,7 +37,7 @@ WorldLoading::State::State(const std::string& asked, const LoadOptions& given)
       limit(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                std::chrono::duration<double>(std::clamp(given.timeout_seconds, 0.0, 1e6))),
             given.cancelled),
-      budget(std::make_shared<vrml::Budget>(given.limits)) {
+      budget(std::make_shared<Budget>(given.limits)) {
   budget->stop_when([time = limit] { return time.over(); });
   world.path = asked;
   world.title = file_name(asked);
@@ -271,7 +270,7 @@ LoadingState WorldLoading::state() const {
   return result;
 }
 
-const vrml::Diagnostics& WorldLoading::diagnostics() const { return state_->world.diagnostics; }
+const Diagnostics& WorldLoading::diagnostics() const { return state_->world.diagnostics; }
 const std::vector<std::shared_ptr<StreamFeed>>& WorldLoading::feeds() const { return state_->world.feeds; }
 const std::string& WorldLoading::title() const { return state_->world.title; }
 bool WorldLoading::authored() const { return state_->world.authored; }

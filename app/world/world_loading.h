@@ -76,7 +76,7 @@ class WorldLoading {
   /// Returns the feeds of streams that grow; the drawing thread feeds them, see stream_feed.h.
   [[nodiscard]] const std::vector<std::shared_ptr<StreamFeed>>& feeds() const;
   /// Returns the diagnostics so far.
-  [[nodiscard]] const vrml::Diagnostics& diagnostics() const;
+  [[nodiscard]] const Diagnostics& diagnostics() const;
   /// Returns the title of the world, or the name of its file.
   [[nodiscard]] const std::string& title() const;
   /// Returns the up axis. `size` is the extent of all visible objects.

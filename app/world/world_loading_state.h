@@ -1,13 +1,13 @@
 #pragma once
 
 #include "app/base/load_limit.h"
-#include "app/base/world_budget.h"
 #include "app/formats/qnv/surface_pictures.h"
 #include "app/streams/cell_stream.h"
 #include "app/streams/load_ledger.h"
 #include "app/world/arrivals.h"
 #include "app/world/content_handler.h"
 #include "app/world/world_loading.h"
+#include "base/budget.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -70,7 +70,7 @@ struct WorldLoading::State {
   void cancel(Fetch& fetch);
   void fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder = {});
   bool refuse_folder(const std::string& folder, const std::string& reference);
-  void report(vrml::Severity severity, const std::string& file, vrml::SourceLocation at, std::string message) {
+  void report(Severity severity, const std::string& file, SourceLocation at, std::string message) {
     world.diagnostics.add({severity, file, at, std::move(message)});
   }
   void set_priorities();

@@ -194,7 +194,7 @@ BytesResult WorldLoading::State::read_now(const std::string& url, const net::Ori
   wanted.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
   const net::RequestId id = network()->request(std::move(wanted));
   std::vector<std::byte> bytes;
-  vrml::Share share(budget, vrml::Resource::files);
+  Share share(budget, Resource::files);
   std::optional<std::string> problem = "the time limit for loading was reached";
   bool over = false;
   while (!over && !limit.over()) {
@@ -205,7 +205,7 @@ BytesResult WorldLoading::State::read_now(const std::string& url, const net::Ori
         if (over) continue;
         if (!share.grow(data->bytes.size())) {
           over = true;
-          problem = budget->refusal(vrml::Resource::files);
+          problem = budget->refusal(Resource::files);
           continue;
         }
         bytes.insert(bytes.end(), data->bytes.begin(), data->bytes.end());
@@ -226,7 +226,7 @@ BytesResult WorldLoading::State::read_now(const std::string& url, const net::Ori
   if (problem) return std::move(*problem);
   struct Held {
     std::vector<std::byte> bytes;
-    vrml::Share share;
+    Share share;
   };
   const auto held = std::make_shared<const Held>(Held{std::move(bytes), std::move(share)});
   return SharedBytes{held, held->bytes};

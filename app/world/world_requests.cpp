@@ -91,7 +91,7 @@ Arrivals WorldLoading::State::take_arrivals() {
   }
   taken_now.feeds = std::exchange(world.feeds, {});
   taken_now.outside = std::exchange(world.outside, {});
-  taken_now.diagnostics = std::exchange(world.diagnostics, vrml::Diagnostics());
+  taken_now.diagnostics = std::exchange(world.diagnostics, Diagnostics());
   return taken_now;
 }
 

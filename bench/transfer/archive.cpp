@@ -14,8 +14,8 @@ namespace {
 constexpr double kMegabits = 10, kRoundTrip = 0.1;
 constexpr std::uint64_t kEnough = 300'000;  // bytes that contain a first picture
 
-vrml::Bounds bounds_of(const qnv::Box& box) {
-  vrml::Bounds bounds;
+Box bounds_of(const Box& box) {
+  Box bounds;
   bounds.add(box.lower);
   bounds.add(box.upper);
   return bounds;

@@ -110,7 +110,7 @@ class Model {
   ModelOptions options_;
   Studio& studio_;
   float crease_angle_ = 0;
-  render::WorldBounds bounds_;
+  WideBox bounds_;
   std::vector<render::Image> reference_;
   std::size_t triangles_ = 0, packed_vectors_ = 0, record_vectors_ = 0, outline_groups_ = 0;
 };

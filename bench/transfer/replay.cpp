@@ -51,7 +51,7 @@ render::RenderList polygons_of(std::span<const CellArrival> arrivals) {
     if (event.kind == Kind::piece && event.bytes.size() > qnv::kChunkHeaderBytes)
       decoder.add(static_cast<qnv::ChunkType>(event.bytes[4]), std::span(event.bytes).subspan(qnv::kChunkHeaderBytes));
   vrml::SceneGraph scene;
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   app::OutlineScene outlines(scene, diagnostics);
   outlines.add(decoder.header()->outlines, decoder.take());
   render::MeshCache meshes;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/box.h"
+
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -14,35 +16,9 @@
 
 namespace gs::qnv {
 
-/// Axis-aligned box; empty if lower > upper on any axis.
-struct Box {
-  glm::vec3 lower{std::numeric_limits<float>::infinity()};
-  glm::vec3 upper{-std::numeric_limits<float>::infinity()};
-
-  [[nodiscard]] bool empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
-  void add(const glm::vec3& p) {
-    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
-    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
-  }
-  [[nodiscard]] glm::vec3 size() const { return upper - lower; }
-  friend bool operator==(const Box&, const Box&) = default;
-};
-
-/// Box in double precision, for source coordinates before local_origin() is subtracted.
-struct WideBox {
-  glm::dvec3 lower{std::numeric_limits<double>::infinity()};
-  glm::dvec3 upper{-std::numeric_limits<double>::infinity()};
-
-  [[nodiscard]] bool empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
-  void add(const glm::dvec3& p) {
-    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
-    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
-  }
-};
-
-/// Returns the origin from which positions in `box` are stored, so that float32 keeps their precision. On each axis it
-/// is the box's middle, rounded to float32, if the box lies far from 0 for its size; else 0. Subtracting the origin
-/// from float32 coordinates near it is exact.
+/// Returns the origin from which positions in `box`, in source coordinates, are stored, so that float32 keeps their
+/// precision. On each axis it is the box's middle, rounded to float32, if the box lies far from 0 for its size; else 0.
+/// Subtracting the origin from float32 coordinates near it is exact.
 [[nodiscard]] glm::dvec3 local_origin(const WideBox& box);
 
 /// Display-referred sRGB colour, 8 bits per component.

@@ -1,6 +1,6 @@
 #include "qnv/base/found_vectors.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 

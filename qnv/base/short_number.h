@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #include "qnv/base/voxels.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/base/morton.h"
 
 #include <glm/geometric.hpp>

@@ -1,6 +1,6 @@
 #include "qnv/container/container.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 
 #include <zlib.h>
 

@@ -1,6 +1,6 @@
 #include "qnv/container/outline_header.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 
 #include <algorithm>
 #include <cmath>

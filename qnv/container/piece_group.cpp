@@ -1,6 +1,6 @@
 #include "qnv/container/piece_group.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 #include "qnv/base/short_number.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "qnv/container/voxel_lattice.h"
 
-#include "qnv/base/bytes.h"
-#include "qnv/base/finite.h"
+#include "base/bytes.h"
+#include "base/finite.h"
 #include "qnv/base/voxels.h"
 
 #include <glm/geometric.hpp>

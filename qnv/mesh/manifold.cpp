@@ -1,6 +1,6 @@
 #include "qnv/mesh/manifold.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/mesh/sides.h"
 
 #include <glm/geometric.hpp>

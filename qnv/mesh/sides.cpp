@@ -1,6 +1,6 @@
 #include "qnv/mesh/sides.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <mutex>

@@ -1,6 +1,6 @@
 #include "qnv/mesh/survey.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <glm/geometric.hpp>
 

@@ -1,6 +1,6 @@
 #include "qnv/mesh/triangle_tree.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

@@ -1,6 +1,6 @@
 #include "qnv/mesh/triangle_weights.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <glm/geometric.hpp>
 

@@ -1,6 +1,6 @@
 #include "render/draw/renderer.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
@@ -162,7 +162,7 @@ Image read_back(const Gl& gl, int width, int height, int side) {
     const std::size_t end = std::min(rows, first + kBand);
     gl.ReadPixels(0, static_cast<GLint>((rows - end) * square), width, static_cast<GLsizei>((end - first) * square),
                   GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
-    (void)qnv::parallel_for((end - first + kRows - 1) / kRows, [&](std::size_t task) {
+    (void)parallel_for((end - first + kRows - 1) / kRows, [&](std::size_t task) {
       for (std::size_t y = first + task * kRows; y < std::min(end, first + (task + 1) * kRows); ++y)
         reduce_row(pixels.data() + (end - 1 - y) * square * stride, image.pixels.data() + y * columns * 3);
     });
@@ -311,7 +311,7 @@ void Renderer::resolve(int width, int height) {
 
 FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& wanted, const DrawOptions& options) {
   FrameStatistics statistics;
-  WorldBounds bounds = list.bounds;
+  WideBox bounds = list.bounds;
   if (options.guides) bounds.add(options.guides->bounds);
   const Camera given = far_camera(wanted, bounds);
   const Gl& gl = state_->gl;
@@ -378,7 +378,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
 // Draws overlays with their own depth range, in front of everything else.
 void Renderer::draw_overlays(const RenderList& list, const Camera& given, const DrawOptions& options,
                              FrameStatistics& statistics) {
-  WorldBounds bounds;
+  WideBox bounds;
   for (const DrawItem& item : list.items)
     if (item.overlay && item.mesh) bounds.add(world_bounds(item.mesh->bounds, item.world_from_node));
   const bool reversed = state_->gl.ClipControl != nullptr;

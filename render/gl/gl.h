@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/base/phases.h"
+#include "base/phases.h"
 #include "render/gl/context.h"
 
 #include <GL/glcorearb.h>

@@ -1,4 +1,4 @@
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "render/image/image_codecs.h"
 
 #include <zlib.h>
@@ -186,7 +186,7 @@ void PngWriter::add(const Image& band) {
   rows_ += band.height;
   const bool ends = rows_ == height_;
   std::vector<PngStrip> strips((band.height + kStripRows - 1) / kStripRows);
-  (void)qnv::parallel_for(strips.size(), [&](std::size_t i) {
+  (void)parallel_for(strips.size(), [&](std::size_t i) {
     strips[i] = encode_strip(band, i * kStripRows, std::min<std::size_t>(band.height, (i + 1) * kStripRows),
                              ends && i + 1 == strips.size(), above_);
   });

@@ -48,7 +48,7 @@ struct Sphere {
 };
 
 /// Returns a sphere around the mesh's box in camera space. `rows` comes from `compose`.
-Sphere bounding_sphere(const vrml::Bounds& bounds, const glm::vec3& origin, const float (&rows)[3][4]) {
+Sphere bounding_sphere(const Box& bounds, const glm::vec3& origin, const float (&rows)[3][4]) {
   if (bounds.empty()) return {glm::vec3(rows[0][3], rows[1][3], rows[2][3]), -1};
   const glm::vec3 center = bounds.center() - origin, half = bounds.size() * 0.5f;
   Sphere sphere{};

@@ -65,7 +65,7 @@ bool indices_in_range(const vrml::Mesh& mesh) {
 
 }  // namespace
 
-glm::vec3 local_origin(const vrml::Bounds& bounds) {
+glm::vec3 local_origin(const Box& bounds) {
   constexpr float kFar = 8;  // times the half extent; below, differences are exact
   if (bounds.empty()) return glm::vec3(0);
   const glm::vec3 center = bounds.center(), half = bounds.size() * 0.5f;

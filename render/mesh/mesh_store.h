@@ -27,7 +27,7 @@ static_assert(sizeof(Instance) == 24 * sizeof(float));
 
 /// Returns the origin of the mesh's positions on the GPU. It is the centre if that lies many mesh sizes from 0, as in
 /// parts of a map; the vertex shader then avoids differences of large numbers.
-[[nodiscard]] glm::vec3 local_origin(const vrml::Bounds& bounds);
+[[nodiscard]] glm::vec3 local_origin(const Box& bounds);
 
 /// Caches meshes in GPU memory. Small meshes of the same format share pages, so that they are drawn without state
 /// changes. A page has a vertex array, a vertex buffer and an index buffer.

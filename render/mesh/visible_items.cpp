@@ -11,9 +11,9 @@ namespace gs::render {
 namespace {
 
 /// Returns the world-space box, enlarged for rounding; empty if unknown.
-vrml::Bounds box_of(const DrawItem& item) {
+Box box_of(const DrawItem& item) {
   constexpr double kRounding = 1e-6;
-  vrml::Bounds box;
+  Box box;
   if (!item.mesh || item.mesh->bounds.empty()) return box;
   const glm::dvec3 lower(item.mesh->bounds.lower), upper(item.mesh->bounds.upper);
   const glm::dvec3 center = (lower + upper) * 0.5, half = (upper - lower) * 0.5;
@@ -24,7 +24,7 @@ vrml::Bounds box_of(const DrawItem& item) {
     box.lower[i] = static_cast<float>(moved[i] - extent);
     box.upper[i] = static_cast<float>(moved[i] + extent);
   }
-  return std::isfinite(glm::dot(box.lower * 0.0f + box.upper * 0.0f, glm::vec3(1))) ? box : vrml::Bounds{};
+  return std::isfinite(glm::dot(box.lower * 0.0f + box.upper * 0.0f, glm::vec3(1))) ? box : Box{};
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ void VisibleItems::make(const RenderList& list, Kept& kept) {
   std::vector<BoxTree::Entry> entries;
   entries.reserve(list.items.size());
   for (std::uint32_t i = 0; i < list.items.size(); ++i) {
-    const vrml::Bounds box = box_of(list.items[i]);
+    const Box box = box_of(list.items[i]);
     entries.push_back({box, i});
     if (!box.empty()) continue;
     kept.is_loose[i] = true;

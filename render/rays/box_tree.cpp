@@ -8,11 +8,9 @@ namespace {
 constexpr std::size_t kBins = 16;
 
 // Halves first, since a box may span the float range.
-glm::vec3 middle_of(const vrml::Bounds& box) {
-  return box.empty() ? glm::vec3(0) : box.lower * 0.5f + box.upper * 0.5f;
-}
+glm::vec3 middle_of(const Box& box) { return box.empty() ? glm::vec3(0) : box.lower * 0.5f + box.upper * 0.5f; }
 
-double half_area(const vrml::Bounds& box) {
+double half_area(const Box& box) {
   if (box.empty()) return 0;
   const glm::dvec3 size = glm::dvec3(box.upper) - glm::dvec3(box.lower);
   return size.x * size.y + size.y * size.z + size.z * size.x;
@@ -23,13 +21,13 @@ double half_area(const vrml::Bounds& box) {
 // Splits entries at the plane through box centres with the lowest sum of area times count, among planes across the
 // longest axis. Splits in halves if requested or if no plane separates them. Returns the size of the first part.
 std::size_t BoxTree::part(Entry* entries, std::size_t count, bool halves) {
-  vrml::Bounds middles;
+  Box middles;
   for (std::size_t i = 0; i < count; ++i) middles.add(middle_of(entries[i].box));
   const glm::dvec3 lower(middles.lower), size = glm::dvec3(middles.upper) - lower;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   if (!halves && size[axis] > 0) {
     struct Bin {
-      vrml::Bounds box;
+      Box box;
       std::size_t count = 0;
     };
     std::array<Bin, kBins> bins;
@@ -89,7 +87,7 @@ BoxTree::BoxTree(std::vector<Entry> entries) {
     const auto place = static_cast<std::uint32_t>(nodes_.size());
     if (part_of.parent != kNobody) nodes_[part_of.parent].place = place;
     Entry* const first = entries.data() + part_of.first;
-    vrml::Bounds box;
+    Box box;
     for (std::size_t i = 0; i < part_of.count; ++i) box.add(first[i].box);
     const bool leaf = part_of.count <= kMostThings;
     nodes_.push_back({box.lower, leaf ? static_cast<std::uint32_t>(part_of.first) : 0, box.upper,
@@ -104,13 +102,13 @@ BoxTree::BoxTree(std::vector<Entry> entries) {
   for (const Entry& entry : entries) order_.push_back(entry.thing);
 }
 
-void BoxTree::refit(const std::vector<vrml::Bounds>& boxes) {
+void BoxTree::refit(const std::vector<Box>& boxes) {
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     Node& node = nodes_[i];
-    vrml::Bounds box;
+    Box box;
     for (std::uint32_t k = 0; k < node.count; ++k) box.add(boxes[order_[node.place + k]]);
     if (node.count == 0)
-      for (const Node* child : {&nodes_[i + 1], &nodes_[node.place]}) box.add(vrml::Bounds{child->lower, child->upper});
+      for (const Node* child : {&nodes_[i + 1], &nodes_[node.place]}) box.add(Box{child->lower, child->upper});
     node.lower = box.lower;
     node.upper = box.upper;
   }

@@ -25,7 +25,7 @@ struct SightLine {
 class BoxTree {
  public:
   struct Entry {
-    vrml::Bounds box;  // an empty one is never hit
+    Box box;  // an empty one is never hit
     std::uint32_t thing = 0;
   };
 
@@ -42,7 +42,7 @@ class BoxTree {
   explicit BoxTree(std::vector<Entry> entries);
 
   /// Updates the boxes; `boxes` is indexed by thing. Large movements make the tree slower.
-  void refit(const std::vector<vrml::Bounds>& boxes);
+  void refit(const std::vector<Box>& boxes);
   [[nodiscard]] std::size_t bytes() const {
     return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(std::uint32_t);
   }

@@ -21,10 +21,10 @@ bool is_finite(const glm::dmat4& m) {
 }
 
 /// Returns the world-space box, enlarged for rounding. Empty if nothing can be hit.
-vrml::Bounds world_box(const DrawItem& item) {
-  vrml::Bounds box;
+Box world_box(const DrawItem& item) {
+  Box box;
   if (!item.mesh || item.mesh->empty() || item.mesh->primitive != vrml::Mesh::Primitive::triangles) return box;
-  const vrml::Bounds& bounds = item.mesh->bounds;
+  const Box& bounds = item.mesh->bounds;
   const glm::dmat4& matrix = item.world_from_node;
   if (bounds.empty() || !is_finite(matrix)) return box;
   const glm::dvec3 center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5,
@@ -37,7 +37,7 @@ vrml::Bounds world_box(const DrawItem& item) {
     box.lower[i] = static_cast<float>(moved[i] - extent);
     box.upper[i] = static_cast<float>(moved[i] + extent);
   }
-  return std::isfinite(glm::dot(box.lower * 0.0f + box.upper * 0.0f, glm::vec3(1))) ? box : vrml::Bounds{};
+  return std::isfinite(glm::dot(box.lower * 0.0f + box.upper * 0.0f, glm::vec3(1))) ? box : Box{};
 }
 
 bool is_sought(const DrawItem& item, Sought sought) {
@@ -189,7 +189,7 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
   tree_.visit(line, [&](std::uint32_t place, double farthest) {
     const DrawItem& item = list.items[place];
     if (!is_sought(item, sought)) return farthest;
-    const vrml::Bounds& box = boxes_[place];
+    const Box& box = boxes_[place];
     if (box.empty() || !std::isfinite(walker.enter(box.lower, box.upper, farthest))) return farthest;
     const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     if (!is_finite(node_from_world)) return farthest;

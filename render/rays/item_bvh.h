@@ -90,7 +90,7 @@ class ItemBvh {
   std::size_t triangles_ = 0;  // total of meshes_
   std::uint64_t searches_ = 0;
   std::vector<Item> items_;
-  std::vector<vrml::Bounds> boxes_;
+  std::vector<Box> boxes_;
   BoxTree tree_;
   std::size_t refits_ = 0;
 };

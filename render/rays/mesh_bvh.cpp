@@ -41,7 +41,7 @@ MeshBvh::MeshBvh(const vrml::Mesh& mesh) {
   std::vector<BoxTree::Entry> entries;
   entries.reserve(triangles);
   for (std::size_t i = 0; i < triangles; ++i) {
-    vrml::Bounds box;
+    Box box;
     glm::vec3 sum(0);
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::vec3& corner = mesh.positions[mesh.indices[3 * i + k]];

@@ -1,7 +1,7 @@
 #include "render/rays/splat_pick.h"
 
-#include "qnv/base/finite.h"
-#include "qnv/base/parallel.h"
+#include "base/finite.h"
+#include "base/parallel.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "render/splat/splat_constants.h"
 
@@ -19,7 +19,6 @@
 namespace gs::render {
 namespace {
 
-using qnv::finite;
 
 constexpr std::size_t kPickedRange = 65536;  // vectors per task
 constexpr std::size_t kPickedBlock = 256;    // vectors tested together
@@ -268,7 +267,7 @@ std::optional<DiscPick> pick_disc(const qnv::Cloud& cloud, const glm::dmat4& wor
     const float growth = static_cast<float>(cloud.size()) / static_cast<float>(count);
     const DiscPicker picker(cloud, growth, cloud.description.two_sided, *node);
     std::vector<DiscPick> found((count + kPickedRange - 1) / kPickedRange, nearest);
-    qnv::parallel_for(
+    parallel_for(
         found.size(),
         [&](std::size_t r) {
           found[r] = picker.run(r * kPickedRange, std::min(count, (r + 1) * kPickedRange), nearest);
@@ -288,7 +287,7 @@ std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel
   if (!finder.usable() || !fits || cloud.empty()) return std::nullopt;
   const std::size_t count = std::min(cloud.size(), limits.vectors);
   std::vector<std::vector<Veil>> found((count + kPickedRange - 1) / kPickedRange);
-  qnv::parallel_for(
+  parallel_for(
       found.size(),
       [&](std::size_t r) { finder.run(r * kPickedRange, std::min(count, (r + 1) * kPickedRange), found[r]); },
       count > kPickedRange ? limits.threads : 1);

@@ -43,7 +43,7 @@ std::optional<PatchHit> pick_patches(const qnv::SurfacePatches& surface, const S
   const BoxTree::Walker walker(line);
   for (std::uint32_t s = 0; s < surface.parts.size(); ++s)
     for (std::uint32_t p = 0; p < surface.parts[s]->size(); ++p) {
-      const qnv::Box& box = surface.parts[s]->bounds(p).box;
+      const Box& box = surface.parts[s]->bounds(p).box;
       const double enter = walker.enter(box.lower, box.upper, line.farthest);
       if (std::isfinite(enter)) candidates.push_back({enter, s, p});
     }

@@ -29,7 +29,7 @@ HalfAngles half_angles(float field_of_view, float width, float height) {
   return aspect >= 1 ? HalfAngles{smaller * aspect, smaller} : HalfAngles{smaller, smaller / aspect};
 }
 
-std::array<glm::dvec3, 8> corners(const WorldBounds& bounds) {
+std::array<glm::dvec3, 8> corners(const WideBox& bounds) {
   std::array<glm::dvec3, 8> points;
   for (int i = 0; i < 8; ++i)
     points[i] = {i & 1 ? bounds.upper.x : bounds.lower.x, i & 2 ? bounds.upper.y : bounds.lower.y,
@@ -86,7 +86,7 @@ Projection projection(const Camera& camera, float width, float height, bool reve
   return result;
 }
 
-Camera far_camera(const Camera& camera, const WorldBounds& bounds) {
+Camera far_camera(const Camera& camera, const WideBox& bounds) {
   if (!(camera.height > 0)) return camera;
   Camera far = camera;
   double middle = 0, extent = camera.height;
@@ -109,7 +109,7 @@ float pixels_per_radian(float field_of_view, float width, float height) {
   return std::min(width, height) / (2 * std::tan(field_of_view / 2));
 }
 
-Camera orbit_camera(const WorldBounds& bounds, float azimuth, float elevation, float field_of_view, float width,
+Camera orbit_camera(const WideBox& bounds, float azimuth, float elevation, float field_of_view, float width,
                     float height) {
   const double ca = std::cos(double{azimuth}), sa = std::sin(double{azimuth});
   const double ce = std::cos(double{elevation}), se = std::sin(double{elevation});
@@ -136,15 +136,15 @@ Camera orbit_camera(const WorldBounds& bounds, float azimuth, float elevation, f
   return camera;
 }
 
-Camera first_camera(const WorldBounds& bounds, float field_of_view, float width, float height) {
+Camera first_camera(const WideBox& bounds, float field_of_view, float width, float height) {
   constexpr float kFlat = 0.12f, kAside = 0.6f;
-  const glm::vec3 size = bounds.empty() ? glm::vec3(1) : bounds.size();
+  const glm::vec3 size = bounds.empty() ? glm::vec3(1) : glm::vec3(bounds.size());
   const bool lies = size.y <= kFlat * std::max(size.x, size.z) && size.z > kFlat * size.x;
   const bool edge_on = size.x <= kFlat * std::max(size.y, size.z) && size.z > kFlat * size.y;
   return orbit_camera(bounds, edge_on ? kAside : 0, lies ? kAside : 0, field_of_view, width, height);
 }
 
-double parallel_height(const Camera& camera, const WorldBounds& bounds, float width, float height) {
+double parallel_height(const Camera& camera, const WideBox& bounds, float width, float height) {
   if (bounds.empty()) return 1;
   const double smaller = std::max(1.0, static_cast<double>(std::min(width, height)));
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
@@ -157,7 +157,7 @@ double parallel_height(const Camera& camera, const WorldBounds& bounds, float wi
   return result > 0 ? result : 1;
 }
 
-bool has_in_view(const Camera& camera, const WorldBounds& bounds, float width, float height) {
+bool has_in_view(const Camera& camera, const WideBox& bounds, float width, float height) {
   if (bounds.empty()) return true;
   const auto [tan_x, tan_y] = half_angles(camera.field_of_view, width, height);
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
@@ -173,7 +173,7 @@ bool has_in_view(const Camera& camera, const WorldBounds& bounds, float width, f
   return true;
 }
 
-Camera fit_depth(Camera camera, const WorldBounds& bounds, bool reversed) {
+Camera fit_depth(Camera camera, const WideBox& bounds, bool reversed) {
   double nearest = kDefaultNear, farthest = kDefaultFar;
   if (!bounds.empty()) {
     const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);

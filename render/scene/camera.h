@@ -64,29 +64,29 @@ struct Projection {
 
 /// Replaces a parallel projection by a perspective one from far away. Points in `bounds` deviate by at most
 /// kFarParallax of the image's half side. Returns other cameras unchanged.
-[[nodiscard]] Camera far_camera(const Camera& camera, const WorldBounds& bounds);
+[[nodiscard]] Camera far_camera(const Camera& camera, const WideBox& bounds);
 inline constexpr double kFarParallax = 1.0 / 4096;
 
 /// Returns the pixels per radian at the image centre.
 [[nodiscard]] float pixels_per_radian(float field_of_view, float width, float height);
 
 /// Returns a camera at `azimuth`, `elevation` (radians; 0, 0 looks from +Z) with all of `bounds` in view.
-[[nodiscard]] Camera orbit_camera(const WorldBounds& bounds, float azimuth, float elevation, float field_of_view,
+[[nodiscard]] Camera orbit_camera(const WideBox& bounds, float azimuth, float elevation, float field_of_view,
                                   float width, float height);
 
 /// Returns the initial view of a world without a Viewpoint: orbit_camera from +Z, or slightly above or aside if a flat
 /// world would be seen edge-on.
-[[nodiscard]] Camera first_camera(const WorldBounds& bounds, float field_of_view, float width, float height);
+[[nodiscard]] Camera first_camera(const WideBox& bounds, float field_of_view, float width, float height);
 
 /// Returns the Camera::height at which all of `bounds` fits into an image of these proportions.
-[[nodiscard]] double parallel_height(const Camera& camera, const WorldBounds& bounds, float width, float height);
+[[nodiscard]] double parallel_height(const Camera& camera, const WideBox& bounds, float width, float height);
 
 /// Reports whether all of `bounds` is in front of the camera and within an image of these proportions; true for empty
 /// bounds.
-[[nodiscard]] bool has_in_view(const Camera& camera, const WorldBounds& bounds, float width, float height);
+[[nodiscard]] bool has_in_view(const Camera& camera, const WideBox& bounds, float width, float height);
 
 /// Returns `camera` with near and far planes that enclose `bounds` tightly for depth precision. `reversed` refers to
 /// Projection::reversed and permits any near distance.
-[[nodiscard]] Camera fit_depth(Camera camera, const WorldBounds& bounds, bool reversed = false);
+[[nodiscard]] Camera fit_depth(Camera camera, const WideBox& bounds, bool reversed = false);
 
 }  // namespace gs::render

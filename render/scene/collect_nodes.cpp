@@ -1,6 +1,6 @@
 #include "render/scene/collect_nodes.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
@@ -13,7 +13,6 @@
 namespace gs::render {
 namespace {
 
-using qnv::finite;
 
 using glm::dmat3;
 using glm::dmat4;
@@ -152,7 +151,7 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
   const dmat3 rotation =
       rotation_part(world_from_node) * vrml::rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
   state.world_from_camera = dmat4(rotation);
-  if (qnv::finite(position)) state.world_from_camera[3] = glm::dvec4(position, 1);
+  if (finite(position)) state.world_from_camera[3] = glm::dvec4(position, 1);
   state.up = rotation_part(world_from_node)[1];
   const double volume = std::abs(glm::determinant(dmat3(world_from_node)));
   if (volume > 0 && std::isfinite(volume)) state.scale = std::cbrt(volume);

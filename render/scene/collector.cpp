@@ -47,8 +47,8 @@ bool fits_float(const dmat4& m) {
   return sum < std::numeric_limits<float>::max();  // false for NaN too
 }
 
-WorldBounds world_bounds(const vrml::Bounds& bounds, const dmat4& matrix) {
-  WorldBounds result;
+WideBox world_bounds(const Box& bounds, const dmat4& matrix) {
+  WideBox result;
   if (bounds.empty()) return result;
   const dvec3 center = (dvec3(bounds.lower) + dvec3(bounds.upper)) * 0.5,
               half = (dvec3(bounds.upper) - dvec3(bounds.lower)) * 0.5;
@@ -57,7 +57,7 @@ WorldBounds world_bounds(const vrml::Bounds& bounds, const dmat4& matrix) {
   for (int i = 0; i < 3; ++i) extent += glm::abs(dvec3(matrix[i])) * half[i];
   result.lower = moved - extent;
   result.upper = moved + extent;
-  return std::isfinite(glm::dot(glm::vec3(result.lower), glm::vec3(result.upper)) * 0.0f) ? result : WorldBounds{};
+  return std::isfinite(glm::dot(glm::vec3(result.lower), glm::vec3(result.upper)) * 0.0f) ? result : WideBox{};
 }
 
 RenderList Collector::collect(const vrml::SceneGraph& scene) {

@@ -30,7 +30,7 @@ struct RenderSources {
     const vrml::Node* geometry = nullptr;
     ShapeResources::AppearanceNodes appearance;
     glm::vec3 scale{1.0f};  // of a primitive with a shared default mesh
-    WorldBounds bounds;     // world space
+    WideBox bounds;         // world space
     std::uint8_t text_level = 0;
   };
   struct Local {  // source of a light, Viewpoint, NavigationInfo, Background or Fog
@@ -63,8 +63,8 @@ class Collector {
  public:
   /// `sources` receives the source nodes; null means none.
   Collector(ShapeResources& resources, const glm::dvec3& viewer, const Clouds& clouds, const BoundNodes* bound,
-            std::shared_ptr<vrml::Budget> budget, RenderSources* sources,
-            float pixels_per_radian = kUsualPixelsPerRadian, const glm::dvec3& viewer_up = {0, 1, 0})
+            std::shared_ptr<Budget> budget, RenderSources* sources, float pixels_per_radian = kUsualPixelsPerRadian,
+            const glm::dvec3& viewer_up = {0, 1, 0})
       : resources_(resources),
         schemas_(resources.schemas()),
         viewer_(viewer),
@@ -144,7 +144,7 @@ class Collector {
   LightList directional_lights_;  // list of the active directional lights, shared by the items of a group
   bool lights_changed_ = false;   // lights changed since that list was made
   std::size_t visits_ = 0;
-  std::shared_ptr<vrml::Budget> budget_;
+  std::shared_ptr<Budget> budget_;
   float pixels_per_radian_;
   glm::dvec3 viewer_up_;
   std::size_t triangles_ = 0;  // of all items; primitives count at their coarsest level

@@ -117,7 +117,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
                            const RenderSources::Item& source) {
   const dmat4 world = world_from_cloud(parent.world_from_local, *cloud);
   if ((cloud->empty() && !cloud->levels) || !fits_float(world)) return;
-  if (list_.splats.size() >= budget_->limit(vrml::Resource::items)) return;
+  if (list_.splats.size() >= budget_->limit(Resource::items)) return;
   SplatItem item;
   item.cloud = cloud;
   item.world_from_node = world;
@@ -127,7 +127,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   item.detail = detail;
   item.directional_lights = directional_lights();
   item.place = add_place(parent, id);
-  const qnv::Box& box = cloud->description.box;
+  const Box& box = cloud->description.box;
   RenderSources::Item kept = source;
   kept.bounds = world_bounds({box.lower, box.upper}, world);
   if (!kept.bounds.empty()) list_.bounds.add(kept.bounds);
@@ -137,20 +137,20 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
 
 // Checks the limits: USE and PROTO let a small file describe 2^n objects.
 bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
-  const std::size_t items = budget_->limit(vrml::Resource::items);
+  const std::size_t items = budget_->limit(Resource::items);
   if (list_.items.size() >= items) {
-    resources_.leave_out(budget_->refusal(vrml::Resource::items), scene, geometry);
+    resources_.leave_out(budget_->refusal(Resource::items), scene, geometry);
     return false;
   }
   if (!take_triangles(triangles)) {
-    resources_.leave_out(budget_->refusal(vrml::Resource::triangles), scene, geometry);
+    resources_.leave_out(budget_->refusal(Resource::triangles), scene, geometry);
     return false;
   }
   return true;
 }
 
 bool Collector::take_triangles(std::size_t count) {
-  const std::size_t most = budget_->limit(vrml::Resource::triangles);
+  const std::size_t most = budget_->limit(Resource::triangles);
   if (count > most - std::min(most, triangles_)) return false;
   triangles_ += count;
   return true;

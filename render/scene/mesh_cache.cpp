@@ -22,9 +22,9 @@ void MeshCache::renew(std::unordered_map<const vrml::Node*, Entry>::iterator ent
     for (Entry& one : entry->second.finer->levels) one.stale = true;
 }
 
-void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<vrml::Budget>& budget) {
+void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<Budget>& budget) {
   entry.mesh = nullptr;
-  entry.share = vrml::Share(budget, vrml::Resource::meshes);
+  entry.share = Share(budget, Resource::meshes);
   // If the budget does not permit the mesh, it is not tried again for every USE.
   if (!entry.share.grow(mesh->cost())) {
     *mesh = {};

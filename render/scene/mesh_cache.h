@@ -1,11 +1,11 @@
 #pragma once
 
+#include "base/budget.h"
+#include "base/phases.h"
 #include "qnv/base/cloud.h"
-#include "render/base/phases.h"
 #include "render/image/image.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/mesh/text_shaper.h"
-#include "vrml/scene/budget.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <array>
@@ -34,7 +34,7 @@ struct MeshCache {
   struct FinerMeshes;
   struct Entry {
     std::shared_ptr<const vrml::Mesh> mesh;
-    vrml::Share share;                        // from the budget for meshes
+    Share share;                              // from the budget for meshes
     const vrml::SceneGraph* scene = nullptr;  // of the geometry node
     bool texture_coordinates = false;         // whether they were requested
     bool refused = false;                     // the limit for meshes removed some or all of it
@@ -46,12 +46,12 @@ struct MeshCache {
     std::array<Entry, vrml::kTextTolerances.size() - 1> levels;
   };
   /// Sets the mesh of the entry, or an empty one if the budget does not permit it.
-  static void keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<vrml::Budget>& budget);
+  static void keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<Budget>& budget);
 
   struct PixelEntry {
     vrml::PixelImage source;  // shares storage with the field until that changes
     std::shared_ptr<const Image> image;
-    vrml::Share share;
+    Share share;
   };
   std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node; for Text, the coarsest level
   std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node

@@ -1,12 +1,12 @@
 #pragma once
 
+#include "base/array.h"
 #include "qnv/base/cloud.h"
 #include "render/image/image.h"
 #include "render/scene/fog.h"
 #include "render/scene/mesh_cache.h"
 #include "render/scene/world_bounds.h"
 #include "vrml/mesh/mesh.h"
-#include "vrml/scene/array.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <glm/mat3x3.hpp>
@@ -44,7 +44,7 @@ struct Light {
 /// Maximum number of lights per item, the strongest ones, so that no world blocks a frame for minutes.
 inline constexpr std::size_t kMaxLightsOfAnItem = 1024;
 /// Indices in RenderList::lights, shared by the items of a group.
-using LightList = vrml::Array<std::uint16_t>;
+using LightList = Array<std::uint16_t>;
 
 /// Texture with the parameters of a Shape.
 struct TextureUse {
@@ -145,7 +145,7 @@ struct LeftOut {
   std::string why;    // names the limit
   std::size_t count;  // shapes, images or traversal steps
   std::string file;   // location of the first one
-  vrml::SourceLocation location;
+  SourceLocation location;
 };
 
 /// All data of one frame in world space. Positions are in double precision, so that objects keep centimetres at ten
@@ -175,7 +175,7 @@ struct RenderList {
   NavigationState navigation;
   bool has_navigation = false;  // from a node instead of the standard's defaults
   Fog fog;
-  WorldBounds bounds;                                           // world space, of all items except overlays
+  WideBox bounds;                                               // world space, of all items except overlays
   bool overlays = false;                                        // some items are overlays
   std::vector<LeftOut> left_out;                                // one per reason
   std::vector<Place> places;                                    // instances of all content, parents before children

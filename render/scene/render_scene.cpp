@@ -294,7 +294,7 @@ void RenderScene::place_splat(std::uint32_t i) {
   if (splat.place == kNoPlace) return;
   const dmat4 world = world_from_cloud(list_->world_from_frame[list_->places[splat.place].frame], *splat.cloud);
   splat.world_from_node = world;
-  const qnv::Box& box = splat.cloud->description.box;
+  const Box& box = splat.cloud->description.box;
   sources_.splats[i].bounds = world_bounds({box.lower, box.upper}, world);
   splat_moved_ = true;
 }
@@ -439,7 +439,7 @@ void RenderScene::sum_bounds() {
   if (stale_blocks_.empty() && !splat_moved_) return;
   for (const std::uint32_t block : stale_blocks_) {
     block_stale_[block] = false;
-    WorldBounds& sum = block_bounds_[block] = {};
+    WideBox& sum = block_bounds_[block] = {};
     const std::size_t end = std::min<std::size_t>(sources_.items.size(), (std::size_t{block} + 1) * kBoundsBlock);
     for (std::size_t i = std::size_t{block} * kBoundsBlock; i < end; ++i)
       if (fills_bounds(i)) sum.add(sources_.items[i].bounds);
@@ -447,7 +447,7 @@ void RenderScene::sum_bounds() {
   stale_blocks_.clear();
   splat_moved_ = false;
   list_->bounds = {};
-  for (const WorldBounds& block : block_bounds_)
+  for (const WideBox& block : block_bounds_)
     if (!block.empty()) list_->bounds.add(block);
   for (const RenderSources::Item& splat : sources_.splats)
     if (!splat.bounds.empty()) list_->bounds.add(splat.bounds);

@@ -91,7 +91,7 @@ class RenderScene {
   bool frame_uses_known_ = false, item_uses_known_ = false;
   std::vector<std::uint32_t> moved_frames_;
   std::vector<bool> frame_moved_;
-  std::vector<WorldBounds> block_bounds_;  // of kBoundsBlock items each
+  std::vector<WideBox> block_bounds_;  // of kBoundsBlock items each
   std::vector<std::uint32_t> stale_blocks_;
   std::vector<bool> block_stale_;
   bool splat_moved_ = false;

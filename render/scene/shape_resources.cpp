@@ -102,9 +102,9 @@ std::shared_ptr<const Image> ShapeResources::image_of_texture(const vrml::SceneG
   if (!entry.source.words.shares_with(pixels->words)) {
     entry.source = *pixels;
     entry.image = nullptr;
-    entry.share = vrml::Share(budget_, vrml::Resource::pixels);
+    entry.share = Share(budget_, Resource::pixels);
     if (!entry.share.grow(pixels->pixels().size() * (pixels->components() + kPixelCopy))) {
-      leave_out("PixelTexture: " + budget_->refusal(vrml::Resource::pixels), scene, id);
+      leave_out("PixelTexture: " + budget_->refusal(Resource::pixels), scene, id);
       return nullptr;
     }
     Image image = image_of(*pixels);
@@ -120,7 +120,7 @@ void ShapeResources::leave_out(const std::string& why, const vrml::SceneGraph& s
       return;
     }
   const bool exists = scene.contains(node);
-  left_out_.push_back({why, 1, scene.file_name(), exists ? scene.node(node).location : vrml::SourceLocation{}});
+  left_out_.push_back({why, 1, scene.file_name(), exists ? scene.node(node).location : SourceLocation{}});
 }
 
 std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
@@ -170,7 +170,7 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::mesh_of(const vrml::SceneGraph
                                                           bool textured) {
   MeshCache::Entry& entry = meshes_.meshes[&scene.node(geometry)];
   bring_up_to_date(entry, scene, geometry, textured, kCoarsestText);
-  if (entry.refused) leave_out(budget_->refusal(vrml::Resource::meshes), scene, geometry);
+  if (entry.refused) leave_out(budget_->refusal(Resource::meshes), scene, geometry);
   return entry.mesh;
 }
 
@@ -222,7 +222,7 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
                                const vrml::MeshOptions& options) {
   const PhaseScope phase(meshes_.phases, Phase::tessellate);
   entry.mesh = nullptr;
-  entry.share = vrml::Share(budget_, vrml::Resource::meshes);
+  entry.share = Share(budget_, Resource::meshes);
   entry.job = nullptr;
   entry.stale = false;
   auto mesh = std::make_shared<vrml::Mesh>(vrml::tessellate(scene, geometry, options));
@@ -232,7 +232,7 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
   entry.texture_coordinates = options.texture_coordinates;
 }
 
-std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WorldBounds& bounds,
+std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
   constexpr double kMostPixels = 0.4;  // maximum deviation of outlines
   constexpr double kLeastLetters = 4;  // pixels per em; small letters take half and are unreadable below

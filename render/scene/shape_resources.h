@@ -28,7 +28,7 @@ class ShapeResources {
 
   static constexpr std::size_t kCoarsestText = vrml::kTextBars;
 
-  ShapeResources(const Images& images, MeshCache& meshes, std::shared_ptr<vrml::Budget> budget)
+  ShapeResources(const Images& images, MeshCache& meshes, std::shared_ptr<Budget> budget)
       : images_(images), meshes_(meshes), budget_(std::move(budget)) {}
 
   [[nodiscard]] Schemas& schemas() { return schemas_; }
@@ -81,7 +81,7 @@ class ShapeResources {
 
   const Images& images_;
   MeshCache& meshes_;
-  std::shared_ptr<vrml::Budget> budget_;
+  std::shared_ptr<Budget> budget_;
   Schemas schemas_;
   // Refiners of OutlineGroups, by scene and node index.
   std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;
@@ -92,8 +92,7 @@ class ShapeResources {
 /// Returns the level of detail for a text, an index in vrml::kTextTolerances, at which no corners are visible. It
 /// depends on the font size at the nearest point of the text's box. `bounds` is in world space; `pixels_per_radian`
 /// refers to the image centre. `pictures` permits the glyph atlas for small text.
-[[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node,
-                                     const WorldBounds& bounds, const glm::dvec3& viewer, float pixels_per_radian,
-                                     bool pictures);
+[[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
+                                     const glm::dvec3& viewer, float pixels_per_radian, bool pictures);
 
 }  // namespace gs::render

@@ -37,17 +37,17 @@ std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud, bool 
     indices.push_back(*at - static_cast<std::uint32_t>(first));
   auto mesh = std::make_shared<vrml::Mesh>();
   const auto positions = std::span(cloud.positions).subspan(first, count);
-  mesh->positions = vrml::Array<glm::vec3>(positions);
-  mesh->normals = vrml::Array<glm::vec3>(std::span(cloud.normals).subspan(first, count));
-  mesh->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
+  mesh->positions = Array<glm::vec3>(positions);
+  mesh->normals = Array<glm::vec3>(std::span(cloud.normals).subspan(first, count));
+  mesh->indices = Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
   mesh->solid = !cloud.description.two_sided;
   if (pictured) {
-    mesh->texture_coordinates = vrml::Array<glm::vec2>(std::span<const glm::vec2>(cloud.texture_coordinates));
+    mesh->texture_coordinates = Array<glm::vec2>(std::span<const glm::vec2>(cloud.texture_coordinates));
   } else if (!cloud.colors.empty()) {
     std::vector<vrml::Color> colors;
     colors.reserve(count);
     for (std::size_t v = 0; v < count; ++v) colors.push_back(color_of(cloud.colors[v]));
-    mesh->colors = vrml::Array<vrml::Color>(std::span<const vrml::Color>(colors));
+    mesh->colors = Array<vrml::Color>(std::span<const vrml::Color>(colors));
   }
   for (const glm::vec3& p : positions) mesh->bounds.add(p);
   return mesh;
@@ -75,12 +75,12 @@ std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface
       for (const qnv::PatchMesh::Triangle& t : triangles)
         for (const auto corner : t) indices.push_back(first + corner);
   }
-  mesh->positions = vrml::Array<glm::vec3>(std::span<const glm::vec3>(positions));
-  mesh->normals = vrml::Array<glm::vec3>(std::span<const glm::vec3>(normals));
-  mesh->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
-  if (colored) mesh->colors = vrml::Array<vrml::Color>(std::span<const vrml::Color>(colors));
+  mesh->positions = Array<glm::vec3>(std::span<const glm::vec3>(positions));
+  mesh->normals = Array<glm::vec3>(std::span<const glm::vec3>(normals));
+  mesh->indices = Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
+  if (colored) mesh->colors = Array<vrml::Color>(std::span<const vrml::Color>(colors));
   mesh->solid = !two_sided;
-  const qnv::Box box = surface.box();
+  const Box box = surface.box();
   mesh->bounds.add(box.lower);
   mesh->bounds.add(box.upper);
   return mesh;

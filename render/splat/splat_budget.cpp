@@ -43,7 +43,7 @@ BudgetView budget_view(const SplatView& view, const glm::dmat4& camera_from_worl
 }
 
 double pixels_covered(const SplatItem& item, const BudgetView& view) {
-  const qnv::Box& box = item.cloud->description.box;
+  const Box& box = item.cloud->description.box;
   const glm::dmat4 matrix = view.camera_from_world * item.world_from_node;
   const glm::dvec3 half = (glm::dvec3(box.upper) - glm::dvec3(box.lower)) * 0.5;
   const glm::dvec3 center(matrix * glm::dvec4(glm::dvec3(box.lower) + half, 1.0));

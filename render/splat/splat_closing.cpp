@@ -1,6 +1,6 @@
 #include "render/splat/splat_closing.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -122,7 +122,7 @@ void close_pinholes(SplatLayer& layer, const SplatView& view, int closing) {
   if (layer.empty()) return;
   const PinholeCloser closer(layer, view, closing);
   std::vector<std::vector<Closed>> found(static_cast<std::size_t>((layer.height + kTaskRows - 1) / kTaskRows));
-  qnv::parallel_for(
+  parallel_for(
       found.size(),
       [&](std::size_t task) {
         const int first = static_cast<int>(task) * kTaskRows;

@@ -20,7 +20,7 @@ constexpr float kMargin = 0.05f;  // samples: margin of the rectangles for round
 
 /// Returns the pixels that a box, enlarged by `around`, can cover; nullopt if it is out of view.
 template <class Rectangle>
-std::optional<Rectangle> covered(const qnv::Box& box, double around, const SplatView& view, const SplatCamera& camera) {
+std::optional<Rectangle> covered(const Box& box, double around, const SplatView& view, const SplatCamera& camera) {
   const glm::dmat4 matrix(camera.camera_from_node);
   const glm::dvec3 half = (glm::dvec3(box.upper) - glm::dvec3(box.lower)) * 0.5;
   const glm::dvec3 center(matrix * glm::dvec4(glm::dvec3(box.lower) + half, 1.0));
@@ -118,7 +118,7 @@ std::optional<SplatTextures> SplatGl::draw(std::span<const SharedSplatPiece> pie
     const SplatCoding& coding = *entry.coding;
     const float growth = std::max(piece.growth, 1.0f);
     const double radius = double{coding.largest_radius} * std::sqrt(double{growth});
-    const qnv::Box box{coding.lower, coding.lower + coding.step * 1048575.0f};
+    const Box box{coding.lower, coding.lower + coding.step * 1048575.0f};
     const auto rectangle = covered<Rectangle>(box, 3 * radius + double{coding.reach}, view, *camera);
     if (!rectangle || piece.count == 0) continue;
     if (entries.empty()) surface.kind.cells = entry.cells;

@@ -207,7 +207,7 @@ void SplatPass::draw_layer(const SplatLayer& layer, const RenderList& list, cons
   if (layer.empty()) return;
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   lights_.begin(list.lights, camera_from_world, options.headlight);
-  const WorldBounds bounds = world_bounds(item.mesh->bounds, item.world_from_node);
+  const WideBox bounds = world_bounds(item.mesh->bounds, item.world_from_node);
   const glm::dvec3 center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5;
   const std::uint32_t set =
       lights_.choose(item.directional_lights, glm::vec3(camera_from_world * glm::dvec4(center, 1)),
@@ -233,7 +233,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   const CameraFog fog = camera_fog(list.fog, glm::mat3(camera.world_from_camera), projection.back);
   std::vector<std::uint32_t> sets;
   for (const SplatItem& item : list.splats) {
-    const qnv::Box& box = item.cloud->description.box;
+    const Box& box = item.cloud->description.box;
     const glm::dmat4 camera_from_node = camera_from_world * item.world_from_node;
     const glm::vec3 center(camera_from_node * glm::dvec4((glm::dvec3(box.lower) + glm::dvec3(box.upper)) * 0.5, 1));
     double radius = 0;

@@ -1,6 +1,6 @@
 #include "render/splat/splat_raster.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "render/splat/splat_camera.h"
 #include "render/splat/splat_constants.h"
 #include "render/splat/splat_kernel.h"
@@ -169,7 +169,7 @@ int supersample_of(const SplatView& view) {
 /// Prepares all splats and sorts them by tile. Returns the step at which splats are drawn.
 std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, const SplatCamera& camera,
                         const Grid& grid, const SplatKernel& kernel, std::uint64_t most, SplatDisc* discs) {
-  qnv::parallel_for(
+  parallel_for(
       segments.size(),
       [&](std::size_t i) {
         Segment& segment = segments[i];
@@ -188,7 +188,7 @@ std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, c
   }
   const std::size_t step = samples / std::max<std::uint64_t>(most, 1) + 1;
   if (sorted && step == 1) return step;
-  qnv::parallel_for(
+  parallel_for(
       segments.size(),
       [&](std::size_t i) {
         if (step == 1 && !segments[i].begin.empty()) return;
@@ -247,7 +247,7 @@ SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView
   if (kind.colored) layer.colors.resize(4 * pixels);
   const SplatTarget target{view.width,         view.height,          view.supersample,
                            layer.depth.data(), layer.normals.data(), kind.colored ? layer.colors.data() : nullptr};
-  qnv::parallel_for(
+  parallel_for(
       grid.size(),
       [&](std::size_t t) {
         thread_local const auto tile = std::make_unique<SplatTile>();

@@ -1,7 +1,7 @@
 #include "render/splat/splat_store.h"
 
-#include "qnv/base/finite.h"
-#include "qnv/base/parallel.h"
+#include "base/finite.h"
+#include "base/parallel.h"
 #include "render/splat/splat_constants.h"
 
 #include <algorithm>
@@ -13,7 +13,6 @@
 namespace gs::render {
 namespace {
 
-using qnv::finite;
 
 constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // maximum codes
 constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // splats encoded at a time
@@ -67,7 +66,7 @@ std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud) {
   if (cloud.normals.size() != count || cloud.weights.size() != count) return std::nullopt;
   if (!cloud.colors.empty() && cloud.colors.size() != count) return std::nullopt;
   if (!cloud.cells.empty() && cloud.cells.size() != count) return std::nullopt;
-  qnv::Box box;
+  Box box;
   float smallest = std::numeric_limits<float>::max(), largest = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (!can_be_drawn(cloud.positions[i], cloud.normals[i], cloud.weights[i])) continue;
@@ -172,7 +171,7 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds) 
     entry.used = frame_;
   }
   if (uploads.empty()) return true;
-  qnv::parallel_for(
+  parallel_for(
       uploads.size(), [&](std::size_t i) { uploads[i].entry->coding = splat_coding(*uploads[i].cloud); }, 0);
   bool good = true;
   take_errors(gl_);
@@ -300,7 +299,7 @@ void SplatStore::upload(std::span<const Upload> uploads) {
   const auto flush = [&] {
     codes.resize(std::max(codes.size(), discs));
     cells.resize(codes.size());
-    qnv::parallel_for(
+    parallel_for(
         tasks.size(),
         [&](std::size_t t) {
           const auto& [upload, from, to, at] = tasks[t];

@@ -1,6 +1,6 @@
 #include "render/surface/patch_raster.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "render/surface/patch_kernel.h"
 #include "render/surface/patch_prepare.h"
 #include "render/surface/patch_screen.h"
@@ -105,7 +105,7 @@ SplatLayer rasterize_patches(const qnv::SurfacePatches& surface, const qnv::Surf
       std::any_of(surface.parts.begin(), surface.parts.end(), [](const auto& part) { return part->colored(); });
   const PatchLook look{options.two_sided, lens.mirrors, colored};
   const std::span<PatchTask> tasks = tasks_of(cut);
-  qnv::parallel_for(
+  parallel_for(
       tasks.size(), [&](std::size_t i) { prepare_patches(surface, cut, lens, grid, options, look, kernel, tasks[i]); },
       view.threads);
   for (const PatchTask& task : tasks) {
@@ -126,7 +126,7 @@ SplatLayer rasterize_patches(const qnv::SurfacePatches& surface, const qnv::Surf
   const SplatTarget target{layer.width,        layer.height,         view.supersample,
                            layer.depth.data(), layer.normals.data(), colored ? layer.colors.data() : nullptr};
   const int across = tiles.right - tiles.left;
-  qnv::parallel_for(
+  parallel_for(
       static_cast<std::size_t>(across) * static_cast<std::size_t>(tiles.top - tiles.bottom),
       [&](std::size_t i) {
         const int column = static_cast<int>(i) % across, row = static_cast<int>(i) / across;

@@ -1,7 +1,7 @@
 #include "render/volume/volume_model.h"
 
-#include "qnv/base/finite.h"
-#include "qnv/base/parallel.h"
+#include "base/finite.h"
+#include "base/parallel.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "render/scene/color_ramps.h"
 
@@ -14,7 +14,6 @@
 namespace gs::render {
 namespace {
 
-using qnv::finite;
 
 constexpr std::size_t kModelRange = 16384;  // vectors per task
 constexpr float kFinestCells = 128;         // along the longest edge of the box
@@ -41,7 +40,7 @@ float quantile(const std::vector<float>& values, float rank) {
 /// Counts of vectors in the cells of grids, each twice as coarse as the previous.
 class Counts {
  public:
-  Counts(std::span<const glm::vec3> positions, const qnv::Box& box, float finest) : lower_(box.lower) {
+  Counts(std::span<const glm::vec3> positions, const Box& box, float finest) : lower_(box.lower) {
     Grid grid;
     grid.edge = finest;
     for (int i = 0; i < 3; ++i) grid.cells[i] = 1 + static_cast<int>(std::min(box.size()[i] / finest, kFinestCells));
@@ -127,11 +126,11 @@ class Counts {
 };
 
 /// Returns the description's box if valid, since the received vectors represent all of it; extended by the positions.
-qnv::Box box_of(const qnv::Cloud& cloud) {
-  qnv::Box box;
+Box box_of(const qnv::Cloud& cloud) {
+  Box box;
   for (const glm::vec3& p : cloud.positions)
     if (finite(p)) box.add(p);
-  const qnv::Box& source = cloud.description.box;
+  const Box& source = cloud.description.box;
   if (!source.empty() && finite(source.lower) && finite(source.upper) && !box.empty()) {
     box.add(source.lower);
     box.add(source.upper);
@@ -235,7 +234,7 @@ VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads, std::size_t 
     return model;
   counted = std::clamp<std::size_t>(counted, 1, size);
   const std::size_t count = counted < size ? std::min(size, power_above(counted)) : size;
-  const qnv::Box box = box_of(cloud);
+  const Box box = box_of(cloud);
   if (box.empty()) return model;
   const glm::vec3 edges = box.size();
   const float longest = std::max({edges.x, edges.y, edges.z});
@@ -248,12 +247,12 @@ VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads, std::size_t 
   model.full_magnitude = quantile(cloud.weights, 0.5f);
   const Counts counts(std::span(cloud.positions).first(counted), box, std::max(2 * h, longest / kFinestCells));
   model.spacing.resize(count);
-  qnv::parallel_for((count + kModelRange - 1) / kModelRange,
-                    [&](std::size_t r) {
-                      for (std::size_t i = r * kModelRange; i < std::min(count, (r + 1) * kModelRange); ++i)
-                        model.spacing[i] = counts.spacing(cloud.positions[i], h);
-                    },
-                    threads);
+  parallel_for((count + kModelRange - 1) / kModelRange,
+               [&](std::size_t r) {
+                 for (std::size_t i = r * kModelRange; i < std::min(count, (r + 1) * kModelRange); ++i)
+                   model.spacing[i] = counts.spacing(cloud.positions[i], h);
+               },
+               threads);
   const float most = kMostSpacing * quantile(model.spacing, 0.9f);
   for (float& s : model.spacing) s = std::min(s, most);
   // A vector with a cell reaches no farther than the cell, unless it represents others too.

@@ -100,8 +100,8 @@ void VolumePass::forget_models() {
   });
 }
 
-void VolumePass::gather(const RenderList& list, const Camera& camera, const SplatView& view,
-                        const DrawOptions& options, Scene& scene) {
+void VolumePass::gather(const RenderList& list, const Camera& camera, const SplatView& view, const DrawOptions& options,
+                        Scene& scene) {
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   const std::vector<std::size_t> shares =
       share_budget(list.splats, budget_view(view, camera_from_world), options.budget);
@@ -115,7 +115,7 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
     const VolumePrefix prefix = volume_prefix(size, share >= size ? 0 : share);
     auto model = model_of(item.cloud, prefix.counted);
     if (model->empty()) continue;
-    const qnv::Box& box = item.cloud->description.box;
+    const Box& box = item.cloud->description.box;
     const glm::vec3 middle = box.empty() ? item.cloud->positions.front() : (box.lower + box.upper) * 0.5f;
     const glm::mat4 camera_from_node(camera_from_world * item.world_from_node);
     const glm::vec3 center(camera_from_node * glm::vec4(middle, 1));
@@ -125,8 +125,7 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
     if (look.clip) own.clip = glm::vec4(*look.clip * item.world_from_node);
     own.color_by = look.color_by;
     if (!look.transfer.empty()) own.transfer = &scene.transfer;
-    own.fog =
-        camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));
+    own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));
     own.lights = scene.lights.emplace_back(volume_lights(list, item, camera_from_world, center, options.headlight));
     scene.items.push_back({item.cloud.get(), model.get(), camera_from_node, prefix.shown, own});
     scene.held.push_back({item.cloud, std::move(model)});

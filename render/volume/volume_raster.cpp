@@ -1,6 +1,6 @@
 #include "render/volume/volume_raster.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_tile.h"
 
@@ -149,7 +149,7 @@ class Painter {
         counts_(parts.size()) {}
 
   void run() {
-    qnv::parallel_for(
+    parallel_for(
         parts_.size(),
         [&](std::size_t r) {
           counts_[r].assign(tiles_, 0);
@@ -203,7 +203,7 @@ class Painter {
     }
     begin_[last - first] = next;
     if (splats_.size() < entries) splats_.resize(entries);
-    qnv::parallel_for(
+    parallel_for(
         parts_.size(),
         [&](std::size_t r) {
           for (const VolumeSplat& splat : parts_[r])
@@ -212,7 +212,7 @@ class Painter {
             });
         },
         view_.threads);
-    qnv::parallel_for(
+    parallel_for(
         last - first, [&](std::size_t i) { paint(first + i, begin_[i], begin_[i + 1]); }, view_.threads);
   }
 
@@ -295,7 +295,7 @@ VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView
     for (std::size_t first = 0; first < preparer.count(); first += kPreparedRange)
       ranges.push_back({&preparer, first, std::min(preparer.count(), first + kPreparedRange)});
   std::vector<std::vector<VolumeSplat>> parts(ranges.size());
-  qnv::parallel_for(
+  parallel_for(
       parts.size(), [&](std::size_t r) { ranges[r].preparer->run(ranges[r].first, ranges[r].last, parts[r]); },
       view.threads);
   for (const auto& part : parts) layer.vectors += part.size();

@@ -1,7 +1,7 @@
 #include "render/volume/volume_store.h"
 
-#include "qnv/base/finite.h"
-#include "qnv/base/parallel.h"
+#include "base/finite.h"
+#include "base/parallel.h"
 
 #include <glm/geometric.hpp>
 
@@ -14,7 +14,6 @@
 namespace gs::render {
 namespace {
 
-using qnv::finite;
 
 constexpr std::size_t kUploaded = std::size_t{1} << 18;  // vectors at a time
 constexpr std::size_t kTask = 16384;
@@ -49,7 +48,7 @@ std::uint32_t weight_code(float weight, const VolumeCoding& coding) {
 
 VolumeCoding volume_coding(const qnv::Cloud& cloud, std::size_t count) {
   VolumeCoding coding;
-  qnv::Box box;
+  Box box;
   float least = std::numeric_limits<float>::infinity(), most = 0;
   count = std::min(count, cloud.size());
   for (std::size_t k = 0; k < count; ++k) {
@@ -203,7 +202,7 @@ void VolumeStore::upload(const qnv::Cloud& cloud, const Entry& entry) {
   gl_.BindBuffer(GL_TEXTURE_BUFFER, code_buffer_.name());
   for (std::size_t first = 0; first < entry.count; first += kUploaded) {
     const std::size_t part = std::min(kUploaded, entry.count - first);
-    qnv::parallel_for((part + kTask - 1) / kTask, [&](std::size_t task) {
+    parallel_for((part + kTask - 1) / kTask, [&](std::size_t task) {
       const std::size_t at = task * kTask;
       encode_volume_codes(cloud, entry.coding, first + at, std::span(codes).subspan(at, std::min(kTask, part - at)));
     });

@@ -12,7 +12,7 @@
 namespace gs::test {
 
 using gs::qnv::Cloud;
-using ImportCloud = gs::app::ImportedCloud (*)(std::span<const std::byte>, const gs::app::WorldBudget&);
+using ImportCloud = gs::app::ImportedCloud (*)(std::span<const std::byte>, const WorldBudget&);
 
 inline float dot(const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline float length(const glm::vec3& v) { return std::sqrt(dot(v, v)); }
@@ -57,7 +57,7 @@ inline void check_sound(const Cloud& cloud) {
 
 /// Returns the imported point set, which must exist.
 inline Cloud cloud_of(ImportCloud import, const Bytes& bytes) {
-  auto result = import(bytes, gs::app::own_budget());
+  auto result = import(bytes, own_budget());
   if (const auto* problem = std::get_if<std::string>(&result)) {
     FAIL("not imported: " << *problem);
     return {};
@@ -66,7 +66,7 @@ inline Cloud cloud_of(ImportCloud import, const Bytes& bytes) {
   return std::move(std::get<Cloud>(result));
 }
 inline std::string problem_of(ImportCloud import, const Bytes& bytes) {
-  const auto result = import(bytes, gs::app::own_budget());
+  const auto result = import(bytes, own_budget());
   return std::holds_alternative<std::string>(result) ? std::get<std::string>(result) : std::string();
 }
 inline std::string metadata(const Cloud& cloud, std::string_view name) {
@@ -77,7 +77,7 @@ inline std::string metadata(const Cloud& cloud, std::string_view name) {
 
 /// Checks that an import of any bytes gives a valid point set or a message.
 inline void check_any(ImportCloud import, const Bytes& bytes) {
-  const auto result = import(bytes, gs::app::own_budget());
+  const auto result = import(bytes, own_budget());
   if (const auto* cloud = std::get_if<Cloud>(&result)) {
     REQUIRE_FALSE(cloud->empty());
     check_sound(*cloud);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "base/diagnostic.h"
 #include "tests/watched.h"
 #include "vrml/mesh/mesh.h"
-#include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <catch2/catch.hpp>
@@ -66,7 +66,7 @@ void put_big(Bytes& to, T value) {
 /// Imported scene with its diagnostics.
 struct Imported {
   std::unique_ptr<vrml::SceneGraph> scene = std::make_unique<vrml::SceneGraph>("test");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
 
   [[nodiscard]] std::vector<vrml::NodeId> all(std::string_view type) const {
     std::vector<vrml::NodeId> found;
@@ -97,7 +97,7 @@ struct Imported {
   }
 };
 
-using Import = std::function<void(std::span<const std::byte>, vrml::SceneGraph&, vrml::Diagnostics&)>;
+using Import = std::function<void(std::span<const std::byte>, vrml::SceneGraph&, Diagnostics&)>;
 
 inline Imported imported(const Import& import, std::span<const std::byte> bytes) {
   Imported result;

@@ -36,7 +36,7 @@ std::string glowing(const std::string& color) {
 /// Returns the mesh of a geometry node with this number of segments.
 vrml::Mesh mesh_of(const std::string& geometry, int segments) {
   vrml::SceneGraph scene("text.wrl");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nShape { geometry " + geometry + " }", scene, diagnostics);
   REQUIRE(diagnostics.entries().empty());
   return vrml::tessellate(scene, scene.get<vrml::SFNode>(scene.roots()[0], "geometry"), {.segments = segments});

@@ -35,7 +35,7 @@ inline OpenedWorld world_with(std::initializer_list<const char*> types) {
 inline OpenedWorld world_of(const std::string& body) {
   OpenedWorld world;
   world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\n" + body, *world.scene, diagnostics);
   REQUIRE(diagnostics.errors() == 0);
   return world;

@@ -36,10 +36,10 @@ constexpr char kWorld[] =
 
 OpenedWorld small_world() {
   OpenedWorld world;
-  vrml::Limits limits;
+  Limits limits;
   limits.memory = std::size_t{16} << 20;
   world.scene = std::make_unique<vrml::SceneGraph>("fuzz.wrl", limits);
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse(kWorld, *world.scene, diagnostics);
   return world;
 }

@@ -1,11 +1,11 @@
 // A target for every row of the tables of contents and of volumes, and the gzip layer.
-#include "app/base/gunzip.h"
 #include "app/base/local_file.h"
 #include "app/encode/mesh_stream.h"
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/formats/volume/volume_common.h"
 #include "app/script/script_runner.h"
+#include "base/gzip.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "render/scene/render_list.h"
@@ -27,8 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-vrml::Limits small_limits() {
-  vrml::Limits limits;
+Limits small_limits() {
+  Limits limits;
   limits.nodes = 20000;
   limits.expanded_nodes = 20000;
   limits.image_pixels = 1 << 16;
@@ -49,14 +49,13 @@ void check_scene(const vrml::SceneGraph& scene) {
 
 bool run_vrml(std::span<const std::byte> bytes) {
   vrml::SceneGraph scene("fuzz", small_limits());
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   vrml::Parser parser(scene, diagnostics);
   if (is_gzip(bytes))
-    (void)gunzip(bytes, std::make_shared<vrml::Budget>(vrml::Limits{.memory = std::size_t{1} << 16}),
-                 [&](std::string_view piece) {
-                   parser.push(piece);
-                   return true;
-                 });
+    (void)gunzip(bytes, std::make_shared<Budget>(Limits{.memory = std::size_t{1} << 16}), [&](std::string_view piece) {
+      parser.push(piece);
+      return true;
+    });
   else
     parser.push(text_of(bytes));
   (void)parser.finish();
@@ -74,14 +73,14 @@ bool run_vrml(std::span<const std::byte> bytes) {
 bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   const TwoFiles files = two_files(bytes);
   vrml::SceneGraph scene("fuzz", small_limits());
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   int reads = 0;
   // Every reference leads to the other file.
   type.import(files.first, scene, diagnostics, [&](const std::string&) -> BytesResult {
     if (files.other.empty() || ++reads > 8) return "there is no other";
     return shared_bytes(std::vector(files.other.begin(), files.other.end()));
   });
-  for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
+  for (const Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
   check_scene(scene);
   if (scene.node_count() <= 2000) (void)vrml::print(scene);
   // The same without a scene, for what is larger than memory.
@@ -110,7 +109,7 @@ void check_cloud(const qnv::Cloud& cloud) {
 
 /// Streams and vectors, gzip'd or not.
 bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const LoadLimit limit(std::chrono::steady_clock::now() + std::chrono::hours(1));
   const auto cloud = read_cloud(type, {"fuzz", bytes}, diagnostics, limit);
   require(cloud || diagnostics.errors() > 0 || bytes.empty());
@@ -173,7 +172,7 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
   file.content = shared_bytes(std::vector(files.first.begin(), files.first.end()));
   if (is_gzip(files.first)) {
     const auto unpacked =
-        std::make_shared<const UnpackedBytes>(unpack_gzip(files.first, file.budget, vrml::Resource::volumes));
+        std::make_shared<const UnpackedBytes>(unpack_gzip(files.first, file.budget, Resource::volumes));
     if (unpacked->problem) return false;
     file.content = {unpacked, unpacked->bytes.span()};
   }
@@ -199,12 +198,12 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
 bool run_gzip(std::span<const std::byte> bytes) {
   constexpr std::size_t kMost = std::size_t{1} << 20;
   std::string whole, pieces;
-  const vrml::Limits limits{.memory = kMost};
-  const auto problem = gunzip(bytes, std::make_shared<vrml::Budget>(limits), [&](std::string_view piece) {
+  const Limits limits{.memory = kMost};
+  const auto problem = gunzip(bytes, std::make_shared<Budget>(limits), [&](std::string_view piece) {
     whole += piece;
     return true;
   });
-  Gunzip unpacking(std::make_shared<vrml::Budget>(limits));
+  Gunzip unpacking(std::make_shared<Budget>(limits));
   in_pieces(bytes, [&](std::span<const std::byte> piece) {
     (void)unpacking.push(piece, [&](std::string_view out) {
       pieces += out;
@@ -219,11 +218,11 @@ bool run_gzip(std::span<const std::byte> bytes) {
 
 // Any text as the program of a Script, which knows all types. True where the engine takes it.
 bool run_program(std::span<const std::byte> bytes) {
-  vrml::Limits limits = small_limits();
+  Limits limits = small_limits();
   limits.script_seconds = 0.1;
   limits.script_heap = std::size_t{32} << 20;
   vrml::SceneGraph scene("fuzz.wrl", limits);
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse(
       "#VRML V2.0 utf8\nDEF T Transform {} DEF S Script { directOutput TRUE field SFNode node USE T field SFNode me "
       "USE S "
@@ -236,7 +235,7 @@ bool run_program(std::span<const std::byte> bytes) {
   vrml::MFString& url =
       std::get<vrml::MFString>(scene.node(script).values[scene.node(script).type->find_field("url")->slot]);
   url.push_back(vrml::SFString("javascript:" + std::string(text_of(bytes))));
-  vrml::Diagnostics wrong;
+  Diagnostics wrong;
   check_programs(scene, wrong);
   vrml::Execution execution(scene);
   const auto runner = ScriptRunner::make(execution, {0, true});

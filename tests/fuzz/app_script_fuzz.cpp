@@ -98,7 +98,7 @@ class Trace {
   Trace(const LoadOptions& options, const std::string& url, bool verbose) : loading_(url, options) {
     OpenedWorld world = load_world(loading_, url);
     if (verbose)
-      for (const vrml::Diagnostic& one : world.diagnostics.entries()) std::printf("%s\n", one.text().c_str());
+      for (const Diagnostic& one : world.diagnostics.entries()) std::printf("%s\n", one.text().c_str());
     if (!world.scene) return;
     simulation_ = std::make_unique<Simulation>(std::move(world), kSize);
     simulation_->fetch_with(loading_);
@@ -113,7 +113,7 @@ class Trace {
   [[nodiscard]] bool good() const { return simulation_ != nullptr; }
   void plan(std::string_view rows) {
     if (!simulation_) return;
-    vrml::Diagnostics ignored;
+    Diagnostics ignored;
     (void)simulation_->plan(read_input_rows(rows, "input", ignored), "input", ignored);
     simulation_->press_sensors();
   }

@@ -59,7 +59,7 @@ inline DrawItem glowing(std::shared_ptr<const vrml::Mesh> mesh, const glm::vec3&
 
 inline void add(RenderList& list, DrawItem item) {
   for (int i = 0; i < 8; ++i) {
-    const vrml::Bounds& b = item.mesh->bounds;
+    const Box& b = item.mesh->bounds;
     const glm::vec4 corner(i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z,
                            1);
     list.bounds.add(glm::vec3(item.world_from_node * corner));

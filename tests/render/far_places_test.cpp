@@ -22,7 +22,7 @@ struct CloudWorld {
       : scene(std::make_unique<vrml::SceneGraph>("far.wrl")) {
     std::string place;
     for (int i = 0; i < 3; ++i) place += std::to_string(translation[i]) + " ";
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     (void)vrml::parse("#VRML V2.0 utf8\nTransform { translation " + place + "children Shape { geometry QNV { } } }",
                       *scene, diagnostics);
     REQUIRE(diagnostics.errors() == 0);

@@ -28,7 +28,7 @@ glm::dvec3 point_at(std::uint32_t x, std::uint32_t y, double size) {
 
 RenderList parsed(const std::string& body) {
   vrml::SceneGraph scene("fog.wrl");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\n" + body, scene, diagnostics);
   REQUIRE(diagnostics.errors() == 0);
   MeshCache meshes;

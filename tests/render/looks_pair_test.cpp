@@ -14,9 +14,9 @@ namespace {
 
 struct ParsedWorld {
   explicit ParsedWorld(const std::string& body) : scene(std::make_unique<vrml::SceneGraph>("pair.wrl")) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     (void)vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
-    for (const vrml::Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
+    for (const Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
     REQUIRE(diagnostics.errors() == 0);
   }
   Image draw(Drawing& drawing, const Camera& camera) {

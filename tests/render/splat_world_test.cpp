@@ -21,9 +21,9 @@ using NamedClouds = std::map<std::string, std::shared_ptr<const qnv::Cloud>>;
 struct CloudWorld {
   CloudWorld(const std::string& body, const NamedClouds& named)
       : scene(std::make_unique<vrml::SceneGraph>("test.wrl")) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
-    for (const vrml::Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
+    for (const Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
     REQUIRE(diagnostics.errors() == 0);
     for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
       const vrml::Node& node = scene->node_at(i);

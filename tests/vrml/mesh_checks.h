@@ -82,7 +82,7 @@ inline void check_promises(const Mesh& mesh, bool exact_bounds = true) {
   REQUIRE((mesh.normals.empty() || mesh.normals.size() == count));
   REQUIRE((mesh.colors.empty() || mesh.colors.size() == count));
   REQUIRE((mesh.texture_coordinates.empty() || mesh.texture_coordinates.size() == count));
-  Bounds bounds;
+  Box bounds;
   bool in_range = true, finite = true, unit = true;
   for (const std::uint32_t index : mesh.indices) {
     in_range &= index < count;
@@ -98,7 +98,7 @@ inline void check_promises(const Mesh& mesh, bool exact_bounds = true) {
   REQUIRE(mesh.bounds.empty() == mesh.indices.empty());
   if (!bounds.empty()) {
     // Corners without a triangle of a concave face may count or not.
-    Bounds joined = mesh.bounds;
+    Box joined = mesh.bounds;
     joined.add(bounds);
     REQUIRE(joined.lower == mesh.bounds.lower);
     REQUIRE(joined.upper == mesh.bounds.upper);

@@ -149,7 +149,7 @@ class CreaseSmoother {
 };
 
 void CreaseSmoother::read_faces(const UsableVertices& vertices, bool ccw) {
-  Bounds bounds;
+  Box bounds;
   for (std::size_t i = 0; i < points_.size(); ++i)
     if (vertices.all() || vertices.contains(static_cast<std::uint32_t>(i))) bounds.add(points_[i]);
   const glm::dvec3 size = bounds.empty() ? glm::dvec3(1) : glm::dvec3(bounds.upper) - glm::dvec3(bounds.lower);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "base/budget.h"
 #include "vrml/mesh/attribute.h"
 #include "vrml/mesh/mesh.h"
-#include "vrml/scene/budget.h"
 
 #include <memory>
 

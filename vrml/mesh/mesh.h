@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/box.h"
 #include "vrml/scene/field_value.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -16,25 +17,6 @@
 namespace gs::vrml {
 
 class TextShaper;
-
-/// Axis-aligned box; empty if lower > upper.
-struct Bounds {
-  glm::vec3 lower{std::numeric_limits<float>::infinity()};
-  glm::vec3 upper{-std::numeric_limits<float>::infinity()};
-
-  [[nodiscard]] bool empty() const { return !(lower.x <= upper.x); }
-  void add(const glm::vec3& p) {
-    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
-    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
-  }
-  void add(const Bounds& other) {
-    if (other.empty()) return;
-    add(other.lower);
-    add(other.upper);
-  }
-  [[nodiscard]] glm::vec3 center() const { return (lower + upper) * 0.5f; }
-  [[nodiscard]] glm::vec3 size() const { return upper - lower; }
-};
 
 /// Geometry of one Shape, ready to draw, without GL objects. Node space, metres.
 ///
@@ -54,7 +36,7 @@ struct Mesh {
   bool left_out = false;                 // a memory or time limit removed some or all of it
   bool pictured = false;                 // texture_coordinates refer to the TextShaper's glyph atlas
   float font_size = 0;                   // of a Text, in node space; 0 if MeshOptions::text_level has no effect
-  Bounds bounds;                         // of the positions in use
+  Box bounds;                            // of the positions in use
   /// The same surface with fewer triangles, for small projections; null if there is none. Its distance from this mesh
   /// is at most `coarser_error`, relative to the radius of the sphere around `bounds`.
   std::shared_ptr<const Mesh> coarser;

@@ -1,6 +1,6 @@
+#include "base/budget.h"
 #include "vrml/mesh/tessellators.h"
 #include "vrml/mesh/text_shaper.h"
-#include "vrml/scene/budget.h"
 
 #include <algorithm>
 #include <cmath>

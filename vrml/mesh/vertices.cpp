@@ -33,18 +33,18 @@ UsableVertices::UsableVertices(std::span<const glm::vec3> points) : count_(point
     not_finite_[i] = !(std::isfinite(points[i].x) && std::isfinite(points[i].y) && std::isfinite(points[i].z));
 }
 
-Bounds bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t> used) {
+Box bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t> used) {
   if (std::memchr(used.data(), 0, used.size()) == nullptr) return bounds_of(points);
-  Bounds bounds;
+  Box bounds;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (used[i] != 0) bounds.add(points[i]);
   return bounds;
 }
 
-Bounds bounds_of(std::span<const glm::vec3> points) {
+Box bounds_of(std::span<const glm::vec3> points) {
   // Four points are three registers of four floats.
   constexpr std::size_t kFloats = 12;
-  Bounds bounds;
+  Box bounds;
   const std::size_t blocks = points.size() / 4;
   if (blocks != 0) {
     std::array<float, kFloats> lower, upper;
@@ -67,7 +67,7 @@ Bounds bounds_of(std::span<const glm::vec3> points) {
   return bounds;
 }
 
-MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Bounds& bounds) {
+MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Box& bounds) {
   MFVec2f coordinates;
   coordinates.resize(points.size());
   glm::vec2* next = coordinates.mutable_data();

@@ -32,12 +32,12 @@ class UsableVertices {
 };
 
 /// Returns the box of the points with a non-zero `used` byte.
-[[nodiscard]] Bounds bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t> used);
-[[nodiscard]] Bounds bounds_of(std::span<const glm::vec3> points);
+[[nodiscard]] Box bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t> used);
+[[nodiscard]] Box bounds_of(std::span<const glm::vec3> points);
 
 /// Returns the bounding-box mapping of an IndexedFaceSet without texCoord (VRML97 6.23): S along the longest side (X
 /// before Y before Z), T along the next; both are divided by the longest.
-[[nodiscard]] MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Bounds& bounds);
+[[nodiscard]] MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Box& bounds);
 
 /// Subset of a much larger Coordinate node that one node uses, as when many faces USE it.
 struct Compaction {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/array.h"
+#include "base/array.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "vrml/scene/budget.h"
-#include "vrml/scene/diagnostic.h"
+#include "base/budget.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/source_text.h"
 

@@ -1,6 +1,6 @@
 #include "vrml/syntax/stand_ins.h"
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"

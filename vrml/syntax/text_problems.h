@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/source_text.h"
 
 #include <string>

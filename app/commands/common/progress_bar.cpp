@@ -41,7 +41,7 @@ ProgressBar::~ProgressBar() {
 
 void ProgressBar::draw() {
   constexpr int kWidth = 30;
-  const qnv::Progress& counted = whole_.total > 0 || part_.done >= part_.total ? whole_ : part_;
+  const Progress& counted = whole_.total > 0 || part_.done >= part_.total ? whole_ : part_;
   const std::uint64_t total = counted.total, done = std::min(counted.done.load(), total);
   const int percent = total > 0 ? static_cast<int>(done * 100 / total) : 0, filled = percent * kWidth / 100;
   std::string text = whole_.cancelled ? "stopping" : whole_.stage.load();

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <thread>
 
@@ -16,15 +16,15 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   /// Returns the progress of the whole operation.
-  [[nodiscard]] qnv::Progress& whole() { return whole_; }
+  [[nodiscard]] Progress& whole() { return whole_; }
   /// Returns the progress of a part of the operation; cancelled together with it.
-  [[nodiscard]] qnv::Progress& part() { return part_; }
+  [[nodiscard]] Progress& part() { return part_; }
   [[nodiscard]] bool cancelled() const { return whole_.cancelled; }
 
  private:
   void draw();
 
-  qnv::Progress whole_, part_;
+  Progress whole_, part_;
   std::jthread thread_;  // last member: joined before the members that it uses are destroyed
 };
 

@@ -1,12 +1,12 @@
 #include "app/commands/common/shared.h"
 
 #include "app/base/console.h"
-#include "app/base/fact.h"
 #include "app/commands/common/option_groups.h"
 #include "app/formats/content_types.h"
 #include "app/formats/export/export.h"
+#include "base/diagnostic.h"
+#include "base/json_value.h"
 #include "net/files/file.h"
-#include "vrml/scene/diagnostic.h"
 
 #include <sys/resource.h>
 
@@ -15,8 +15,8 @@
 
 namespace gs::app {
 
-void print_diagnostics(const vrml::Diagnostics& diagnostics) {
-  for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) complain("%s", diagnostic.text().c_str());
+void print_diagnostics(const Diagnostics& diagnostics) {
+  for (const Diagnostic& diagnostic : diagnostics.entries()) complain("%s", diagnostic.text().c_str());
   if (diagnostics.dropped() > 0) complain("ghostspace: %zu more diagnostics are not shown", diagnostics.dropped());
 }
 

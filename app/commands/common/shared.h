@@ -34,7 +34,7 @@ void use_universal_time();
 void tell_of_simulation(const SimulationOptions& options, const std::string& path, Simulation& simulation);
 
 /// Prints diagnostics to standard error, one per line.
-void print_diagnostics(const vrml::Diagnostics& diagnostics);
+void print_diagnostics(const Diagnostics& diagnostics);
 /// Writes the measurements of a run (`--stats`), a JSON object, to a file; "-" means standard output. Prints errors and
 /// returns the exit status. Replaces an existing file only if it holds such measurements, so that a mistyped name does
 /// not destroy a world.

@@ -2,7 +2,6 @@
 
 #include "app/base/console.h"
 #include "app/base/local_file.h"
-#include "app/base/text.h"
 #include "app/commands/common/shared.h"
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
@@ -10,6 +9,7 @@
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/world/left_out.h"
 #include "app/world/world_loader.h"
+#include "base/text.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/codecs/encode.h"
@@ -43,7 +43,7 @@ Clock::time_point deadline_of(const LoadingOptions& options) {
 }
 
 WorldBudget budget_of(const LoadingOptions& options, const LoadLimit& limit) {
-  auto budget = std::make_shared<vrml::Budget>(options.limits);
+  auto budget = std::make_shared<Budget>(options.limits);
   budget->stop_when([limit] { return limit.over(); });
   return budget;
 }
@@ -59,7 +59,7 @@ std::optional<Opened> open_volume_input(const InputOptions& options, const std::
 }
 
 std::optional<Opened> open_cloud_input(const LoadingOptions& options, const ContentType& type, const CloudFile& file) {
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const LoadLimit limit(deadline_of(options));
   const WorldBudget budget = budget_of(options, limit);
   auto cloud = read_cloud(type, file, diagnostics, limit, budget);
@@ -70,10 +70,8 @@ std::optional<Opened> open_cloud_input(const LoadingOptions& options, const Cont
     const auto levels = cloud->levels;
     cloud = levels->whole();
     if (levels->cut_short())
-      diagnostics.add({vrml::Severity::error,
-                       file.path,
-                       {},
-                       budget->refusal(vrml::Resource::vectors) + "; some parts stay coarse"});
+      diagnostics.add(
+          {Severity::error, file.path, {}, budget->refusal(Resource::vectors) + "; some parts stay coarse"});
   }
   print_diagnostics(diagnostics);
   if (!cloud) return std::nullopt;
@@ -93,7 +91,7 @@ std::optional<Opened> open_world_input(const LoadingOptions& options, const std:
   constexpr float kPixelsPerRadian = 20'000;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
                                   surface->world.clouds, nullptr, kPixelsPerRadian);
-  vrml::Diagnostics left_out;
+  Diagnostics left_out;
   report_left_out(surface->list, left_out);
   print_diagnostics(left_out);
   return surface;
@@ -239,12 +237,12 @@ std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume,
     gradient_options.vectors = std::min<std::uint64_t>(options.vectors, gradient_options.vectors);
   }
   if (options.fraction > 0) gradient_options.fraction = options.fraction;
-  const vrml::Budget budget(options.limits);
+  const Budget budget(options.limits);
   const std::uint64_t most = most_gradients(budget);
   const double wanted = gradient_options.fraction * static_cast<double>(qnv::voxel_count(volume.layout));
   if (wanted > static_cast<double>(most) && gradient_options.vectors > most) {
     complain("ghostspace: warning: %.0f gradients are %s; only the %llu longest are used", wanted,
-             budget.refusal(vrml::Resource::vectors).c_str(), static_cast<unsigned long long>(most));
+             budget.refusal(Resource::vectors).c_str(), static_cast<unsigned long long>(most));
     gradient_options.vectors = most;
   }
   progress.whole().stage = "gradients";
@@ -255,8 +253,8 @@ std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume,
 
 }  // namespace
 
-std::size_t most_encoded_triangles(const vrml::Limits& limits) {
-  return limits.memory / 32 * vrml::kHeldShare / qnv::kDisplacedTriangleBytes;
+std::size_t most_encoded_triangles(const Limits& limits) {
+  return limits.memory / 32 * kHeldShare / qnv::kDisplacedTriangleBytes;
 }
 
 std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path) {
@@ -290,7 +288,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   input.content = std::move(*opened);
   glm::vec3 size(0);
   if (const auto* surface = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content))
-    if (const render::WorldBounds& bounds = (*surface)->list.bounds; !bounds.empty()) size = bounds.size();
+    if (const WideBox& bounds = (*surface)->list.bounds; !bounds.empty()) size = bounds.size();
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) size = mesh->size;
   if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content); cloud && !cloud->description.box.empty())
     size = cloud->description.box.size();
@@ -358,18 +356,18 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
 std::variant<OutlineModel, std::string> isosurface_outlines(const ConversionOptions& options,
                                                             const qnv::VolumeSource& volume, ProgressBar& progress) {
   const Surface surface = surface_of(volume, *options.isovalue, progress);
-  vrml::Budget budget(options.limits);
+  Budget budget(options.limits);
   const qnv::TriangleSource bounded = [&](const qnv::TriangleSink& sink) {
     return surface.source([&](std::span<const qnv::Triangle> triangles) {
       const std::uint64_t bytes = triangles.size() * kOutlineTriangleBytes;
-      if (budget.take(vrml::Resource::meshes, bytes)) {
+      if (budget.take(Resource::meshes, bytes)) {
         if (surface.origin == glm::dvec3(0)) return sink(triangles);
         std::vector<qnv::Triangle> moved(triangles.begin(), triangles.end());  // polygons have the origin 0
         for (qnv::Triangle& triangle : moved)
           for (glm::vec3& p : triangle.positions) p = glm::vec3(surface.origin + glm::dvec3(p));
         return sink(moved);
       }
-      *surface.problem = "has a surface that needs " + budget.refusal(vrml::Resource::meshes);
+      *surface.problem = "has a surface that needs " + budget.refusal(Resource::meshes);
       return false;
     });
   };

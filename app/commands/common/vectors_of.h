@@ -39,7 +39,7 @@ struct OpenedInput {
 
 /// Returns the maximum number of triangles held while a displaced payload is encoded. Larger meshes are simplified to
 /// it.
-[[nodiscard]] std::size_t most_encoded_triangles(const vrml::Limits& limits);
+[[nodiscard]] std::size_t most_encoded_triangles(const Limits& limits);
 
 /// Opens a file of any type, or a volume without header if the options give dimensions. Prints errors; returns nullopt
 /// if there is nothing to encode.

@@ -126,7 +126,7 @@ std::optional<std::string> take_standard_input(const CommandRow& command, Comman
   if (count > 1) return "standard input can be used only once";
   std::replace(inputs.begin(), inputs.end(), std::string(net::kStandardInput), std::string(net::kStandardInputPath));
   const auto* loading = dynamic_cast<const LoadingOptions*>(&options);
-  return net::hold_standard_input((loading ? loading->limits : vrml::Limits{}).memory);
+  return net::hold_standard_input((loading ? loading->limits : Limits{}).memory);
 }
 
 // Throws a usage error if the files or a combination of options are wrong.

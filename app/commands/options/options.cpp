@@ -1,5 +1,4 @@
 #include "app/commands/options/options.h"
-#include "app/base/text.h"
 #include "app/commands/check.h"
 #include "app/commands/nodes.h"
 #include "app/commands/open.h"
@@ -9,6 +8,7 @@
 #include "app/commands/options/setters.h"
 #include "app/commands/serve.h"
 #include "app/commands/trace.h"
+#include "base/text.h"
 #include "net/base/host_names.h"
 #include "render/gl/context.h"
 

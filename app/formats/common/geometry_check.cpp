@@ -1,5 +1,5 @@
 #include "app/formats/common/geometry_check.h"
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,15 +8,14 @@
 namespace gs::app {
 namespace {
 
-using qnv::finite;
 
 template <class Vector>
-bool all_finite(const vrml::Array<Vector>& values) {
+bool all_finite(const Array<Vector>& values) {
   return std::all_of(values.begin(), values.end(), [](const Vector& v) { return finite(v); });
 }
 
 template <class Vector>
-void clear_not_finite(vrml::Array<Vector>& values) {
+void clear_not_finite(Array<Vector>& values) {
   if (all_finite(values)) return;
   Vector* v = values.mutable_data();
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -35,7 +34,7 @@ void clamp_colors(vrml::MFColor& colors) {
 
 /// Reports whether `index`, or coord_index if it is empty, does not match `values`.
 template <class T>
-bool unfit(const Geometry& data, const vrml::MFInt32& index, const vrml::Array<T>& values) {
+bool unfit(const Geometry& data, const vrml::MFInt32& index, const Array<T>& values) {
   if (index.empty()) return values.size() < data.positions.size();
   return values.empty() || index.size() != data.coord_index.size();
 }

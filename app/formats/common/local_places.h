@@ -11,7 +11,7 @@ namespace gs::app {
 /// Sets the positions of `cloud`, which must have none, from source coordinates. Uses a local origin if they are far
 /// from 0 (qnv::local_origin). Sets origin and box. Runs on any thread.
 inline void set_places(qnv::Cloud& cloud, std::span<const glm::dvec3> places) {
-  qnv::WideBox all;
+  WideBox all;
   for (const glm::dvec3& place : places) all.add(place);
   qnv::Description& description = cloud.description;
   description.origin = qnv::local_origin(all);

@@ -63,7 +63,7 @@ class HeaderLines {
     cursor_.next += pair && !lone_return_ ? 2 : 1;
     return true;
   }
-  [[nodiscard]] vrml::SourceLocation location() const { return {number_, 1}; }
+  [[nodiscard]] SourceLocation location() const { return {number_, 1}; }
   /// Reports whether next() gave up on a line. Without a limit, a sparse file would be searched to its end.
   [[nodiscard]] bool too_long() const { return too_long_; }
 

@@ -97,7 +97,7 @@ class PlyTextSource {
   [[nodiscard]] std::uint64_t most_rows(const PlyElement& element) const {
     return element.properties.empty() ? 0 : most_values() / element.properties.size();
   }
-  [[nodiscard]] vrml::SourceLocation location() { return lines_.location(cursor_.next); }
+  [[nodiscard]] SourceLocation location() { return lines_.location(cursor_.next); }
 
  private:
   [[nodiscard]] std::uint64_t most_values() const {
@@ -150,7 +150,7 @@ class PlyBinarySource {
     const std::size_t row = element.least_row_bytes();
     return row == 0 ? 0 : bytes_.size() / row;
   }
-  [[nodiscard]] vrml::SourceLocation location() { return {}; }
+  [[nodiscard]] SourceLocation location() { return {}; }
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
   void advance(std::size_t count) { bytes_ = bytes_.subspan(count); }
 

@@ -10,7 +10,7 @@ namespace {
 /// Header with its diagnostics, read without a target scene.
 struct HeaderReading {
   vrml::SceneGraph scene;
-  vrml::Diagnostics diagnostics{1};
+  Diagnostics diagnostics{1};
   std::optional<PlyHeader> header;
 
   explicit HeaderReading(TextCursor& cursor) {
@@ -116,8 +116,8 @@ std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> by
 
   if (table.header.format == PlyFormat::ascii) {
     // A digit and a blank (2 bytes) become a double, in a list that grows by doubling.
-    table.share = vrml::Share(budget, vrml::Resource::files);
-    if (!table.share.grow(8 * bytes.size())) return "the numbers take " + budget->refusal(vrml::Resource::files);
+    table.share = Share(budget, Resource::files);
+    if (!table.share.grow(8 * bytes.size())) return "the numbers take " + budget->refusal(Resource::files);
     PlyTextSource source(cursor, reinterpret_cast<const char*>(bytes.data()));
     for (const PlyElement* element : before) {
       if (element->properties.empty()) continue;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/base/world_budget.h"
 #include "app/formats/common/ply_header.h"
+#include "base/budget.h"
 
 #include <cstddef>
 #include <optional>
@@ -20,7 +20,7 @@ struct PlyTable {
   std::size_t rows = 0;             // complete rows present, at most element.count
   std::span<const std::byte> data;  // rows of a binary file
   std::vector<double> values;       // all values of an ASCII file, row by row
-  vrml::Share share;                // memory of `values`
+  Share share;                      // memory of `values`
 
   [[nodiscard]] bool has(std::string_view property) const;
   /// Returns one property of all rows as floats; empty if it is missing or a list.

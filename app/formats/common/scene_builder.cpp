@@ -135,7 +135,7 @@ NodeId SceneBuilder::shape(NodeId geometry, NodeId appearance) {
   return shape;
 }
 
-void SceneBuilder::report(vrml::Severity severity, std::string message, vrml::SourceLocation location) {
+void SceneBuilder::report(Severity severity, std::string message, SourceLocation location) {
   diagnostics_.add({severity, scene_.file_name(), location, std::move(message)});
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "vrml/scene/array.h"
-#include "vrml/scene/diagnostic.h"
+#include "base/array.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/field_value.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -25,7 +25,7 @@ inline void draw(vrml::SceneGraph& scene, std::uint64_t bytes) {
   if (!scene.charge(static_cast<std::size_t>(bytes)) || scene.budget()->stopped()) throw OutOfBudget();
 }
 
-/// Fast builder of a vrml::Array without per-value checks; finish with `take`. Throws OutOfBudget.
+/// Fast builder of a Array without per-value checks; finish with `take`. Throws OutOfBudget.
 template <class T>
 requires std::is_trivially_copyable_v<T>
 class Appender {
@@ -54,7 +54,7 @@ class Appender {
   void fill(std::size_t size, const T& value) {
     while (this->size() < size) push(value);
   }
-  [[nodiscard]] vrml::Array<T> take() {
+  [[nodiscard]] Array<T> take() {
     flush();
     array_.shrink_to_fit();
     first_ = next_ = end_ = nullptr;
@@ -76,7 +76,7 @@ class Appender {
   }
 
   vrml::SceneGraph* scene_;
-  vrml::Array<T> array_;
+  Array<T> array_;
   T* first_ = nullptr;  // start of the values not yet counted by array_
   T* next_ = nullptr;
   T* end_ = nullptr;
@@ -120,7 +120,7 @@ struct Look {
 /// functions accept null NodeIds and ignore them.
 class SceneBuilder {
  public:
-  SceneBuilder(vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) : scene_(scene), diagnostics_(diagnostics) {}
+  SceneBuilder(vrml::SceneGraph& scene, Diagnostics& diagnostics) : scene_(scene), diagnostics_(diagnostics) {}
 
   [[nodiscard]] vrml::SceneGraph& scene() { return scene_; }
 
@@ -142,18 +142,14 @@ class SceneBuilder {
   [[nodiscard]] vrml::NodeId geometry(Geometry data);
   [[nodiscard]] vrml::NodeId shape(vrml::NodeId geometry, vrml::NodeId appearance);
 
-  void report(vrml::Severity severity, std::string message, vrml::SourceLocation location = {});
-  void note(std::string message, vrml::SourceLocation at = {}) { report(vrml::Severity::note, std::move(message), at); }
-  void warn(std::string message, vrml::SourceLocation at = {}) {
-    report(vrml::Severity::warning, std::move(message), at);
-  }
-  void fail(std::string message, vrml::SourceLocation at = {}) {
-    report(vrml::Severity::error, std::move(message), at);
-  }
+  void report(Severity severity, std::string message, SourceLocation location = {});
+  void note(std::string message, SourceLocation at = {}) { report(Severity::note, std::move(message), at); }
+  void warn(std::string message, SourceLocation at = {}) { report(Severity::warning, std::move(message), at); }
+  void fail(std::string message, SourceLocation at = {}) { report(Severity::error, std::move(message), at); }
 
  private:
   vrml::SceneGraph& scene_;
-  vrml::Diagnostics& diagnostics_;
+  Diagnostics& diagnostics_;
   std::unordered_set<std::string> names_;
   bool full_ = false;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 
 #include <fast_float/fast_float.h>
 
@@ -18,7 +18,7 @@ class LineCounter {
   explicit LineCounter(const char* begin) : next_(begin), line_start_(begin) {}
 
   /// Returns the location of `place`. Positions must ascend; an earlier one gets the line of the previous call.
-  [[nodiscard]] vrml::SourceLocation location(const char* place) {
+  [[nodiscard]] SourceLocation location(const char* place) {
     while (next_ < place) {
       const void* found = std::memchr(next_, '\n', static_cast<std::size_t>(place - next_));
       if (!found) {

@@ -1,6 +1,6 @@
 #include "app/formats/common/upright.h"
 
-#include "app/base/text.h"
+#include "base/text.h"
 
 #include <glm/geometric.hpp>
 

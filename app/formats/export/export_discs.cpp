@@ -1,7 +1,7 @@
 #include "app/formats/export/export_discs.h"
 
 #include "app/formats/splats/splats.h"
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,6 @@
 namespace gs::app {
 namespace {
 
-using qnv::finite;
 
 /// Returns the shortest rotation from +Z to a unit vector.
 glm::vec4 rotation_to(const glm::vec3& n) {

@@ -58,7 +58,7 @@ class Attributes {
 float linear_of_display(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
 
 void add_bounds(const std::vector<ExportSplat>& splats, Json& accessor) {
-  qnv::Box box;
+  Box box;
   for (const ExportSplat& splat : splats) box.add(splat.position);
   accessor["min"] = {box.lower.x, box.lower.y, box.lower.z};
   accessor["max"] = {box.upper.x, box.upper.y, box.upper.z};

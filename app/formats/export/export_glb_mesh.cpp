@@ -67,7 +67,7 @@ Json primitive_of(const qnv::Cloud& cloud, bool pictured, MeshBuffer& buffer) {
   };
   Json attributes;
   const std::size_t positions = buffer.add("VEC3", kFloats, end - first, [&] { put_vectors(cloud.positions); });
-  qnv::Box box;
+  Box box;
   for (std::size_t v = first; v < end; ++v) box.add(cloud.positions[v]);
   buffer.accessors[positions]["min"] = {box.lower.x, box.lower.y, box.lower.z};
   buffer.accessors[positions]["max"] = {box.upper.x, box.upper.y, box.upper.z};

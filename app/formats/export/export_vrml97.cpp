@@ -14,7 +14,7 @@
 
 namespace gs::app {
 
-std::string front_viewpoint(const qnv::Box& box, const Upright& upright) {
+std::string front_viewpoint(const Box& box, const Upright& upright) {
   const glm::vec3 size = box.size(), middle = box.lower + size * 0.5f;
   const float radius = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z) / 2;
   constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), for the default field of view
@@ -168,7 +168,7 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool mo
     text.add("\n");
   }
   if (cloud.description.kind == qnv::Kind::volume) text.add("    profile \"VOLUME\"\n");
-  if (const qnv::Box& box = cloud.description.box; !box.empty()) {
+  if (const Box& box = cloud.description.box; !box.empty()) {
     text.add("    bboxCenter ");
     text.vector(box.lower + box.size() * 0.5f);
     text.add("    bboxSize ");

@@ -29,6 +29,6 @@ inline void append_quoted(std::string& to, std::string_view text) {
 }
 
 /// Returns a line with a Viewpoint that shows the whole box from its front.
-[[nodiscard]] std::string front_viewpoint(const qnv::Box& box, const Upright& upright);
+[[nodiscard]] std::string front_viewpoint(const Box& box, const Upright& upright);
 
 }  // namespace gs::app

@@ -283,7 +283,7 @@ class GltfImporter {
 
 }  // namespace
 
-void import_gltf(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
+void import_gltf(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics,
                  const ReadFile& read_file) {
   SceneBuilder builder(scene, diagnostics);
   const auto model = load_gltf(bytes, read_file, builder);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/base/read_file.h"
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace gs::app {
 ///
 /// External buffers come only from `read_file`. Safe for untrusted input: it checks what tinygltf does not, and memory
 /// is bounded by a multiple of the file size.
-void import_gltf(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
+void import_gltf(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics,
                  const ReadFile& read_file = {});
 
 }  // namespace gs::app

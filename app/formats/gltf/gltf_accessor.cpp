@@ -124,7 +124,7 @@ bool GltfAccessors::charge(std::size_t bytes) {
     return false;
   }
   if (!scene_.charge(bytes)) {
-    problem_ = scene_.budget()->refusal(vrml::Resource::nodes);
+    problem_ = scene_.budget()->refusal(Resource::nodes);
     return false;
   }
   budget_ -= bytes;

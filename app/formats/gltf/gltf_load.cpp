@@ -1,6 +1,6 @@
 #include "app/formats/gltf/gltf_load.h"
-#include "app/base/text.h"
 #include "app/formats/common/glb.h"
+#include "base/text.h"
 
 #include <nlohmann/json.hpp>
 
@@ -70,7 +70,7 @@ std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {
 }
 
 /// Checks the size of a JSON text by a scan that cannot fail. Returns a message if a limit is exceeded.
-std::optional<std::string> too_much(std::string_view json, const vrml::Budget& budget) {
+std::optional<std::string> too_much(std::string_view json, const Budget& budget) {
   std::size_t depth = 0, objects = 0, values = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < json.size(); ++i) {
@@ -90,9 +90,9 @@ std::optional<std::string> too_much(std::string_view json, const vrml::Budget& b
     if (depth > kMaxDepth) return "nested deeper than " + std::to_string(kMaxDepth) + " levels";
   }
   const std::uint64_t bytes = objects * kObjectBytes + values * kValueBytes;
-  if (bytes > budget.left(vrml::Resource::files))
+  if (bytes > budget.left(Resource::files))
     return std::to_string(objects) + " objects and " + std::to_string(values) + " values take " +
-           budget.refusal(vrml::Resource::files);
+           budget.refusal(Resource::files);
   return std::nullopt;
 }
 

@@ -65,8 +65,7 @@ class CornerWriter {
 };
 
 template <class T>
-vrml::Array<T> gathered(const vrml::Array<T>& values, const std::vector<std::uint32_t>& indices,
-                        vrml::SceneGraph& scene) {
+Array<T> gathered(const Array<T>& values, const std::vector<std::uint32_t>& indices, vrml::SceneGraph& scene) {
   Appender<T> result(scene);
   for (const std::uint32_t i : indices)
     if (i < values.size()) result.push(values[i]);

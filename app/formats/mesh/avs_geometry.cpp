@@ -103,7 +103,7 @@ class AvsGeometryImporter {
     }
     return false;
   }
-  vrml::SourceLocation location() { return lines_.location(start_); }
+  SourceLocation location() { return lines_.location(start_); }
   bool fail(std::string message) {
     start_ = cursor_.next;
     builder_.fail(std::move(message), location());
@@ -309,7 +309,7 @@ bool is_avs_geometry(std::span<const std::byte> bytes) {
   return bytes.size() >= kFirstLine.size() && std::memcmp(bytes.data(), kFirstLine.data(), kFirstLine.size()) == 0;
 }
 
-void import_avs_geometry(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void import_avs_geometry(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);
   if (!is_avs_geometry(bytes)) {
     builder.fail(

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace gs::app {
 ///
 /// The format follows the MicroAVS manual (Cybernet). Binary AVS5 .geom files, an undocumented layout, give an error.
 /// Safe for untrusted input. A truncated file gives an error and its complete part.
-void import_avs_geometry(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
+void import_avs_geometry(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics);
 
 /// Reports whether the file starts with `# Micro AVS Geom:`.
 [[nodiscard]] bool is_avs_geometry(std::span<const std::byte> bytes);

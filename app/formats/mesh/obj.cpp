@@ -373,8 +373,7 @@ class ObjImporter {
   /// Returns the values of `all` that `index` uses, and renumbers `index`. Handles `extra` in parallel, if it is not
   /// empty.
   template <class T>
-  vrml::Array<T> used(const vrml::Array<T>& all, vrml::MFInt32& index, const vrml::MFColor& extra,
-                      vrml::MFColor& taken) {
+  Array<T> used(const Array<T>& all, vrml::MFInt32& index, const vrml::MFColor& extra, vrml::MFColor& taken) {
     if (renumbered_.size() < all.size()) renumbered_.resize(all.size(), kNone);
     Appender<T> values(builder_.scene());
     Appender<vrml::Color> colors(builder_.scene());
@@ -400,7 +399,7 @@ class ObjImporter {
     return values.take();
   }
   template <class T>
-  vrml::Array<T> used(const vrml::Array<T>& all, vrml::MFInt32& index) {
+  Array<T> used(const Array<T>& all, vrml::MFInt32& index) {
     vrml::MFColor none;
     return used(all, index, {}, none);
   }
@@ -443,7 +442,7 @@ class ObjImporter {
 
 }  // namespace
 
-void import_obj(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
+void import_obj(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics,
                 const ReadFile& read_file) {
   SceneBuilder builder(scene, diagnostics);
   ObjImporter(bytes, builder, read_file).run();

@@ -1,8 +1,8 @@
 #include "app/formats/mesh/off.h"
 
-#include "app/base/text.h"
 #include "app/formats/common/scene_builder.h"
 #include "app/formats/common/text_cursor.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <array>
@@ -61,7 +61,7 @@ class OffImporter {
   }
 
  private:
-  [[nodiscard]] vrml::SourceLocation place() { return lines_.location(cursor_.next); }
+  [[nodiscard]] SourceLocation place() { return lines_.location(cursor_.next); }
   [[nodiscard]] std::string_view text_left() const {
     return {cursor_.next, static_cast<std::size_t>(cursor_.end - cursor_.next)};
   }
@@ -200,7 +200,7 @@ class OffImporter {
 
 }  // namespace
 
-void import_off(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void import_off(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);
   OffImporter(bytes, builder).run();
 }

@@ -83,7 +83,7 @@ FoundProperties find(const PlyElement& element, std::span<const Meaning> meaning
 
 /// Resizes `array` to `rows` and connects the columns of the properties to it.
 template <class T>
-bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::size_t rows, vrml::Array<T>& array,
+bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::size_t rows, Array<T>& array,
              std::vector<Column>& columns, vrml::SceneGraph& scene) {
   const FoundProperties found = find(element, meanings);
   if (!found.meaning || rows == 0) return false;
@@ -451,7 +451,7 @@ class PlyImporter {
 
 }  // namespace
 
-void import_ply(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void import_ply(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);
   TextCursor cursor(bytes);
   const auto header = read_ply_header(cursor, builder);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -14,6 +14,6 @@ namespace gs::app {
 /// constant term of 3D Gaussian splats). Ignores other elements and properties. Colours are display colours;
 /// coordinates are unchanged. Safe for untrusted input; memory is bounded by a small multiple of the file size. A
 /// truncated file gives an error and its complete part.
-void import_ply(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
+void import_ply(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics);
 
 }  // namespace gs::app

@@ -1,6 +1,6 @@
 #include "app/formats/mesh/point_areas.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -111,7 +111,7 @@ std::vector<float> point_areas(std::span<const glm::vec3> points) {
   std::vector<float> areas(points.size());
   const Tree tree(points);
   // Each thread writes its own elements; only block borders share cache lines.
-  qnv::parallel_for((points.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+  parallel_for((points.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
     const std::size_t last = std::min(points.size(), (block + 1) * kBlock);
     for (std::size_t place = block * kBlock; place < last; ++place) {
       Nearest nearest;

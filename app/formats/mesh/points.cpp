@@ -22,14 +22,14 @@ struct Points {
   std::vector<glm::vec3> normals, colors;  // colours 0..255
   std::vector<float> areas;
   std::size_t announced = 0;
-  vrml::Share share;
+  Share share;
 
   /// Charges memory for `count` more points. Returns a message if the budget is exceeded.
   [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count) {
     constexpr std::uint64_t kBytes = 230;
-    if (share.amount() == 0) share = vrml::Share(budget, vrml::Resource::vectors);
+    if (share.amount() == 0) share = Share(budget, Resource::vectors);
     if (share.grow(count * kBytes)) return std::nullopt;
-    return std::string(format) + ": the points take " + budget->refusal(vrml::Resource::vectors);
+    return std::string(format) + ": the points take " + budget->refusal(Resource::vectors);
   }
 };
 

@@ -256,7 +256,7 @@ bool is_text_stl(std::span<const std::byte> bytes) {
   return std::none_of(looked.begin(), looked.end(), [](std::byte b) { return b == std::byte{0}; });
 }
 
-void import_stl(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void import_stl(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);
   if (is_text_stl(bytes))
     TextImporter(bytes, builder).run();

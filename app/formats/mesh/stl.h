@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -13,6 +13,6 @@ namespace gs::app {
 /// become face colours: the VisCAM and SolidView form (bit 15 set on every facet), or Materialise Magics (COLOR= in the
 /// header). Binary files are detected by size, because their header may begin with "solid". Safe for untrusted input. A
 /// truncated file gives an error and its complete facets.
-void import_stl(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
+void import_stl(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics);
 
 }  // namespace gs::app

@@ -145,7 +145,7 @@ std::string ucd_label(std::string_view name, std::string_view unit) {
   return in.empty() ? of : of.empty() ? in : of + " (" + in + ")";
 }
 
-void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);
   UcdMesh mesh;
   const bool binary = !bytes.empty() && bytes.front() == kUcdBinary;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -18,6 +18,6 @@ namespace gs::app {
 ///
 /// Safe for untrusted input; memory is bounded by a multiple of the file size. A truncated text gives an error and its
 /// complete cells. Layout: AVS Developer's Guide; binary as in VTK's reader.
-void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
+void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics);
 
 }  // namespace gs::app

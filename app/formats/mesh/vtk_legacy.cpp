@@ -1,10 +1,10 @@
 #include "app/formats/mesh/vtk_legacy.h"
 
-#include "app/base/text.h"
 #include "app/formats/common/text_cursor.h"
 #include "app/formats/grid/grid_cells.h"
 #include "app/formats/grid/poly_data.h"
 #include "app/formats/volume/vtk_xml.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,7 @@ class LegacyImporter {
   }
 
  private:
-  [[nodiscard]] vrml::SourceLocation place() { return lines_.location(cursor_.next); }
+  [[nodiscard]] SourceLocation place() { return lines_.location(cursor_.next); }
 
   // Moves to the next line that is not empty. Returns false at the end.
   bool next_line() {
@@ -347,7 +347,7 @@ class LegacyImporter {
 
 bool is_vtk_legacy(std::span<const std::byte> bytes) { return text_of(bytes).starts_with(kLegacyMark); }
 
-void import_vtk_legacy(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void import_vtk_legacy(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);
   if (!is_vtk_legacy(bytes)) return builder.fail("expected '" + std::string(kLegacyMark) + "'", {1, 1});
   LegacyImporter(bytes, builder).run();

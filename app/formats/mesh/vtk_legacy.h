@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace gs::app {
 /// vector lengths; else the same of cells. COLOR_SCALARS are colours; NORMALS are kept. Safe for untrusted input. A
 /// truncated file gives an error and its complete part. Layout: "VTK File Formats", Simple Legacy Formats (VTK User's
 /// Guide).
-void import_vtk_legacy(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
+void import_vtk_legacy(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics);
 /// Detects the format by the first line.
 [[nodiscard]] bool is_vtk_legacy(std::span<const std::byte> bytes);
 

@@ -266,7 +266,7 @@ class VtpImporter {
 };
 
 void import_vtk_surface(std::span<const std::byte> bytes, std::string_view type, vrml::SceneGraph& scene,
-                        vrml::Diagnostics& diagnostics) {
+                        Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);
   const auto header = read_vtk_xml(bytes, type);
   if (const auto* problem = std::get_if<std::string>(&header)) return builder.fail(*problem);
@@ -277,13 +277,13 @@ void import_vtk_surface(std::span<const std::byte> bytes, std::string_view type,
 
 bool is_vtp(std::span<const std::byte> bytes) { return is_vtk_xml(bytes, "PolyData"); }
 
-void import_vtp(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void import_vtp(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   import_vtk_surface(bytes, "PolyData", scene, diagnostics);
 }
 
 bool is_vtu(std::span<const std::byte> bytes) { return is_vtk_xml(bytes, "UnstructuredGrid"); }
 
-void import_vtu(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+void import_vtu(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   import_vtk_surface(bytes, "UnstructuredGrid", scene, diagnostics);
 }
 

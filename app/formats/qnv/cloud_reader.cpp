@@ -1,9 +1,9 @@
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/formats/qnv/surface_pictures.h"
 
-#include "app/base/gunzip.h"
 #include "app/formats/common/color_key.h"
 #include "app/formats/volume/volume.h"
+#include "base/gzip.h"
 #include "net/files/file.h"
 #include "qnv/codecs/displaced/tessellation/patch_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
@@ -22,7 +22,6 @@ namespace gs::app {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using vrml::Severity;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 // Max vectors of a volume opened for viewing only.
@@ -34,8 +33,7 @@ constexpr const char* kLate = "the time limit for loading was reached; the rest 
 
 class CloudFileReader {
  public:
-  CloudFileReader(const CloudFile& file, vrml::Diagnostics& diagnostics, const LoadLimit& limit,
-                  const WorldBudget& budget)
+  CloudFileReader(const CloudFile& file, Diagnostics& diagnostics, const LoadLimit& limit, const WorldBudget& budget)
       : file_(file), diagnostics_(diagnostics), limit_(limit), budget_(budget) {}
 
   std::optional<qnv::Cloud> levels(qnv::LodStream::Opened opened);
@@ -50,7 +48,7 @@ class CloudFileReader {
 
   const CloudFile& file_;
   std::vector<std::byte> arrived_;  // received bytes, if packets are dropped
-  vrml::Diagnostics& diagnostics_;
+  Diagnostics& diagnostics_;
   LoadLimit limit_;
   WorldBudget budget_;
 };
@@ -123,8 +121,7 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
   if (decoder.refused_chunks() > 0 && !decoder.full())
     report(Severity::warning, std::to_string(decoder.refused_chunks()) + " invalid chunks are left out");
   if (decoder.full())
-    report(Severity::error,
-           "vectors need " + budget_->refusal(vrml::Resource::vectors) + "; the finer ones are left out");
+    report(Severity::error, "vectors need " + budget_->refusal(Resource::vectors) + "; the finer ones are left out");
   if (!decoder.header()) return std::nullopt;
   if (file_.to_draw) return decoder.cloud_to_draw();
   qnv::Cloud cloud = decoder.cloud();
@@ -136,7 +133,7 @@ std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
   UnpackedBytes unpacked;
   std::span<const std::byte> bytes = file_.bytes;
   if (is_gzip(bytes) && !type.unpacks_itself) {
-    unpacked = unpack_gzip(bytes, budget_, vrml::Resource::files);
+    unpacked = unpack_gzip(bytes, budget_, Resource::files);
     if (unpacked.problem && !file_.cut) report(Severity::error, *unpacked.problem);
     bytes = unpacked.bytes.span();
   }
@@ -167,7 +164,7 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
   }
   qnv::GradientOptions options;
   options.vectors = std::min(kMostGradients, most_gradients(*budget_));
-  vrml::Share share(budget_, vrml::Resource::vectors);
+  Share share(budget_, Resource::vectors);
   if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread has taken the memory
   Deadline deadline(limit_);
   auto found = qnv::gradient_vectors(std::get<qnv::VolumeSource>(opened), options, &deadline.progress);
@@ -202,33 +199,31 @@ qnv::Rgb8 color_at(const std::vector<qnv::TransferPoint>& points, float value) {
 
 }  // namespace
 
-std::uint64_t most_gradients(const vrml::Budget& budget) {
-  return budget.left(vrml::Resource::vectors) / kGradientBytes;
-}
+std::uint64_t most_gradients(const Budget& budget) { return budget.left(Resource::vectors) / kGradientBytes; }
 
-std::size_t most_decoded_vectors(const vrml::Budget& budget) {
-  return static_cast<std::size_t>(budget.left(vrml::Resource::vectors) / kDecodedBytes);
+std::size_t most_decoded_vectors(const Budget& budget) {
+  return static_cast<std::size_t>(budget.left(Resource::vectors) / kDecodedBytes);
 }
 
 std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream, const WorldBudget& budget,
                                             bool grows) {
   struct Held {
     std::unique_ptr<qnv::LodStream> stream;
-    vrml::Share share, arrived;
+    Share share, arrived;
   };
   // A small stream gets what its header requires; any other gets half of the remaining budget.
   constexpr std::uint64_t kAtLeast = std::uint64_t{1} << 20, kMostCounted = std::uint64_t{1} << 40;
   const std::uint64_t wanted = kAtLeast + kLevelBytes * std::min(stream->header().vectors, kMostCounted);
-  const std::uint64_t bytes = std::min(wanted, budget->left(vrml::Resource::vectors) / 2);
-  auto held = std::make_shared<Held>(Held{std::move(stream), vrml::Share(budget, vrml::Resource::vectors), {}});
+  const std::uint64_t bytes = std::min(wanted, budget->left(Resource::vectors) / 2);
+  auto held = std::make_shared<Held>(Held{std::move(stream), Share(budget, Resource::vectors), {}});
   (void)held->share.grow(bytes);
   qnv::LodLimits limits;
   limits.cache_bytes = std::min<std::size_t>(limits.cache_bytes, held->share.amount() / 2);
   limits.discs = held->share.amount() / kLevelBytes;
   if (grows) {
     // The directory is at the end of the file.
-    const std::uint64_t directory = held->stream->header().directory, left = budget->left(vrml::Resource::files) / 2;
-    held->arrived = vrml::Share(budget, vrml::Resource::files);
+    const std::uint64_t directory = held->stream->header().directory, left = budget->left(Resource::files) / 2;
+    held->arrived = Share(budget, Resource::files);
     (void)held->arrived.grow(directory > 0 ? std::min(left, directory) : left / 2);
     limits.arrived_bytes = kAtLeast + held->arrived.amount();
   }
@@ -236,16 +231,16 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
   return {held, held->stream.get()};
 }
 
-bool has_room_for(const qnv::Cloud& cloud, const vrml::Budget& budget) {
-  return bytes_of(cloud) <= budget.left(vrml::Resource::vectors);
+bool has_room_for(const qnv::Cloud& cloud, const Budget& budget) {
+  return bytes_of(cloud) <= budget.left(Resource::vectors);
 }
 
 std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget) {
   struct Held {
     qnv::Cloud cloud;
-    vrml::Share share;
+    Share share;
   };
-  auto held = std::make_shared<Held>(Held{std::move(cloud), vrml::Share(budget, vrml::Resource::vectors)});
+  auto held = std::make_shared<Held>(Held{std::move(cloud), Share(budget, Resource::vectors)});
   if (!held->share.grow(bytes_of(held->cloud))) return nullptr;
   return {held, &held->cloud};
 }
@@ -270,7 +265,7 @@ Deadline::Deadline(const LoadLimit& limit)
 
 Deadline::~Deadline() = default;
 
-std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file, vrml::Diagnostics& diagnostics,
+std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file, Diagnostics& diagnostics,
                                      const LoadLimit& limit, const WorldBudget& budget) {
   CloudFileReader reader(file, diagnostics, limit, budget);
   if (file.bytes.empty()) {
@@ -304,7 +299,7 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
   urls.push_back(vrml::SFString(url));
   scene.set(qnv, "url", std::move(urls));
   if (cloud.description.kind == qnv::Kind::volume) scene.set<vrml::SFString>(qnv, "profile", "VOLUME");
-  const qnv::Box& box = cloud.description.box;
+  const Box& box = cloud.description.box;
   if (!box.empty()) {
     const glm::dvec3 middle = (glm::dvec3(box.lower) + glm::dvec3(box.upper)) * 0.5;
     scene.set<vrml::SFVec3f>(qnv, "bboxCenter", glm::vec3(cloud.description.origin + middle));

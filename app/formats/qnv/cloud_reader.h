@@ -1,15 +1,15 @@
 #pragma once
 
 #include "app/base/load_limit.h"
-#include "app/base/world_budget.h"
 #include "app/formats/content_types.h"
 #include "app/formats/volume/volume.h"
+#include "base/budget.h"
+#include "base/diagnostic.h"
+#include "base/parallel.h"
 #include "qnv/base/cloud.h"
-#include "qnv/base/parallel.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/sampling/volume/volume.h"
-#include "vrml/scene/diagnostic.h"
 #include "vrml/scene/field_value.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -41,21 +41,21 @@ struct CloudFile {
 /// directory; it stays open, and views read the parts that they show. Safe for untrusted files; stops at `limit`.
 /// Working memory is charged to `budget`; the caller charges the result (`hold_cloud`).
 [[nodiscard]] std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file,
-                                                   vrml::Diagnostics& diagnostics, const LoadLimit& limit,
+                                                   Diagnostics& diagnostics, const LoadLimit& limit,
                                                    const WorldBudget& budget = own_budget());
 
 /// Reports whether the budget has room for a copy of `cloud`.
-[[nodiscard]] bool has_room_for(const qnv::Cloud& cloud, const vrml::Budget& budget);
+[[nodiscard]] bool has_room_for(const qnv::Cloud& cloud, const Budget& budget);
 /// Wraps decoded geometry with the budget share for it and the renderer's copy. Returns null if the budget is exceeded.
 [[nodiscard]] std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget);
 
 /// Returns the max number of gradients to search in a volume.
-[[nodiscard]] std::uint64_t most_gradients(const vrml::Budget& budget);
+[[nodiscard]] std::uint64_t most_gradients(const Budget& budget);
 
 /// Memory in bytes per vector for decoding and display of a records stream.
 inline constexpr std::uint64_t kDecodedBytes = 128;
 /// Returns the max number of vectors of a stream to decode at once.
-[[nodiscard]] std::size_t most_decoded_vectors(const vrml::Budget& budget);
+[[nodiscard]] std::size_t most_decoded_vectors(const Budget& budget);
 /// Wraps a packed stream with the budget share for its cuts, cache and chunks, and limits them to that share. `grows`
 /// means that received chunks are kept.
 [[nodiscard]] std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream,
@@ -85,7 +85,7 @@ class Deadline {
   ~Deadline();
   Deadline(const Deadline&) = delete;
   Deadline& operator=(const Deadline&) = delete;
-  qnv::Progress progress;
+  Progress progress;
 
  private:
   std::mutex mutex_;

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "base/diagnostic.h"
 #include "qnv/codecs/outlines/outline_stream.h"
-#include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace gs::app {
 class OutlineScene {
  public:
   /// `node` is an OutlineGroup for all polygons; if null, adds Shapes to the scene.
-  OutlineScene(vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics, vrml::NodeId node = {})
+  OutlineScene(vrml::SceneGraph& scene, Diagnostics& diagnostics, vrml::NodeId node = {})
       : scene_(scene), diagnostics_(diagnostics), node_(node) {}
 
   /// Adds polygons of the stream with this header.
@@ -39,7 +39,7 @@ class OutlineScene {
   std::int32_t group_of(Target& target, std::uint32_t group, std::uint32_t count);
 
   vrml::SceneGraph& scene_;
-  vrml::Diagnostics& diagnostics_;
+  Diagnostics& diagnostics_;
   vrml::NodeId node_;
   bool full_ = false;
   std::unordered_map<std::uint32_t, Target> targets_;  // by appearance; a single entry 0 if one node takes all

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/base/world_budget.h"
+#include "base/budget.h"
 #include "qnv/base/cloud.h"
 #include "render/image/image.h"
 

@@ -88,11 +88,11 @@ void add_count(qnv::Description& description, const char* name, std::size_t coun
 }  // namespace
 
 std::optional<std::string> SplatModel::draw(const WorldBudget& budget, std::uint64_t count) {
-  if (share.amount() == 0) share = vrml::Share(budget, vrml::Resource::vectors);
+  if (share.amount() == 0) share = Share(budget, Resource::vectors);
   constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
   const std::uint64_t bytes = std::min(count, kMost) * kSplatMemory;
   if (share.grow(bytes)) return std::nullopt;
-  return std::to_string(count) + " splats take " + budget->refusal(vrml::Resource::vectors);
+  return std::to_string(count) + " splats take " + budget->refusal(Resource::vectors);
 }
 
 void SplatModel::resize(std::size_t count) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/base/world_budget.h"
+#include "base/budget.h"
 #include "qnv/base/cloud.h"
 
 #include <glm/vec3.hpp>
@@ -52,7 +52,7 @@ struct SplatModel {
   std::vector<glm::vec3> normals;    // which side is outside; zero: not known
   std::size_t announced = 0;         // splats that the file says it has
   int harmonics = 0;                 // highest degree of the file's spherical harmonics; above 0, they are discarded
-  vrml::Share share;
+  Share share;
 
   /// Draws memory for `count` more splats, before they are made; why there is not so much.
   [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count);

@@ -1,7 +1,7 @@
-#include "app/base/gunzip.h"
 #include "app/formats/common/byte_order.h"
 #include "app/formats/splats/splats.h"
 #include "app/formats/splats/spz.h"
+#include "base/gzip.h"
 
 #include <zstd.h>
 
@@ -138,14 +138,14 @@ std::optional<std::string> unzstd(Bytes packed, std::size_t expected, std::vecto
 }
 
 std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model, const WorldBudget& budget) {
-  vrml::Array<std::byte> data;  // grows without a copy
+  Array<std::byte> data;  // grows without a copy
   Header header;
   std::optional<std::string> problem;
   bool known = false;
   std::size_t wanted = kSpzHeaderBytes;
-  vrml::Share share(budget, vrml::Resource::files);
+  Share share(budget, Resource::files);
   const auto stopped = gunzip(bytes, budget, [&](std::string_view piece) {
-    if (!share.grow(piece.size())) problem = "unpacks to " + budget->refusal(vrml::Resource::files);
+    if (!share.grow(piece.size())) problem = "unpacks to " + budget->refusal(Resource::files);
     if (problem) return false;
     std::memcpy(data.prepare(piece.size()), piece.data(), piece.size());
     data.commit(piece.size());
@@ -192,7 +192,7 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const W
   model.announced = header.count;
   if (auto problem = model.draw(budget, header.count)) return problem;
   std::array<std::vector<std::byte>, plane_count> data;
-  vrml::Share share(budget, vrml::Resource::files);
+  Share share(budget, Resource::files);
   std::array<Bytes, plane_count> planes;
   std::size_t at = table + streams * 16;
   const auto widths = plane_widths(header.version);
@@ -204,7 +204,7 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const W
       return "stream " + std::to_string(plane) + " of " + std::to_string(unpacked) + " bytes; expected " +
              std::to_string(expected);
     // Twice: a list that grows.
-    if (!share.grow(2 * expected)) return "unpacks to " + budget->refusal(vrml::Resource::files);
+    if (!share.grow(2 * expected)) return "unpacks to " + budget->refusal(Resource::files);
     if (packed > bytes.size() - at) return "the file ends too early: stream " + std::to_string(plane) + " is truncated";
     if (auto problem = unzstd(bytes.subspan(at, static_cast<std::size_t>(packed)), expected, data[plane]))
       return problem;

@@ -1,8 +1,8 @@
 #include "app/formats/volume/volume.h"
 
-#include "app/base/gunzip.h"
 #include "app/base/local_file.h"
 #include "app/formats/volume/volume_common.h"
+#include "base/gzip.h"
 #include "net/files/file.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
@@ -123,9 +123,9 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
   constexpr std::uint64_t kSlices = 8;
   const qnv::VolumeLayout& layout = std::get<qnv::VolumeSource>(result).layout;
   const std::uint64_t bytes = kSlices * sizeof(float) * qnv::slice_voxels(layout);
-  if (bytes > budget->left(vrml::Resource::volumes))
+  if (bytes > budget->left(Resource::volumes))
     return path + ": slices of " + std::to_string(qnv::slice_voxels(layout)) + " voxels take " +
-           budget->refusal(vrml::Resource::volumes);
+           budget->refusal(Resource::volumes);
   return result;
 }
 

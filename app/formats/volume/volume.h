@@ -1,9 +1,9 @@
 #pragma once
 
 #include "app/base/read_file.h"
-#include "app/base/world_budget.h"
 #include "app/formats/common/upright.h"
 #include "app/formats/volume/raw_volume.h"
+#include "base/budget.h"
 #include "qnv/sampling/volume/volume.h"
 
 #include <array>

@@ -1,10 +1,10 @@
 #include "app/formats/volume/volume_common.h"
 
-#include "app/base/gunzip.h"
 #include "app/formats/common/text_cursor.h"
+#include "base/finite.h"
+#include "base/gzip.h"
 #include "net/base/reference_policy.h"
 #include "net/files/file.h"
-#include "qnv/base/finite.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
 #include <zlib.h>
@@ -20,7 +20,6 @@
 namespace gs::app {
 namespace {
 
-using qnv::finite;
 
 std::string plural(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " byte" : " bytes"); }
 
@@ -60,7 +59,7 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
 
 /// Makes coordinates local if a volume is far from the origin of its space.
 void set_base(qnv::VolumeLayout& layout) {
-  qnv::WideBox box;
+  WideBox box;
   for (unsigned corner = 0; corner < 8; ++corner) {
     glm::dvec3 place = layout.origin;
     for (unsigned i = 0; i < 3; ++i)
@@ -132,8 +131,8 @@ std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uin
   constexpr std::uint64_t kMostDeflateRatio = 1032;
   if (size / kMostDeflateRatio > from) return plural(from) + " of compressed data cannot contain " + plural(size);
   VoxelMemory memory;
-  memory.share = vrml::Share(budget, vrml::Resource::volumes);
-  if (!memory.share.grow(size)) return plural(size) + " are " + budget->refusal(vrml::Resource::volumes);
+  memory.share = Share(budget, Resource::volumes);
+  if (!memory.share.grow(size)) return plural(size) + " are " + budget->refusal(Resource::volumes);
   memory.bytes.resize(size);
   return memory;
 }
@@ -172,7 +171,7 @@ BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t siz
 }
 
 BytesResult unpacked_gzip(std::span<const std::byte> bytes, const WorldBudget& budget) {
-  auto unpacked = std::make_shared<const UnpackedBytes>(unpack_gzip(bytes, budget, vrml::Resource::volumes));
+  auto unpacked = std::make_shared<const UnpackedBytes>(unpack_gzip(bytes, budget, Resource::volumes));
   if (unpacked->problem) return *unpacked->problem;
   return SharedBytes{unpacked, unpacked->bytes.span()};
 }

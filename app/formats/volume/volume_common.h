@@ -1,8 +1,8 @@
 #pragma once
 
-#include "app/base/text.h"
-#include "app/base/world_budget.h"
 #include "app/formats/volume/volume.h"
+#include "base/budget.h"
+#include "base/text.h"
 #include "qnv/sampling/volume/volume.h"
 
 #include <cstddef>
@@ -24,7 +24,7 @@ using VolumeResult = std::variant<qnv::VolumeSource, std::string>;
 /// Buffer charged to a voxel budget.
 struct VoxelMemory {
   std::vector<std::byte> bytes;
-  vrml::Share share;
+  Share share;
 };
 [[nodiscard]] SharedBytes shared_bytes(VoxelMemory memory);
 /// Allocates `size` bytes to decompress `from` bytes of input. Returns a message if the budget is exceeded, or if

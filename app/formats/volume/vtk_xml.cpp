@@ -233,10 +233,10 @@ class VtkData {
   [[nodiscard]] SharedBytes first(std::uint64_t count) {
     if (base64_) {
       VoxelMemory memory;
-      memory.share = vrml::Share(budget_, vrml::Resource::volumes);
+      memory.share = Share(budget_, Resource::volumes);
       const std::uint64_t size = std::min<std::uint64_t>(count, bytes_.bytes.size() / 4 * 3 + 3);
       if (!memory.share.grow(size)) {
-        refused_ = "base64 data take " + budget_->refusal(vrml::Resource::volumes);
+        refused_ = "base64 data take " + budget_->refusal(Resource::volumes);
         return {};
       }
       memory.bytes = base64_bytes(bytes_.bytes, count);

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/base/world_budget.h"
 #include "app/formats/volume/volume_common.h"
+#include "base/budget.h"
 
 #include <algorithm>
 #include <bit>

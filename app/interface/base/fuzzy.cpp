@@ -1,6 +1,6 @@
 #include "app/interface/base/fuzzy.h"
 
-#include "app/base/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <string>

@@ -1,9 +1,9 @@
 #include "app/interface/base/places.h"
 
-#include "app/base/text.h"
 #include "app/formats/content_types.h"
 #include "app/session/documents/link_file.h"
 #include "app/settings/user_folders.h"
+#include "base/text.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
 

@@ -103,7 +103,7 @@ struct UiModel {
   // Its clouds.
   render::CloudLook look;
   bool has_surface_clouds = false, has_volumes = false;
-  render::WorldBounds bounds;                              // world space, of everything
+  WideBox bounds;                                          // world space, of everything
   std::vector<std::shared_ptr<const qnv::Cloud>> volumes;  // of which the panel takes a summary, once
   glm::vec3 looking{0, 0, -1};                             // world space, along the middle of the view
 

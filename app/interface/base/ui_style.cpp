@@ -89,13 +89,13 @@ void set_style(Theme theme, float scale) {
   style.ScaleAllSizes(scale);
 }
 
-ImVec4 color_of(vrml::Severity severity) {
+ImVec4 color_of(Severity severity) {
   switch (severity) {
-    case vrml::Severity::error:
+    case Severity::error:
       return UiColors::kError;
-    case vrml::Severity::warning:
+    case Severity::warning:
       return UiColors::kWarning;
-    case vrml::Severity::note:
+    case Severity::note:
       break;
   }
   return UiColors::kNote;

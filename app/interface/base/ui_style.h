@@ -1,9 +1,9 @@
 #pragma once
 
-#include "app/base/text.h"
 #include "app/interface/base/fonts.h"
 #include "app/settings/user_settings.h"
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
+#include "base/text.h"
 
 #include <imgui.h>
 
@@ -20,7 +20,7 @@ struct UiColors {
   static inline const ImVec4 kOnPicture{0.88f, 0.89f, 0.91f, 1}, kQuietOnPicture{0.62f, 0.65f, 0.70f, 1};
   static inline ImVec4 kContrast;  // base of button and line shades: white in the dark theme, black in the light one
 };
-[[nodiscard]] ImVec4 color_of(vrml::Severity severity);
+[[nodiscard]] ImVec4 color_of(Severity severity);
 [[nodiscard]] ImVec4 with_alpha(ImVec4 color, float alpha);
 
 /// Font size in pixels at scale 1.

@@ -84,7 +84,7 @@ void InspectorPanel::head(const PanelFrame& frame, Inspection& inspection) {
     colored_text(UiColors::kQuiet, shortened(file.substr(file.rfind('/') + 1), 60) + ":" +
                                        std::to_string(node.location.line) + ":" + std::to_string(node.location.column));
   }
-  const render::WorldBounds& bounds = inspection.mark().bounds();
+  const WideBox& bounds = inspection.mark().bounds();
   ImGui::BeginDisabled(bounds.empty());
   if (ImGui::SmallButton("Fly to")) (void)inspection.fly_to_selected();
   ImGui::EndDisabled();

@@ -1,8 +1,8 @@
 #include "app/interface/panels/log_panel.h"
 
-#include "app/base/text.h"
 #include "app/interface/base/text_field.h"
 #include "app/session/documents/documents.h"
+#include "base/text.h"
 
 #include <imgui.h>
 
@@ -13,7 +13,7 @@
 namespace gs::app {
 namespace {
 
-std::string place_of(const vrml::Diagnostic& diagnostic) {
+std::string place_of(const Diagnostic& diagnostic) {
   std::string place = shortened(file_label(diagnostic.file), 60);
   if (diagnostic.location.line > 0)
     place += ":" + std::to_string(diagnostic.location.line) + ":" + std::to_string(diagnostic.location.column);
@@ -29,13 +29,13 @@ const char* emptiness_of(const SessionLog& log) {
   return log.files().empty() ? "No file is loaded." : "No problems.";
 }
 
-const char* word_of(vrml::Severity severity) {
+const char* word_of(Severity severity) {
   switch (severity) {
-    case vrml::Severity::error:
+    case Severity::error:
       return "error";
-    case vrml::Severity::warning:
+    case Severity::warning:
       return "warning";
-    case vrml::Severity::note:
+    case Severity::note:
       break;
   }
   return "note";
@@ -43,7 +43,7 @@ const char* word_of(vrml::Severity severity) {
 
 }  // namespace
 
-void LogPanel::rows_of(const PanelFrame& frame, const std::vector<const vrml::Diagnostic*>& rows) {
+void LogPanel::rows_of(const PanelFrame& frame, const std::vector<const Diagnostic*>& rows) {
   if (!ImGui::BeginTable("##rows", 3, ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable))
     return;
   ImGui::TableSetupColumn("severity", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("warning  ").x);
@@ -55,7 +55,7 @@ void LogPanel::rows_of(const PanelFrame& frame, const std::vector<const vrml::Di
   clipper.Begin(static_cast<int>(rows.size()));
   while (clipper.Step()) {
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-      const vrml::Diagnostic& diagnostic = *rows[static_cast<std::size_t>(i)];
+      const Diagnostic& diagnostic = *rows[static_cast<std::size_t>(i)];
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       colored_text(color_of(diagnostic.severity), word_of(diagnostic.severity));
@@ -84,14 +84,14 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
       "##search", "Search", searched_,
       std::max(60 * scale, ImGui::GetContentRegionAvail().x - button - 2 * ImGui::GetStyle().ItemSpacing.x), false);
 
-  std::vector<const vrml::Diagnostic*> rows;
+  std::vector<const Diagnostic*> rows;
   std::pair<std::string, std::size_t> newest;  // last file with messages, and its first row
   for (const SessionLog::File& file : session_log.files()) {
     const std::size_t first = rows.size();
-    for (const vrml::Diagnostic& diagnostic : file.diagnostics.entries()) {
-      const bool shown = diagnostic.severity == vrml::Severity::error     ? show_errors_
-                         : diagnostic.severity == vrml::Severity::warning ? show_warnings_
-                                                                          : show_notes_;
+    for (const Diagnostic& diagnostic : file.diagnostics.entries()) {
+      const bool shown = diagnostic.severity == Severity::error     ? show_errors_
+                         : diagnostic.severity == Severity::warning ? show_warnings_
+                                                                    : show_notes_;
       if (shown &&
           (searched_.empty() || lower_case(diagnostic.text()).find(lower_case(searched_)) != std::string::npos))
         rows.push_back(&diagnostic);
@@ -105,7 +105,7 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
   ImGui::BeginDisabled(rows.empty());
   if (ImGui::Button("Copy")) {
     std::string all;
-    for (const vrml::Diagnostic* diagnostic : rows) all += diagnostic->text() + "\n";
+    for (const Diagnostic* diagnostic : rows) all += diagnostic->text() + "\n";
     ImGui::SetClipboardText(all.c_str());
   }
   ImGui::EndDisabled();

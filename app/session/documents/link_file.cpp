@@ -1,6 +1,6 @@
 #include "app/session/documents/link_file.h"
 
-#include "app/base/text.h"
+#include "base/text.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
 #include "net/files/file.h"

@@ -24,12 +24,12 @@ bool take_own_vectors(OpenedWorld& world, const vrml::SceneGraph& scene, vrml::N
     if (auto held = hold_cloud(std::move(*cloud), scene.budget()))
       world.clouds[&node] = std::move(held);
     else
-      problem = scene.budget()->refusal(vrml::Resource::vectors) + "; left out";
+      problem = scene.budget()->refusal(Resource::vectors) + "; left out";
   } else {
     problem = std::get<std::string>(made);
   }
   if (!problem.empty())
-    world.diagnostics.add({vrml::Severity::warning, node.text->file_name(), node.location, "QNV: " + problem});
+    world.diagnostics.add({Severity::warning, node.text->file_name(), node.location, "QNV: " + problem});
   return true;
 }
 
@@ -118,12 +118,12 @@ void RunTimeRequests::take_text(Arrivals::Text&& arrival) {
     return;
   }
   if (!arrival.text) return;
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const ScriptRequest& request = asked.mapped();
   const vrml::RunTimeNodes made = programs_.create(*request.scene, arrival.url, *arrival.text, diagnostics,
                                                    request.origin, std::move(arrival.source));
   (void)send_made(execution_, request, made.roots);
-  for (const vrml::Diagnostic& one : diagnostics.entries()) programs_.tell({one, false});
+  for (const Diagnostic& one : diagnostics.entries()) programs_.tell({one, false});
 }
 
 bool RunTimeRequests::is_stale(const Arrivals::Place& place) const {
@@ -196,7 +196,7 @@ void RunTimeRequests::watch_private_files() {
 
 void RunTimeRequests::warn_held_back(const std::vector<std::string>& messages) {
   for (const std::string& text : messages)
-    programs_.tell({{vrml::Severity::warning, world_.scene->file_name(), {}, "Script: " + text}, false});
+    programs_.tell({{Severity::warning, world_.scene->file_name(), {}, "Script: " + text}, false});
 }
 
 std::vector<UrlRequest> RunTimeRequests::take_url_requests() {

@@ -5,13 +5,13 @@
 namespace gs::app {
 namespace {
 
-bool same_entry(const vrml::Diagnostic& a, const vrml::Diagnostic& b) {
+bool same_entry(const Diagnostic& a, const Diagnostic& b) {
   return a.severity == b.severity && a.location == b.location && a.message == b.message && a.file == b.file;
 }
 
 }  // namespace
 
-void SessionLog::note(std::string_view path, const vrml::Diagnostics& diagnostics) {
+void SessionLog::note(std::string_view path, const Diagnostics& diagnostics) {
   auto file = std::find_if(files_.begin(), files_.end(), [&](const File& one) { return one.path == path; });
   if (file == files_.end()) {
     if (files_.size() >= kMostFiles) files_.erase(files_.begin());

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 
 #include <cstddef>
 #include <string>
@@ -17,12 +17,12 @@ class SessionLog {
 
   struct File {
     std::string path;
-    vrml::Diagnostics diagnostics;  // of the newest reading
-    std::size_t told = 0;           // number of diagnostics that `take_untold` has returned
+    Diagnostics diagnostics;  // of the newest reading
+    std::size_t told = 0;     // number of diagnostics that `take_untold` has returned
   };
 
   /// Replaces all diagnostics of a file.
-  void note(std::string_view path, const vrml::Diagnostics& diagnostics);
+  void note(std::string_view path, const Diagnostics& diagnostics);
   /// Returns the files in the order in which they were first read.
   [[nodiscard]] const std::vector<File>& files() const { return files_; }
   [[nodiscard]] std::size_t errors() const;

@@ -1,6 +1,6 @@
 #include "app/session/documents/world_movies.h"
 
-#include "app/formats/media_file.h"
+#include "app/media/media_file.h"
 #include "vrml/behaviours/browser_events.h"
 
 #include <utility>
@@ -16,8 +16,8 @@ void WorldMovies::open(const MediaDuration& of) {
     return;
   auto player = players_.open(file->second, *image->second, world_.scene->budget());
   if (!player) {
-    world_.diagnostics.add({vrml::Severity::warning, node->text->file_name(), node->location,
-                            node->type->name + ": " + world_.scene->budget()->refusal(vrml::Resource::pixels) +
+    world_.diagnostics.add({Severity::warning, node->text->file_name(), node->location,
+                            node->type->name + ": " + world_.scene->budget()->refusal(Resource::pixels) +
                                 "; only its first picture is shown"});
     return;
   }

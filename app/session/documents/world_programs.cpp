@@ -73,7 +73,7 @@ std::vector<ScriptMessage> WorldPrograms::take_messages() {
 }
 
 vrml::RunTimeNodes WorldPrograms::create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
-                                         vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
+                                         Diagnostics& diagnostics, const vrml::SourceText* written_by,
                                          std::shared_ptr<const vrml::TextSource> fetched_from) {
   vrml::RunTimeNodes made =
       make_nodes(execution_, scene, label, text, diagnostics, written_by, std::move(fetched_from));
@@ -87,7 +87,7 @@ ScriptRunner::Evaluation WorldPrograms::evaluate(const vrml::SceneGraph& scene, 
   if (!script) {
     of = world_.scene.get();
     if (!of->contains(console_)) {
-      vrml::Diagnostics diagnostics;
+      Diagnostics diagnostics;
       const vrml::RunTimeNodes made =
           create(*world_.scene, "console", "Script { directOutput TRUE url \"javascript: ;\" }", diagnostics, nullptr);
       if (made.roots.empty()) return {"not enough memory for a program", true};

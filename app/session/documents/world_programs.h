@@ -41,7 +41,7 @@ class WorldPrograms {
 
   /// Makes nodes from VRML text; see make_nodes(). Scripts among them run from the next event on.
   [[nodiscard]] vrml::RunTimeNodes create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
-                                          vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
+                                          Diagnostics& diagnostics, const vrml::SourceText* written_by,
                                           std::shared_ptr<const vrml::TextSource> fetched_from = nullptr);
   /// Runs a line as part of a Script's program, and the events that follow; see ScriptRunner::evaluate(). With a null
   /// node, the line belongs to a console program, which has the browser's interface (VRML97 4.12.10) and the results of

@@ -1,6 +1,6 @@
 #include "app/session/documents/world_reader.h"
 
-#include "app/base/world_budget.h"
+#include "base/budget.h"
 
 #include <algorithm>
 #include <chrono>

@@ -164,10 +164,10 @@ void CameraControl::point_at(std::size_t pane, const InputTracker::Gesture& gest
 void CameraControl::approach(View& seen, const Ray& ray, const glm::vec2& size) {
   const std::optional<Hit> hit = picker_.pick(*seen.list, ray, pick_options(seen, size));
   if (!hit) return;
-  render::WorldBounds bounds;
+  WideBox bounds;
   if (hit->splat) {
     const render::SplatItem& splat = seen.list->splats[*hit->splat];
-    const qnv::Box& box = splat.cloud->description.box;
+    const Box& box = splat.cloud->description.box;
     bounds = render::world_bounds({box.lower, box.upper}, splat.world_from_node);
   } else {
     const render::DrawItem& item = seen.list->items[hit->item];
@@ -222,7 +222,7 @@ void CameraControl::step_viewpoint(int direction) {
   step_.notify(viewpoint_label(seen->list->viewpoints[next], next), false, "viewpoint");
 }
 
-void CameraControl::fly_to(const render::WorldBounds& bounds) {
+void CameraControl::fly_to(const WideBox& bounds) {
   View* seen = viewports_.view();
   if (!seen || bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
   const Viewport place = viewports_.place_of(viewports_.panes().active());
@@ -236,7 +236,7 @@ void CameraControl::fly_to(const render::WorldBounds& bounds) {
 void CameraControl::look_from(View& seen, ViewSide side) {
   if (seen.list->bounds.empty() || seen.navigation.mode == NavigationMode::none) return;
   Navigation& navigation = seen.navigation;
-  const render::WorldBounds& bounds = seen.list->bounds;
+  const WideBox& bounds = seen.list->bounds;
   const Viewport place = viewports_.place_of(viewports_.panes().active());
   navigation = travel_to(navigation, pose_at_side(side, navigation.pose, bounds, place.size(), upright_of(seen)));
   navigation.center = bounds.center();

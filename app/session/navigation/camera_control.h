@@ -36,7 +36,7 @@ class CameraControl {
   /// Moves to the Viewpoint of a link: with an animation only if the NavigationInfo type list has ANY (VRML97 6.29).
   void jump_to_viewpoint(View& view, std::size_t index);
   /// Flies the active viewport's viewer to a pose that shows all of `bounds`.
-  void fly_to(const render::WorldBounds& bounds);
+  void fly_to(const WideBox& bounds);
   /// Moves the active viewport's viewer to a pose with an animation, and applies the pose's projection.
   void go_to(const Pose& pose);
   /// Moves the active viewport's viewer at once.

@@ -12,7 +12,7 @@ constexpr std::size_t kMostReaders = 2;  // max number of concurrent readings
 constexpr std::size_t kMostFailed = 16;  // max number of failed worlds with stored loads
 
 // Formats a diagnostic for a viewport, which shows the file name itself.
-std::string problem_text(const vrml::Diagnostic& diagnostic, const std::string& path) {
+std::string problem_text(const Diagnostic& diagnostic, const std::string& path) {
   if (diagnostic.file != path) return diagnostic.text();
   if (diagnostic.location.line == 0) return diagnostic.message;
   return "line " + std::to_string(diagnostic.location.line) + ", column " + std::to_string(diagnostic.location.column) +
@@ -139,16 +139,15 @@ bool DocumentReaders::apply_updates(Document& document, const std::string& path,
 // Reports a world without visible objects in its viewports, if it has errors.
 void DocumentReaders::note_empty(const Document& document, const std::string& path) {
   if (!document.list || !document.list->items.empty() || !document.list->splats.empty()) return;
-  for (const vrml::Diagnostic& diagnostic : document.world.diagnostics.entries())
-    if (diagnostic.severity == vrml::Severity::error)
+  for (const Diagnostic& diagnostic : document.world.diagnostics.entries())
+    if (diagnostic.severity == Severity::error)
       return viewports_.loading().note_failure(path, problem_text(diagnostic, path));
 }
 
-void DocumentReaders::show_failed(std::uint64_t reading, const std::string& path,
-                                  const vrml::Diagnostics& diagnostics) {
+void DocumentReaders::show_failed(std::uint64_t reading, const std::string& path, const Diagnostics& diagnostics) {
   std::string reason = "it cannot be read", error = reason;
-  for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) {
-    if (diagnostic.severity != vrml::Severity::error) continue;
+  for (const Diagnostic& diagnostic : diagnostics.entries()) {
+    if (diagnostic.severity != Severity::error) continue;
     reason = diagnostic.message;
     error = problem_text(diagnostic, path);
     break;

@@ -76,7 +76,7 @@ class DocumentReaders {
   bool take_document(const Reader& from, WorldReader::News& news);
   bool apply_updates(Document& document, const std::string& path, WorldReader::News news);
   void note_empty(const Document& document, const std::string& path);
-  void show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics);
+  void show_failed(std::uint64_t reading, const std::string& path, const Diagnostics& diagnostics);
 
   StepContext& step_;
   SessionViewports& viewports_;

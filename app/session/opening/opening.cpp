@@ -68,8 +68,8 @@ std::vector<std::string> Opening::targets_of(const std::vector<std::string>& giv
   for (const std::string& one : given) {
     const GivenPlace place = given_place(one);
     if (!place.problem.empty()) {
-      vrml::Diagnostics said;
-      said.add({vrml::Severity::error, one, {}, place.problem});
+      Diagnostics said;
+      said.add({Severity::error, one, {}, place.problem});
       log_.note(one, said);
       step_.frame.failed.push_back({one, place.problem});
       step_.frame.show_log = true;

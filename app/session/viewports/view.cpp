@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-bool usable(const render::WorldBounds& bounds) {
+bool usable(const WideBox& bounds) {
   const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
   return size > 0 && std::isfinite(size);
 }
@@ -62,7 +62,7 @@ std::optional<std::size_t> index_of(const render::RenderList& list, const vrml::
 /// Applies the user's projection to a pose of the author or of the initial view.
 Pose seen_as_chosen(const View& view, const Pose& pose) {
   if (!view.style.parallel) return pose;
-  const render::WorldBounds& bounds = view.list->bounds;
+  const WideBox& bounds = view.list->bounds;
   const glm::dvec3 center(usable(bounds) ? bounds.center() : glm::dvec3(0));
   const double ahead = glm::dot(center - pose.position, glm::dvec3(pose.forward()));
   return with_parallel_rays(pose, true, std::max({ahead, glm::length(center - pose.position) * 0.1, 1e-9}));
@@ -90,7 +90,7 @@ void follow_navigation_info(View& view) {
 }
 
 /// Sets the home pose to the initial view of `whole`.
-void choose_home(View& view, const render::WorldBounds& whole, const glm::vec2& viewport) {
+void choose_home(View& view, const WideBox& whole, const glm::vec2& viewport) {
   view.home = seen_as_chosen(view, first_pose(whole, viewport, upright_of(view)));
   view.home_size = viewport;
   view.framed = whole;
@@ -103,13 +103,13 @@ void follow_growth(View& view) {
   constexpr float kMostGrowth = 32;
   /// Margin relative to the diagonal and to half of the growth, so that not each step re-frames.
   constexpr float kAir = 0.05f;
-  const render::WorldBounds& now = view.list->bounds;
+  const WideBox& now = view.list->bounds;
   if (view.viewpoint || !view.list->viewpoints.empty() || view.home_size.x <= 0 || !usable(now) || !at_home(view) ||
       render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
     return;
   // While the user drags an object, the camera must not move.
   if (view.document->runtime->execution().pointing().pointed_at().active) return;
-  render::WorldBounds whole = view.framed;
+  WideBox whole = view.framed;
   whole.add(now);
   if (!usable(view.framed)) {
     whole = now;
@@ -117,7 +117,7 @@ void follow_growth(View& view) {
   }
   if (glm::length(whole.size()) > kMostGrowth * view.first_size) return;
   const float air = kAir * glm::length(whole.size());
-  const render::WorldBounds before = std::exchange(view.framed, whole);
+  const WideBox before = std::exchange(view.framed, whole);
   for (int axis = 0; axis < 3 && usable(before); ++axis) {
     if (const float growth = before.lower[axis] - whole.lower[axis]; growth > 0)
       view.framed.lower[axis] -= growth / 2 + air;
@@ -347,7 +347,7 @@ bool follow_bound_viewpoint(View& view) {
   return true;
 }
 
-Pose linked_pose(const Pose& pose, const render::WorldBounds& from, const render::WorldBounds& to) {
+Pose linked_pose(const Pose& pose, const WideBox& from, const WideBox& to) {
   if (!usable(from) || !usable(to) || (from.lower == to.lower && from.upper == to.upper)) return pose;
   const double scale = double{glm::length(to.size())} / double{glm::length(from.size())};
   Pose result = pose;
@@ -361,7 +361,7 @@ Pose linked_pose(const Pose& pose, const render::WorldBounds& from, const render
 void link_view(View& view, const View& leader) {
   if (!view.document || !leader.document || view.navigation.mode == NavigationMode::none) return;
   // Uses the documents' bounds, because those of views may differ between positions.
-  const render::WorldBounds &from = leader.document->list->bounds, &to = view.document->list->bounds;
+  const WideBox &from = leader.document->list->bounds, &to = view.document->list->bounds;
   view.navigation = with_mode(view.navigation, view.navigation.mode);
   view.navigation.transition.reset();
   view.navigation.pose = linked_pose(leader.navigation.pose, from, to);

@@ -41,7 +41,7 @@ struct View {
   Navigation navigation;
   Pose home;                             // of the bound Viewpoint, or the initial view of the whole
   glm::vec2 home_size{0};                // viewport size for which the initial view was chosen
-  render::WorldBounds framed;            // bounds that the initial view shows
+  WideBox framed;                        // bounds that the initial view shows
   float first_size = 0;                  // diagonal of the whole in the initial view
   std::optional<std::size_t> viewpoint;  // the Viewpoint of the viewer, even after it has moved away
   glm::dmat4 world_from_viewpoint{1.0};  // of that Viewpoint in the last step; the viewer moves with it
@@ -105,7 +105,7 @@ bool follow_bound_viewpoint(View& view);
 
 /// Maps a pose from bounds `from` to bounds `to`: moves it with the centre and scales it with the diagonal. Returns
 /// `pose` if the bounds are equal or one is empty.
-[[nodiscard]] Pose linked_pose(const Pose& pose, const render::WorldBounds& from, const render::WorldBounds& to);
+[[nodiscard]] Pose linked_pose(const Pose& pose, const WideBox& from, const WideBox& to);
 
 /// Applies the camera of `leader` to `view`, relative to their worlds, and stops its motion. Does nothing if the author
 /// of the world forbids navigation.

@@ -77,7 +77,7 @@ constexpr std::array<TransferPreset, 4> kPresets{{
 }};
 
 /// Returns the extent of the bounds along a direction.
-std::pair<double, double> extent(const glm::dvec3& direction, const render::WorldBounds& bounds) {
+std::pair<double, double> extent(const glm::dvec3& direction, const WideBox& bounds) {
   if (bounds.empty()) return {-1.0, 1.0};
   double least = 0, most = 0;
   for (int i = 0; i < 3; ++i) {
@@ -220,13 +220,13 @@ LogScale magnitude_scale(const VolumeSummary& summary) {
   return scale;
 }
 
-glm::dvec4 clip_plane(const ClipChoice& choice, const render::WorldBounds& bounds) {
+glm::dvec4 clip_plane(const ClipChoice& choice, const WideBox& bounds) {
   const glm::vec3 direction = direction_of(choice);
   const auto [least, most] = extent(direction, bounds);
   return {direction, -(least + static_cast<double>(unit(choice.place)) * (most - least))};
 }
 
-ClipChoice clip_choice(const glm::dvec4& plane, const render::WorldBounds& bounds) {
+ClipChoice clip_choice(const glm::dvec4& plane, const WideBox& bounds) {
   ClipChoice choice;
   const glm::vec3 normal(plane);
   const float length = std::sqrt(glm::dot(normal, normal));

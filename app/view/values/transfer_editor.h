@@ -90,9 +90,9 @@ struct ClipChoice {
 };
 
 /// Returns the world-space plane for CloudLook::clip, which keeps points with xyz . position + w >= 0.
-[[nodiscard]] glm::dvec4 clip_plane(const ClipChoice& choice, const render::WorldBounds& bounds);
+[[nodiscard]] glm::dvec4 clip_plane(const ClipChoice& choice, const WideBox& bounds);
 /// Returns the choice that gives this plane.
-[[nodiscard]] ClipChoice clip_choice(const glm::dvec4& plane, const render::WorldBounds& bounds);
+[[nodiscard]] ClipChoice clip_choice(const glm::dvec4& plane, const WideBox& bounds);
 /// Keeps the other side; the plane does not move.
 [[nodiscard]] ClipChoice flipped(ClipChoice choice);
 

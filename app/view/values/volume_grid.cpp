@@ -44,7 +44,7 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(co
       count *= grid->kept_[i];
     }
   };
-  grid->share_.emplace(budget, vrml::Resource::vectors);
+  grid->share_.emplace(budget, Resource::vectors);
   for (count_kept(); count > std::max<std::uint64_t>(most_voxels, 1); count_kept()) ++grid->step_;
   while (!grid->share_->grow(count * sizeof(float))) {
     if (count <= 8) return "not enough memory for the values of the volume";

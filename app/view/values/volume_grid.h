@@ -62,7 +62,7 @@ class VolumeGrid {
   std::uint32_t step_ = 1;
   std::pair<float, float> range_{0, 1};
   std::vector<float> values_;
-  std::optional<vrml::Share> share_;
+  std::optional<Share> share_;
 };
 
 }  // namespace gs::app

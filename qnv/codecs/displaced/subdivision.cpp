@@ -1,6 +1,6 @@
 #include "qnv/codecs/displaced/subdivision.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "qnv/codecs/displaced/surface.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 #include "qnv/base/short_number.h"
 #include "qnv/codecs/displaced/cluster_coder.h"
 #include "qnv/codecs/displaced/subdivision.h"

@@ -1,6 +1,6 @@
 #include "qnv/codecs/lossless/cover.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 #include "qnv/entropy/binary_coder.h"
 
 #include <array>

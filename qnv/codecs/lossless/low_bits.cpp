@@ -1,6 +1,6 @@
 #include "qnv/codecs/lossless/low_bits.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 
 #include <algorithm>
 #include <utility>

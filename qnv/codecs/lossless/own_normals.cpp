@@ -1,6 +1,6 @@
 #include "qnv/codecs/lossless/own_normals.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 #include "qnv/codecs/lossless/exact_numbers.h"
 #include "qnv/codecs/lossless/shading.h"
 

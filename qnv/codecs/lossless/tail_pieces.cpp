@@ -1,6 +1,6 @@
 #include "qnv/codecs/lossless/tail_pieces.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 
 #include <algorithm>
 #include <iterator>

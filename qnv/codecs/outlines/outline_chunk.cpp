@@ -1,6 +1,6 @@
 #include "qnv/codecs/outlines/outline_chunk.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "qnv/codecs/outlines/grouping/outline_groups.h"
 #include "qnv/codecs/records/records_payload.h"
 #include "qnv/codecs/shared/encode_options.h"

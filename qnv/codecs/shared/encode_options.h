@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "qnv/base/triangles.h"
 #include "qnv/container/container.h"
 

@@ -1,4 +1,4 @@
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "qnv/mesh/centre.h"
 #include "qnv/mesh/simplify/simplifier.h"
 #include "qnv/mesh/simplify/simplify.h"

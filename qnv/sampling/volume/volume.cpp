@@ -1,6 +1,6 @@
 #include "qnv/sampling/volume/volume_slices.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>

@@ -11,7 +11,7 @@ namespace gs::app::trace_test {
 namespace {
 
 std::string complaint(const std::string& text) {
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)read_input_rows(text, "in.jsonl", diagnostics);
   return diagnostics.entries().empty() ? std::string() : diagnostics.entries().front().text();
 }
@@ -48,7 +48,7 @@ std::string pointed(const std::string& world, const std::string& arguments, cons
 }  // namespace
 
 TEST_CASE("reads the lines of --input, and reports errors with their positions") {
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const auto rows = read_input_rows(
       "{\"t\":0,\"viewpoint\":\"Back\"}\n\n{\"t\":1.5,\"set\":\"A.b.set_x\",\"value\":\"1 0 0\"}\r\n"
       "{\"t\":2,\"set\":\"A.on\",\"value\":true}\n{\"t\":2,\"set\":\"A.n\",\"value\":-2}\n"

@@ -48,7 +48,7 @@ MeshTriangles triangles_of_stream(const std::string& text) {
 template <class Import>
 MeshTriangles triangles_of_world(const std::string& text, Import import) {
   vrml::SceneGraph scene("test");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   import(mesh_bytes(text), scene, diagnostics);
   render::MeshCache meshes;
   const render::RenderList list = render::collect(scene, {}, meshes);

@@ -36,10 +36,10 @@ render::RenderList octahedron(const std::vector<glm::vec2>& texture_coordinates,
     }
   }
   auto mesh = std::make_shared<vrml::Mesh>();
-  mesh->positions = vrml::Array<glm::vec3>(std::span<const glm::vec3>(positions));
-  mesh->normals = vrml::Array<glm::vec3>(std::span<const glm::vec3>(normals));
-  mesh->texture_coordinates = vrml::Array<glm::vec2>(std::span<const glm::vec2>(texture_coordinates));
-  mesh->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
+  mesh->positions = Array<glm::vec3>(std::span<const glm::vec3>(positions));
+  mesh->normals = Array<glm::vec3>(std::span<const glm::vec3>(normals));
+  mesh->texture_coordinates = Array<glm::vec2>(std::span<const glm::vec2>(texture_coordinates));
+  mesh->indices = Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
   auto image = std::make_shared<render::Image>();
   image->width = image->height = 64;
   image->components = 3;
@@ -134,10 +134,10 @@ TEST_CASE("bends an edge if its normals turn by less than sixty degrees") {
     for (const std::uint32_t k : {0u, 2u, 3u, 0u, 3u, 1u}) indices.push_back(2 * i + k);
   render::RenderList list = octahedron(random_texture_coordinates(1, 1), true);
   auto pipe = std::make_shared<vrml::Mesh>();
-  pipe->positions = vrml::Array<glm::vec3>(std::span<const glm::vec3>(positions));
-  pipe->normals = vrml::Array<glm::vec3>(std::span<const glm::vec3>(normals));
-  pipe->texture_coordinates = vrml::Array<glm::vec2>(std::span<const glm::vec2>(coordinates));
-  pipe->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
+  pipe->positions = Array<glm::vec3>(std::span<const glm::vec3>(positions));
+  pipe->normals = Array<glm::vec3>(std::span<const glm::vec3>(normals));
+  pipe->texture_coordinates = Array<glm::vec2>(std::span<const glm::vec2>(coordinates));
+  pipe->indices = Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
   list.items[0].mesh = pipe;
   // Straight lines would be up to 1 - cos(11.25 degrees) = 0.019 inside the pipe.
   std::size_t vertices = 0;

@@ -46,10 +46,10 @@ render::DrawItem& add_square(render::RenderList& list, float z, std::shared_ptr<
   const std::vector<glm::vec2> at{lower, {upper.x, lower.y}, upper, {lower.x, upper.y}};
   const std::vector<std::uint32_t> indices{0, 1, 2, 0, 2, 3};
   auto mesh = std::make_shared<vrml::Mesh>();
-  mesh->positions = vrml::Array<glm::vec3>(std::span<const glm::vec3>(positions));
-  mesh->normals = vrml::Array<glm::vec3>(std::span<const glm::vec3>(normals));
-  if (image) mesh->texture_coordinates = vrml::Array<glm::vec2>(std::span<const glm::vec2>(at));
-  mesh->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
+  mesh->positions = Array<glm::vec3>(std::span<const glm::vec3>(positions));
+  mesh->normals = Array<glm::vec3>(std::span<const glm::vec3>(normals));
+  if (image) mesh->texture_coordinates = Array<glm::vec2>(std::span<const glm::vec2>(at));
+  mesh->indices = Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
   render::DrawItem& item = list.items.emplace_back();
   item.mesh = std::move(mesh);
   item.texture.image = std::move(image);
@@ -184,7 +184,7 @@ TEST_CASE("makes no texture if one cannot represent all") {
     render::DrawItem& item = add_square(painted, 2, nullptr);
     auto mesh = std::make_shared<vrml::Mesh>(*item.mesh);
     const std::vector<vrml::Color> colors{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
-    mesh->colors = vrml::Array<vrml::Color>(std::span<const vrml::Color>(colors));
+    mesh->colors = Array<vrml::Color>(std::span<const vrml::Color>(colors));
     item.mesh = mesh;
     CHECK(!textured_surface(painted, glm::dvec3(0)));
   }

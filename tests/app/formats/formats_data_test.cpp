@@ -17,7 +17,7 @@ struct File {
   std::size_t points, triangles;
 };
 
-Import with_files(void (*import)(std::span<const std::byte>, gs::vrml::SceneGraph&, gs::vrml::Diagnostics&,
+Import with_files(void (*import)(std::span<const std::byte>, gs::vrml::SceneGraph&, Diagnostics&,
                                  const gs::app::ReadFile&),
                   const fs::path& folder) {
   return [=](auto bytes, auto& scene, auto& diagnostics) {

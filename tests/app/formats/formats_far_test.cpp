@@ -124,7 +124,7 @@ TEST_CASE("keeps the positions of vectors in a stream of records") {
 
 TEST_CASE("encodes distant triangles relative to an origin, and restores their positions") {
   gs::vrml::SceneGraph scene("far.wrl");
-  gs::vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)gs::vrml::parse(
       "#VRML V2.0 utf8\nTransform { translation 4500000 -4500000 3200000 children Shape { geometry Box { size 1 0.3 "
       "0.01 } } }",
@@ -139,7 +139,7 @@ TEST_CASE("encodes distant triangles relative to an origin, and restores their p
   options.origin = gs::qnv::local_origin(summary.box);
   CHECK(options.origin == middle);
   options.vectors = 500;
-  gs::qnv::Box box;
+  Box box;
   const gs::qnv::TriangleSource source = [&](const gs::qnv::TriangleSink& sink) {
     return for_each_triangle(
         list,
@@ -160,7 +160,7 @@ TEST_CASE("encodes distant triangles relative to an origin, and restores their p
     CHECK(cloud.description.origin == middle);
     REQUIRE(cloud.size() > 7);
     // A plate of a centimetre stays one.
-    gs::qnv::Box places;
+    Box places;
     for (const glm::vec3& p : cloud.positions) places.add(p);
     CHECK(places.size().z < 0.02f);
     CHECK(places.size().x > 0.9f);

@@ -145,7 +145,7 @@ TEST_CASE("marks the selected node in the picture, and flies to it") {
   Inspected world(kLamp);
   // A geometry node has the position of its Shape.
   world.choose("Ball");
-  const render::WorldBounds& bounds = world.inspection.mark().bounds();
+  const WideBox& bounds = world.inspection.mark().bounds();
   CHECK(bounds.lower.x == Approx(3).margin(0.1));
   CHECK(bounds.upper.x == Approx(7).margin(0.1));
   REQUIRE(world.inspection.mark().outlines().size() == 1);

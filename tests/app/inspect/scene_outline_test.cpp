@@ -120,7 +120,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   Tree tree("DEF I Inline { url \"part.wrl\" }");
   CHECK(tree.lines() == Lines{" [0] Inline 'I'"});
   auto content = std::make_shared<vrml::SceneGraph>("part.wrl", tree.world.scene->budget());
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nDEF In Group {}", *content, diagnostics);
   tree.world.scene->attach_inline(tree.node("I").id, content);
   tree.execution.scenes().attach();

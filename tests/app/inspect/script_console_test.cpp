@@ -16,10 +16,10 @@ using Texts = std::vector<std::string>;
 
 TEST_CASE("shows log lines of programs once, with their position") {
   SessionLog log;
-  vrml::Diagnostics said;
-  said.add({vrml::Severity::note, "print", {}, "hello"});
-  said.add({vrml::Severity::warning, "/worlds/a.wrl", {3, 4}, "unknown field 'x'"});
-  said.add({vrml::Severity::error, "/worlds/a.wrl", {7, 12}, "Script Door: ReferenceError: y is not defined"});
+  Diagnostics said;
+  said.add({Severity::note, "print", {}, "hello"});
+  said.add({Severity::warning, "/worlds/a.wrl", {3, 4}, "unknown field 'x'"});
+  said.add({Severity::error, "/worlds/a.wrl", {7, 12}, "Script Door: ReferenceError: y is not defined"});
   log.note("a.wrl", said);
   ScriptConsole console;
   CHECK(console.take(log, "a.wrl"));
@@ -27,7 +27,7 @@ TEST_CASE("shows log lines of programs once, with their position") {
   CHECK(console.lines()[0].kind == ProgramLine::Kind::printed);
   CHECK(console.lines()[1].kind == ProgramLine::Kind::problem);
   CHECK_FALSE(console.take(log, "a.wrl"));
-  said.add({vrml::Severity::note, "print", {}, "again"});
+  said.add({Severity::note, "print", {}, "again"});
   log.note("a.wrl", said);
   CHECK(console.take(log, "a.wrl"));
   CHECK(texts(console).size() == 3);

@@ -371,9 +371,9 @@ TEST_CASE("lists the errors of the newest file first in the log") {
   Driver user;
   SessionLog log;
   const auto note = [&](const std::string& path, int errors) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     for (int i = 1; i <= errors; ++i)
-      diagnostics.add({vrml::Severity::error, path, {static_cast<std::uint32_t>(i), 1}, "wrong"});
+      diagnostics.add({Severity::error, path, {static_cast<std::uint32_t>(i), 1}, "wrong"});
     log.note(path, diagnostics);
   };
   note("first.wrl", 60);

@@ -35,12 +35,12 @@ Ears hear(const ScratchFolder& folder, const std::string& world, double seconds,
   const std::string path = folder.write("main.wrl", kHeader + world);
   WorldLoading loading(path, {});
   OpenedWorld opened = load_world(loading, path);
-  for (const vrml::Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
+  for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
   CHECK(opened.diagnostics.entries().empty());
   REQUIRE(opened.scene);
   Simulation simulation(std::move(opened), {64, 48});
   simulation.fetch_with(loading);
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   REQUIRE(simulation.plan(rows, "rows", diagnostics));
   Ears ears;
   simulation.hear(

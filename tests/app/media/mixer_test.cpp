@@ -22,7 +22,7 @@ constexpr double kStart = 946684800;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::shared_ptr<const MediaFile> file_of(const std::string& text) {
-  auto file = std::make_shared<MediaFile>(media::bytes_of(text), vrml::Share());
+  auto file = std::make_shared<MediaFile>(media::bytes_of(text), Share());
   const auto info = render::examine_media(file->bytes());
   REQUIRE(info.index() == 0);
   file->info = std::get<0>(info);

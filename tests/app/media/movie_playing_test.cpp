@@ -41,7 +41,7 @@ Shown shown_at(const std::string& fields, double seconds, const std::string& fil
                                    fields + " } } geometry Box { } }");
   WorldLoading loading(path, {});
   OpenedWorld opened = load_world(loading, path);
-  for (const vrml::Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
+  for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
   REQUIRE(opened.scene);
   Simulation simulation(std::move(opened), {64, 48});
   simulation.run(seconds);
@@ -115,7 +115,7 @@ TEST_CASE("decodes movie frames to one image, without a new render item") {
 }
 
 TEST_CASE("decodes frames on another thread, and shows them a little later") {
-  auto file = std::make_shared<MediaFile>(media::bytes_of(movie("movie/counting.mp4")), vrml::Share());
+  auto file = std::make_shared<MediaFile>(media::bytes_of(movie("movie/counting.mp4")), Share());
   const auto info = render::examine_media(file->bytes());
   REQUIRE(info.index() == 0);
   file->info = std::get<0>(info);
@@ -134,7 +134,7 @@ TEST_CASE("decodes frames on another thread, and shows them a little later") {
     CHECK(number_of(*player->image()) == number);
   }
   // A movie beyond the budget is not played.
-  auto small = std::make_shared<vrml::Budget>(vrml::Limits{.memory = 1 << 16});
+  auto small = std::make_shared<Budget>(Limits{.memory = 1 << 16});
   CHECK_FALSE(
       players.open(file, render::Image{256, 256, 3, std::vector<std::uint8_t>(std::size_t{256} * 256 * 3)}, small));
 }

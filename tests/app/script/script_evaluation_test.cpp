@@ -54,7 +54,7 @@ TEST_CASE("reports each error of a line, and counts it as no fault of the progra
 }
 
 TEST_CASE("applies the time and memory limits of programs to a line") {
-  vrml::Limits limits;
+  Limits limits;
   limits.script_seconds = 0.05;
   limits.script_heap = std::size_t{8} << 20;
   World world("DEF S Script { url \"javascript: ;\" }", limits);

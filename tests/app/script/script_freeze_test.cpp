@@ -35,7 +35,7 @@ struct Outcome {
 };
 
 Outcome outcome_of(const std::string& program, const std::string& interface = {}) {
-  vrml::Limits limits;
+  Limits limits;
   limits.script_seconds = 100;  // here a call that asks for the time is no fault
   World world("DEF S Script { directOutput TRUE " + interface +
                   " url \"javascript: function big(n, c) { var s = c; for (var i = 0; i < n; ++i) s += s; return s } "
@@ -186,7 +186,7 @@ TEST_CASE("cuts or rejects long arguments of browser functions before copying th
 
 TEST_CASE("charges the texts of a list to the heap of programs") {
   const std::string interface = "field MFString texts [] ";
-  vrml::Limits limits;
+  Limits limits;
   limits.script_heap = std::size_t{16} << 20;
   limits.script_seconds = 100;
   for (const std::string list : {"texts", "new MFString()"}) {
@@ -206,7 +206,7 @@ TEST_CASE("charges the texts of a list to the heap of programs") {
 TEST_CASE("reports an overdue program from another thread") {
   std::string reported;
   ScriptRunner::on_overdue([&](const std::string& message) { reported = message; });
-  vrml::Limits limits;
+  Limits limits;
   limits.script_seconds = 0.1;
   // Parsing this number takes seconds inside one operator.
   World world("DEF S Script { url \"javascript: function initialize() { print(+('0.' + '1'.repeat(300000)) > 0); }\" }",

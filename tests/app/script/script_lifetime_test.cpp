@@ -20,7 +20,7 @@ namespace {
 vrml::SceneGraph& fill_inline(World& world, const std::string& body) {
   const vrml::NodeId inline_node = world.scene().roots()[0];
   auto content = std::make_shared<vrml::SceneGraph>("inner.wrl", world.scene().budget());
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\n" + body, *content, diagnostics);
   CHECK(diagnostics.errors() == 0);
   content->set_source(world.scene().source());
@@ -91,7 +91,7 @@ TEST_CASE("runs promise jobs after an exception, in the turn and the world that 
 }
 
 TEST_CASE("discards promise jobs of a Script that was stopped") {
-  vrml::Limits limits;
+  Limits limits;
   limits.script_seconds = 0.1;
   auto first = std::make_unique<World>(
       "Script { url \"javascript: function initialize() { Promise.resolve().then(function() { print('never'); }); "
@@ -109,7 +109,7 @@ TEST_CASE("discards promise jobs of a Script that was stopped") {
 }
 
 TEST_CASE("stops endless promise jobs like any program") {
-  vrml::Limits limits;
+  Limits limits;
   limits.script_seconds = 0.1;
   World world(
       "Script { url \"javascript: function initialize() { function again() { Promise.resolve().then(again); } again(); "
@@ -122,7 +122,7 @@ TEST_CASE("stops endless promise jobs like any program") {
 }
 
 TEST_CASE("stops an endless getter named eventsProcessed") {
-  vrml::Limits limits;
+  Limits limits;
   limits.script_seconds = 0.1;
   World world(
       "Script { url \"javascript: Object.defineProperty(this, 'eventsProcessed', { get: function() { while (true); } "
@@ -192,7 +192,7 @@ TEST_CASE("rejects a node of a removed scene in the scene that replaces it") {
 }
 
 TEST_CASE("keeps the faults of a Script that replaces its own program") {
-  vrml::Limits limits;
+  Limits limits;
   limits.script_seconds = 0.05;
   World world(
       "DEF S Script { directOutput TRUE field SFNode me USE S eventIn SFTime tick url \"javascript: function tick() { "

@@ -9,8 +9,8 @@ using scripts::World;
 
 namespace {
 
-vrml::Limits small_limits() {
-  vrml::Limits limits;
+Limits small_limits() {
+  Limits limits;
   limits.script_seconds = 0.2;
   limits.script_heap = std::size_t{24} << 20;
   return limits;
@@ -18,7 +18,7 @@ vrml::Limits small_limits() {
 
 /// Runs initialize() and then an event in another Script.
 std::string problem_of(const std::string& program, const std::string& interface = {},
-                       const vrml::Limits& limits = small_limits()) {
+                       const Limits& limits = small_limits()) {
   World world("DEF Bad Script { directOutput TRUE " + interface + " url \"javascript: function initialize() { " +
                   program +
                   " }\" } DEF Good Script { eventIn SFBool go url \"javascript: function go() { print('good'); }\" }",
@@ -54,7 +54,7 @@ TEST_CASE("stops a program with endless recursion") {
 
 TEST_CASE("stops a program that exceeds its memory") {
   const std::string stopped = "the program exceeds the";
-  vrml::Limits limits = small_limits();
+  Limits limits = small_limits();
   limits.script_seconds = 100;
   for (const std::string program :
        {"var a = []; for (;;) a.push(new Array(1000).fill(1));", "var a = []; for (;;) a.push('x' + a.length);",

@@ -25,11 +25,11 @@ class World {
  public:
   static constexpr double kStart = 1000;
 
-  explicit World(const std::string& body, const vrml::Limits& limits = {}, ScriptRunner::Settings settings = {0, true})
+  explicit World(const std::string& body, const Limits& limits = {}, ScriptRunner::Settings settings = {0, true})
       : scene_(std::make_unique<vrml::SceneGraph>("text.wrl", limits)) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     (void)vrml::parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
-    for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
+    for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
     CHECK(diagnostics.errors() == 0);
     execution_ = std::make_unique<vrml::Execution>(*scene_);
     names_ = std::make_unique<vrml::NodeNames>(*scene_);
@@ -87,7 +87,7 @@ class World {
   ScriptRunner& runner() { return *runner_; }
   /// Delivers the text that a program requested (createVrmlFromURL).
   bool created(const ScriptRequest& request, const std::string& text, const std::string& url) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     const vrml::RunTimeNodes made = make_nodes(execution(), *request.scene, url, text, diagnostics, request.origin);
     return send_made(execution(), request, made.roots);
   }

@@ -232,7 +232,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
     CHECK(world.runtime->send(world.scene(), world.scene().roots()[0], "set_children", vrml::FieldValue(list)));
   };
   const auto make = [&](float height) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     const vrml::NodeId made = vrml::read_into(world.scene(), "made.wrl", grid(kLarge, height), diagnostics).roots[0];
     CHECK(diagnostics.errors() == 0);
     world.runtime->execution().scenes().attach(world.scene());
@@ -250,7 +250,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
   world.worker->wait();
   world.frame();
   CHECK(world.height() == 1);
-  const std::uint64_t used = world.scene().budget()->used(vrml::Resource::meshes);
+  const std::uint64_t used = world.scene().budget()->used(Resource::meshes);
   CHECK(used > 0);
 
   world.gate.close();
@@ -265,7 +265,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
   world.worker->wait();
   world.frame();
   CHECK(world.height() == 3);
-  CHECK(world.scene().budget()->used(vrml::Resource::meshes) == used);
+  CHECK(world.scene().budget()->used(Resource::meshes) == used);
   CHECK(world.runtime->execution().lifetime().replace_world(only(make(4))));
   world.frame();
   world.worker->wait();

@@ -178,7 +178,7 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
   World world(site);
   world.load();
   const auto read = [&](const std::string& text) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     const vrml::RunTimeNodes made = vrml::read_into(world.scene(), "script", text, diagnostics);
     CHECK(diagnostics.errors() == 0);
     world.runtime->execution().scenes().attach(world.scene());

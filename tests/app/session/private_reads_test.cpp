@@ -53,7 +53,7 @@ struct Web {
   void run(const std::string& world, const Between& between) {
     WorldLoading loading(world, options);
     OpenedWorld opened = load_world(loading, world);
-    for (const vrml::Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
+    for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
     REQUIRE(opened.scene);
     Simulation simulation(std::move(opened), {64, 64});
     simulation.fetch_with(loading);

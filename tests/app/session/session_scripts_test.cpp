@@ -1,8 +1,8 @@
-#include "app/base/gunzip.h"
 #include "app/session/session.h"
 #include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
+#include "base/gzip.h"
 #include "tests/app/late_worlds.h"
 #include "tests/net/memory_network.h"
 
@@ -32,7 +32,7 @@ std::string packed(const std::string& text) {
 std::vector<std::string> run(const LoadOptions& options, double seconds = 1) {
   WorldLoading loading("memory://a/world.wrl", options);
   OpenedWorld world = load_world(loading, "memory://a/world.wrl");
-  for (const vrml::Diagnostic& one : world.diagnostics.entries()) UNSCOPED_INFO(one.text());
+  for (const Diagnostic& one : world.diagnostics.entries()) UNSCOPED_INFO(one.text());
   REQUIRE(world.scene);
   Simulation simulation(std::move(world), {64, 64});
   simulation.fetch_with(loading);
@@ -94,7 +94,7 @@ TEST_CASE("logs printed text of programs, shows descriptions, and opens no pages
     for (const Notice& notice : frame.notices) told.push_back(notice.text);
     opened = opened || !frame.web_pages.empty();
     if (const View* seen = session.view())
-      for (const vrml::Diagnostic& one : seen->document->world.diagnostics.entries())
+      for (const Diagnostic& one : seen->document->world.diagnostics.entries())
         has_printed = has_printed || (one.file == "print" && one.message == "hello");
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

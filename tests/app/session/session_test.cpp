@@ -235,7 +235,7 @@ TEST_CASE("moves the viewer by keys of --input in simulated time, bit for bit") 
   const auto walk = [] {
     Simulation simulation(world_of("NavigationInfo { type \"FLY\" } Viewpoint { } Shape { geometry Box { } }"),
                           {64, 64});
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     const auto rows = read_input_rows(
         "{\"t\":0.1,\"key\":\"w\",\"down\":true}\n{\"t\":0.6,\"key\":\"w\",\"down\":false}\n"
         "{\"t\":0.7,\"key\":\"Left\",\"down\":true}\n{\"t\":0.9,\"key\":\"Left\",\"down\":false}\n",

@@ -37,7 +37,7 @@ std::size_t size_of(const Bytes& stream) {
 
 /// Returns outlines of shapes.
 Bytes outlines(const std::string& shapes) {
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   vrml::SceneGraph scene("model.wrl");
   (void)vrml::parse(kHeader + shapes, scene, diagnostics);
   render::MeshCache meshes;

@@ -202,7 +202,7 @@ TEST_CASE("set_url of an Inline twice within a step stops the fetches of its inn
 
 TEST_CASE("loads the urls of nodes made at run time, on behalf of the file") {
   World world(site());
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const vrml::RunTimeNodes made =
       vrml::read_into(world.scene(), "script",
                       "PROTO P [ field MFString u [ ] ] { Shape { geometry Box { } appearance Appearance { "

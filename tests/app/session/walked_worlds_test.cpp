@@ -24,7 +24,7 @@ Walked walked(const std::string& body, double seconds = 4) {
   simulation.execution().cascade().observe([&](const vrml::SentEvent& event) {
     if (event.event->name == "collideTime") result.collisions.emplace_back(event.scene->node(event.node).name);
   });
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const auto rows = read_input_rows("{\"t\":0.1,\"key\":\"w\",\"down\":true}\n", "in.jsonl", diagnostics);
   REQUIRE(simulation.plan(rows, "in.jsonl", diagnostics));
   simulation.run(seconds);

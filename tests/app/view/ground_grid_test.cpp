@@ -10,8 +10,8 @@ namespace gs::app::ground_grid_test {
 
 namespace {
 
-render::WorldBounds box(const glm::vec3& lower, const glm::vec3& upper) {
-  render::WorldBounds bounds;
+WideBox box(const glm::vec3& lower, const glm::vec3& upper) {
+  WideBox bounds;
   bounds.add(lower);
   bounds.add(upper);
   return bounds;
@@ -40,7 +40,7 @@ TEST_CASE("draws a grid of 1, 2 or 5 units with about ten squares below the obje
 }
 
 TEST_CASE("places the grid below the objects for any up axis, and extends it around them") {
-  const render::WorldBounds bounds = box({-3, -2, 1}, {4, 5, 8});
+  const WideBox bounds = box({-3, -2, 1}, {4, 5, 8});
   for (const UpAxis axis : {UpAxis::y, UpAxis::z, UpAxis::minus_y, UpAxis::x}) {
     const Upright upright = upright_of(axis);
     const auto grid = ground_grid(bounds, upright);

@@ -16,8 +16,8 @@ using namespace gs::app;
 
 const glm::vec2 kViewport(800, 600);
 
-vrml::Bounds unit_box() {
-  vrml::Bounds bounds;
+Box unit_box() {
+  Box bounds;
   bounds.add(glm::vec3(-1));
   bounds.add(glm::vec3(1));
   return bounds;
@@ -337,7 +337,7 @@ TEST_CASE("keeps the viewer valid for any input") {
   const auto any = [&] { return values[random() % std::size(values)]; };
   const Drag drags[] = {Drag::none, Drag::rotate, Drag::pan, Drag::zoom, Drag::look, Drag::travel};
   for (int round = 0; round < 40; ++round) {
-    vrml::Bounds bounds;
+    Box bounds;
     bounds.lower = {any(), any(), any()};
     bounds.upper = {any(), any(), any()};
     NavigationRules rules;

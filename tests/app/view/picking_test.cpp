@@ -248,7 +248,7 @@ TEST_CASE("ignores invalid point sets") {
 
 TEST_CASE("returns the path of a hit through PROTO instances and Inlines, with coordinate systems") {
   vrml::SceneGraph scene("root.wrl");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse(R"(#VRML V2.0 utf8
     PROTO Moved [ exposedField MFNode children [ ] ] { Transform { translation 0 0 -5 children IS children } }
     Moved { children DEF S Switch { whichChoice 1 choice [ Group { } DEF I Inline { } ] } })",

@@ -14,8 +14,8 @@ namespace {
 
 constexpr glm::vec2 kPicture(800, 600);
 
-render::WorldBounds box() {
-  render::WorldBounds bounds;
+WideBox box() {
+  WideBox bounds;
   bounds.add(glm::vec3(-1, -2, -3));
   bounds.add(glm::vec3(5, 4, 9));
   return bounds;
@@ -30,11 +30,11 @@ glm::dvec2 seen_at(const Pose& pose, const glm::dvec3& place) {
   return glm::dvec2(p) / half;
 }
 
-bool sees_all(const Pose& pose, const render::WorldBounds& bounds) {
+bool sees_all(const Pose& pose, const WideBox& bounds) {
   for (int i = 0; i < 8; ++i) {
-    const glm::dvec2 at = seen_at(pose, {i & 1 ? bounds.upper.x : bounds.lower.x,
-                                         i & 2 ? bounds.upper.y : bounds.lower.y,
-                                         i & 4 ? bounds.upper.z : bounds.lower.z});
+    const glm::dvec2 at =
+        seen_at(pose, {i & 1 ? bounds.upper.x : bounds.lower.x, i & 2 ? bounds.upper.y : bounds.lower.y,
+                       i & 4 ? bounds.upper.z : bounds.lower.z});
     if (std::abs(at.y) > 1 || std::abs(at.x) > double{kPicture.x} / kPicture.y) return false;
   }
   return true;
@@ -61,15 +61,16 @@ TEST_CASE("starts with the up axis on top, seen from the front") {
     CHECK(close(again.up(), upright.up));
   }
   // A plate is seen from above.
-  render::WorldBounds plate;
+  WideBox plate;
   plate.add(glm::vec3(0));
   plate.add(glm::vec3(10, 10, 0.1f));
   CHECK(first_pose(plate, kPicture, upright_of(UpAxis::z)).forward().z < -0.5f);
 }
 
 TEST_CASE("starts with flat constructions seen from front, right and above") {
-  for (const glm::vec3& size : {glm::vec3(10, 10, 10), glm::vec3(10, 10, 3), glm::vec3(10, 0.1f, 10), glm::vec3(0.1f, 9, 9)}) {
-    render::WorldBounds part;
+  for (const glm::vec3& size :
+       {glm::vec3(10, 10, 10), glm::vec3(10, 10, 3), glm::vec3(10, 0.1f, 10), glm::vec3(0.1f, 9, 9)}) {
+    WideBox part;
     part.add(glm::vec3(0));
     part.add(size);
     const Upright upright = upright_of(UpRule::z, size);

@@ -108,9 +108,9 @@ inline double total_of(const qnv::Cloud& cloud) {
   return total;
 }
 
-inline bool tells(const vrml::Diagnostics& diagnostics, const std::string& text) {
+inline bool tells(const Diagnostics& diagnostics, const std::string& text) {
   return std::any_of(diagnostics.entries().begin(), diagnostics.entries().end(),
-                     [&](const vrml::Diagnostic& one) { return one.message.find(text) != std::string::npos; });
+                     [&](const Diagnostic& one) { return one.message.find(text) != std::string::npos; });
 }
 
 }  // namespace gs::app

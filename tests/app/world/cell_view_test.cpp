@@ -7,7 +7,7 @@ using namespace gs;
 using namespace gs::app;
 
 TEST_CASE("requests regions by what views see of a stream") {
-  const qnv::Box all{{-1, -1, -1}, {1, 1, 1}};
+  const Box all{{-1, -1, -1}, {1, 1, 1}};
   std::array<qnv::LodView, 3> views;
   CHECK(regions_of({}, all).empty());
   CHECK(regions_of(views, all).empty());  // everything
@@ -33,7 +33,7 @@ TEST_CASE("requests regions by what views see of a stream") {
   for (std::size_t i = 0; i < many.size(); ++i) many[i].planes[0].w = -0.5f - 0.02f * static_cast<float>(i);
   CHECK(regions_of(many, all).size() == net::kMostRegions);
   // A flat box, and invalid numbers.
-  const qnv::Box flat{{0, 0, 0}, {1, 0, 1}};
+  const Box flat{{0, 0, 0}, {1, 0, 1}};
   CHECK(regions_of(std::span(views).subspan(1, 1), flat).size() == 1);
   views[1].planes[0] = glm::vec4(std::numeric_limits<float>::quiet_NaN());
   CHECK(regions_of(views, all).size() <= 1);

@@ -1,9 +1,9 @@
-#include "app/base/gunzip.h"
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/formats/volume/volume.h"
 #include "app/session/documents/documents.h"
 #include "app/world/world_loader.h"
+#include "base/gzip.h"
 #include "render/image/image.h"
 #include "tests/app/formats_helpers.h"
 #include "tests/app/gzip_bomb.h"
@@ -58,8 +58,8 @@ struct Loaded {
   /// Checks that no resource exceeds its limit.
   void check_budget() const {
     REQUIRE(document->world.scene);
-    const vrml::Budget& budget = *document->world.scene->budget();
-    for (const vrml::ResourceRow& row : vrml::kResources) {
+    const Budget& budget = *document->world.scene->budget();
+    for (const ResourceRow& row : kResources) {
       INFO(row.name);
       CHECK(budget.used(row.resource) <= budget.limit(row.resource));
     }
@@ -106,7 +106,7 @@ std::string png(std::uint32_t side) {
 }  // namespace
 
 TEST_CASE("stops gzip data that unpack to far more than their size") {
-  const auto budget = std::make_shared<vrml::Budget>(vrml::Limits{.unpack_free = kMega});
+  const auto budget = std::make_shared<Budget>(Limits{.unpack_free = kMega});
   const std::string bomb = packed("", 20 * kMega);
   std::size_t made = 0;
   const auto count = [&](std::string_view piece) {
@@ -120,7 +120,7 @@ TEST_CASE("stops gzip data that unpack to far more than their size") {
   CHECK(made < 2 * kMega + 250 * bomb.size());
 
   // Data of a lower compression ratio are read up to the limit of the world.
-  const auto small = std::make_shared<vrml::Budget>(vrml::Limits{.memory = 4 * kMega});
+  const auto small = std::make_shared<Budget>(Limits{.memory = 4 * kMega});
   made = 0;
   const auto limit = gunzip(bytes_of(bomb), small, count);
   REQUIRE(limit);
@@ -129,8 +129,8 @@ TEST_CASE("stops gzip data that unpack to far more than their size") {
   // For all files together.
   CHECK(gunzip(bytes_of(packed("", kMega)), small, count));
 
-  const UnpackedBytes kept = unpack_gzip(
-      bytes_of(bomb), std::make_shared<vrml::Budget>(vrml::Limits{.memory = 16 * kMega}), vrml::Resource::files);
+  const UnpackedBytes kept =
+      unpack_gzip(bytes_of(bomb), std::make_shared<Budget>(Limits{.memory = 16 * kMega}), Resource::files);
   REQUIRE(kept.problem);
   CHECK(kept.problem->find("files in memory, 8 MiB") != std::string::npos);
   CHECK(kept.bytes.size() <= 8 * kMega);
@@ -237,7 +237,7 @@ TEST_CASE("shrinks a texture beyond the limit during decoding") {
   REQUIRE(world.images.size() == 2);
   CHECK(world.images.begin()->second->width == 256);
   CHECK(world.images.begin()->second == std::next(world.images.begin())->second);  // one image, counted once
-  CHECK(world.scene->budget()->used(vrml::Resource::pixels) == 256 * 256 * (3 + 6));
+  CHECK(world.scene->budget()->used(Resource::pixels) == 256 * 256 * (3 + 6));
 }
 
 TEST_CASE("leaves out what USE and PROTO multiply beyond the limit, names the first, and shows the rest") {
@@ -322,14 +322,14 @@ TEST_CASE("stops a world of too many files, and names the limit") {
 }
 
 TEST_CASE("charges importers of splats and points to the given budget") {
-  const auto budget = std::make_shared<vrml::Budget>(vrml::Limits{.memory = kMega});
+  const auto budget = std::make_shared<Budget>(Limits{.memory = kMega});
   const auto refused = [&](std::string_view name, const std::string& text) {
     for (const ContentType& type : content_types()) {
       if (type.name != name || !type.import_cloud) continue;
       const ImportedCloud made = type.import_cloud(bytes_of(text), budget);
       const auto* problem = std::get_if<std::string>(&made);
       CHECK(problem);
-      CHECK(budget->used(vrml::Resource::vectors) == 0);
+      CHECK(budget->used(Resource::vectors) == 0);
       return problem && problem->find("more than the limit for vectors") != std::string::npos;
     }
     return false;
@@ -355,7 +355,7 @@ TEST_CASE("cancels a load inside a gzip member and inside an image") {
   const OpenedWorld world = load_world(folder.write("blanks.wrz", packed(kHeader + kBox, 50 * kMega, ' ')), options);
   CHECK(world.truncated);
   const auto budget = world.scene ? world.scene->budget() : own_budget();
-  CHECK(budget->used(vrml::Resource::unpacked) < kMega);
+  CHECK(budget->used(Resource::unpacked) < kMega);
 }
 
 }  // namespace gs::limits_test

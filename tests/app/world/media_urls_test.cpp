@@ -16,7 +16,7 @@ const std::string kHeader = "#VRML V2.0 utf8\n";
 
 std::vector<std::string> texts_of(const OpenedWorld& world) {
   std::vector<std::string> texts;
-  for (const vrml::Diagnostic& one : world.diagnostics.entries()) texts.push_back(one.text());
+  for (const Diagnostic& one : world.diagnostics.entries()) texts.push_back(one.text());
   return texts;
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("loads another sound on set_url in a running world, and sends duration
   REQUIRE(requests.size() == 1);
   CHECK(requests[0].content == vrml::UrlContent::sound);
   Arrivals arrivals;
-  auto file = std::make_shared<MediaFile>(media::bytes_of(media::tone(0.5)), vrml::Share());
+  auto file = std::make_shared<MediaFile>(media::bytes_of(media::tone(0.5)), Share());
   file->info = {0.5, false, true};
   arrivals.media.push_back({{requests[0].place}, file, nullptr});
   (void)arrive(*document, std::move(arrivals));

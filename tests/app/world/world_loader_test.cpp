@@ -1,7 +1,7 @@
 #include "app/world/world_loader.h"
 
-#include "app/base/gunzip.h"
 #include "app/formats/content_types.h"
+#include "base/gzip.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
 
@@ -57,7 +57,7 @@ TEST_CASE("gunzip: reads members, and reports truncation, damage and limits") {
   CHECK_FALSE(gunzip(byte_span_of(gzipped_text("one") + gzipped_text("two")), own_budget(), sink));
   CHECK(out == "onetwo");
   out.clear();
-  const auto small = std::make_shared<vrml::Budget>(vrml::Limits{.memory = 1024});
+  const auto small = std::make_shared<Budget>(Limits{.memory = 1024});
   CHECK(gunzip(byte_span_of(packed), small, sink)->find("more than the limit for unpacked data") != std::string::npos);
   CHECK(out == text.substr(0, 1024));
   for (std::size_t size = 0; size < packed.size(); ++size) {

@@ -119,7 +119,7 @@ TEST_CASE("draws large meshes in a later frame if the caller does not wait for t
   constexpr int kMeshes = 3;
   for (int i = 0; i < kMeshes; ++i) {
     auto large = std::make_shared<vrml::Mesh>(*square(1));
-    const vrml::Array<std::uint32_t> indices = large->indices;
+    const Array<std::uint32_t> indices = large->indices;
     while (large->indices.size() < std::size_t{3} << 19)
       for (const std::uint32_t index : indices) large->indices.push_back(index);
     add(list, glowing(large, {1, 0, 0}, translation({0, 0, -static_cast<float>(i)})));

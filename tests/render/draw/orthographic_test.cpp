@@ -69,7 +69,7 @@ std::shared_ptr<const qnv::Cloud> shared(qnv::Cloud cloud) {
 }
 
 void add_cloud(RenderList& list, qnv::Cloud cloud) {
-  vrml::Bounds bounds;
+  Box bounds;
   for (const glm::vec3& position : cloud.positions) bounds.add(position);
   list.bounds.add(bounds);
   SplatItem item;
@@ -183,7 +183,7 @@ TEST_CASE("draws the sky in parallel projection as in perspective") {
 }
 
 TEST_CASE("shows the centre of the scene in the requested size from a distant camera") {
-  vrml::Bounds bounds;
+  Box bounds;
   bounds.add(glm::vec3(-1, -1, -30));
   bounds.add(glm::vec3(1, 1, 10));
   const Camera camera = far_camera(parallel_at({0, 0, 4}, 8), bounds);

@@ -16,7 +16,7 @@ using namespace render::testing;
 
 struct World {
   explicit World(const std::string& geometry) : scene("test.wrl") {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     vrml::parse("#VRML V2.0 utf8\nShape { geometry " + geometry + " { } }", scene, diagnostics);
     REQUIRE(diagnostics.errors() == 0);
     list = collect(scene, {}, meshes);

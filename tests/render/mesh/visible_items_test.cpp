@@ -143,7 +143,7 @@ TEST_CASE("draws many Shapes equally with and without the tree, at rest and whil
             " children Shape { appearance Appearance { material Material { diffuseColor " +
             std::to_string(i % 7 / 7.0) + " 0.5 0.5 } } geometry Box { } } }\n";
   vrml::SceneGraph scene("test.wrl");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   vrml::parse(text, scene, diagnostics);
   REQUIRE(diagnostics.errors() == 0);
   vrml::Execution execution(scene);

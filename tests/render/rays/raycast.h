@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "render/splat/splat_constants.h"
 #include "render/splat/splat_raster.h"
 #include "render/volume/volume_model.h"
@@ -244,7 +244,7 @@ inline RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, c
       image.depth[row * columns + column] = static_cast<float>(depth);
     }
   };
-  qnv::parallel_for(rows, cast_row, view.threads);
+  parallel_for(rows, cast_row, view.threads);
   return image;
 }
 
@@ -304,7 +304,7 @@ inline RaySurface raycast_surface(const qnv::Cloud& cloud, const SplatView& view
     image.color[at] = glm::vec4(color / static_cast<double>(covered), 1);
     image.depth[at] = static_cast<float>(depth);
   };
-  qnv::parallel_for(
+  parallel_for(
       rows,
       [&](std::size_t row) {
         for (int x = 0; x < view.width; ++x) cast(x, static_cast<int>(row));

@@ -10,14 +10,14 @@ using namespace gs::render;
 
 namespace {
 
-vrml::Bounds box(const glm::vec3& lower, const glm::vec3& upper) {
-  vrml::Bounds bounds;
+Box box(const glm::vec3& lower, const glm::vec3& upper) {
+  Box bounds;
   bounds.add(lower);
   bounds.add(upper);
   return bounds;
 }
 
-glm::vec3 corner(const vrml::Bounds& b, int i) {
+glm::vec3 corner(const Box& b, int i) {
   return {i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z};
 }
 
@@ -49,10 +49,9 @@ TEST_CASE("uses fieldOfView for the smaller of the two angles (VRML97 6.53)") {
 }
 
 TEST_CASE("keeps all corners in view of an orbit camera from every direction") {
-  const vrml::Bounds boxes[] = {box({-1, -2, -3}, {4, 5, 6}), box({0, 0, 0}, {100, 0.1f, 3}), box({5, 5, 5}, {5, 5, 5}),
-                                box({1e6f, 2e6f, 0}, {1e6f + 64, 2e6f + 64, 32}),
-                                box({-1e-4f, 0, 0}, {1e-4f, 2e-4f, 1e-4f})};
-  for (const vrml::Bounds& bounds : boxes)
+  const Box boxes[] = {box({-1, -2, -3}, {4, 5, 6}), box({0, 0, 0}, {100, 0.1f, 3}), box({5, 5, 5}, {5, 5, 5}),
+                       box({1e6f, 2e6f, 0}, {1e6f + 64, 2e6f + 64, 32}), box({-1e-4f, 0, 0}, {1e-4f, 2e-4f, 1e-4f})};
+  for (const Box& bounds : boxes)
     for (float azimuth = -3.0f; azimuth < 6.5f; azimuth += 0.7f)
       for (float elevation : {-1.5707963f, -1.0f, -0.2f, 0.0f, 0.6f, 1.5707963f})
         for (const auto& [width, height] : {std::pair{640.0f, 480.0f}, {100.0f, 700.0f}}) {
@@ -91,7 +90,7 @@ TEST_CASE("reports points beyond a side or behind the camera as out of view") {
 }
 
 TEST_CASE("looks from +Z at azimuth 0 and elevation 0, and turns towards +X and up") {
-  const vrml::Bounds bounds = box({-1, -1, -1}, {1, 1, 1});
+  const Box bounds = box({-1, -1, -1}, {1, 1, 1});
   const glm::vec3 front(orbit_camera(bounds, 0, 0, 0.8f, 1, 1).world_from_camera[3]);
   CHECK(front.x == Approx(0).margin(1e-5));
   CHECK(front.y == Approx(0).margin(1e-5));

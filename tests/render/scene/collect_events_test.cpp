@@ -17,7 +17,7 @@ namespace {
 class LiveWorld {
  public:
   explicit LiveWorld(const std::string& body) : scene_("live.wrl") {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     (void)vrml::parse("#VRML V2.0 utf8\n" + body, scene_, diagnostics);
     REQUIRE(diagnostics.errors() == 0);
     execution_ = std::make_unique<vrml::Execution>(scene_);

@@ -13,20 +13,20 @@ namespace {
 
 using namespace render;
 
-constexpr std::size_t kVisits = vrml::Limits().visits;
+constexpr std::size_t kVisits = Limits().visits;
 
 /// Parsed world with a small memory limit.
 struct SmallWorld {
   SmallWorld(const std::string& body, std::size_t memory)
-      : scene(std::make_unique<vrml::SceneGraph>(
-            "bomb.wrl", vrml::Limits{.memory = memory, .visits = kVisits / watched_step(16)})) {
-    vrml::Diagnostics diagnostics;
+      : scene(std::make_unique<vrml::SceneGraph>("bomb.wrl",
+                                                 Limits{.memory = memory, .visits = kVisits / watched_step(16)})) {
+    Diagnostics diagnostics;
     vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
-    for (const vrml::Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
+    for (const Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
     REQUIRE(diagnostics.errors() == 0);
   }
   RenderList collect() { return render::collect(*scene, {}, meshes); }
-  [[nodiscard]] vrml::Budget& budget() const { return *scene->budget(); }
+  [[nodiscard]] Budget& budget() const { return *scene->budget(); }
 
   std::unique_ptr<vrml::SceneGraph> scene;
   MeshCache meshes;
@@ -61,14 +61,14 @@ std::size_t triangles_of(const RenderList& list) {
 TEST_CASE("limits the shapes of nested USEs, and names the first one that is left out") {
   SmallWorld world("Shape { geometry Box { } }\n" + nested_uses("Shape { geometry Cylinder { } }", 15), 16 * kMega);
   const RenderList list = world.collect();
-  const std::size_t most = world.budget().limit(vrml::Resource::items);
+  const std::size_t most = world.budget().limit(Resource::items);
   CHECK(most == 2048);
   CHECK(list.items.size() == most);
   REQUIRE(list.left_out.size() == 1);
   CHECK(list.left_out[0].why == "more than the limit for shapes in a picture, 2048 of one world (--memory raises it)");
   CHECK(list.left_out[0].count > 1000);
   CHECK(list.left_out[0].file == "bomb.wrl");
-  CHECK(list.left_out[0].location == vrml::SourceLocation{3, 42});
+  CHECK(list.left_out[0].location == SourceLocation{3, 42});
   CHECK(world.collect().left_out.size() == 1);  // in each picture
 }
 
@@ -87,7 +87,7 @@ TEST_CASE("leaves out Shapes beyond the triangle limit, and shows the others") {
       "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ " +
       repeated("0 1 2 -1 ", 20'000) + "] } }";
   SmallWorld world(nested_uses(shape, 7) + "Shape { geometry Box { } }", 32 * kMega);
-  CHECK(world.budget().limit(vrml::Resource::triangles) == kMega);
+  CHECK(world.budget().limit(Resource::triangles) == kMega);
   const RenderList list = world.collect();
   CHECK(triangles_of(list) <= kMega);
   CHECK(list.items.size() == 53);
@@ -108,12 +108,12 @@ TEST_CASE("leaves out meshes beyond the memory limit, at all their USEs") {
   REQUIRE(list.left_out.size() == 1);
   CHECK(list.left_out[0].why.find("more than the limit for meshes") != std::string::npos);
   CHECK(list.left_out[0].count + list.items.size() == 101);
-  CHECK(world.budget().used(vrml::Resource::meshes) <= world.budget().limit(vrml::Resource::meshes));
-  const std::uint64_t used = world.budget().used(vrml::Resource::meshes);
+  CHECK(world.budget().used(Resource::meshes) <= world.budget().limit(Resource::meshes));
+  const std::uint64_t used = world.budget().used(Resource::meshes);
   CHECK(world.collect().items.size() == list.items.size());
-  CHECK(world.budget().used(vrml::Resource::meshes) == used);
+  CHECK(world.budget().used(Resource::meshes) == used);
   world.meshes.clear();
-  CHECK(world.budget().used(vrml::Resource::meshes) == 0);
+  CHECK(world.budget().used(Resource::meshes) == 0);
 }
 
 TEST_CASE("uses no more memory for meshes that are made again") {
@@ -123,13 +123,13 @@ TEST_CASE("uses no more memory for meshes that are made again") {
           repeated("0 1 2 -1 ", 1000) + "] } }",
       64 * kMega);
   (void)world.collect();
-  const std::uint64_t used = world.budget().used(vrml::Resource::meshes);
+  const std::uint64_t used = world.budget().used(Resource::meshes);
   CHECK(used > 0);
   for (int i = 0; i < 100; ++i) {
     world.meshes.meshes.clear();
     CHECK(world.collect().left_out.empty());
   }
-  CHECK(world.budget().used(vrml::Resource::meshes) == used);
+  CHECK(world.budget().used(Resource::meshes) == used);
 }
 
 TEST_CASE("shares one mesh between thousands of spheres, and makes it coarser as they grow in number") {
@@ -152,7 +152,7 @@ TEST_CASE("shares one mesh between thousands of spheres, and makes it coarser as
   CHECK(coarse.left_out.empty());
   CHECK(many.meshes.meshes.empty());
   CHECK(many.meshes.primitives.size() <= 2 * ShapeResources::kSegments.size());
-  CHECK(many.budget().used(vrml::Resource::meshes) == 0);
+  CHECK(many.budget().used(Resource::meshes) == 0);
 }
 
 TEST_CASE("charges PixelTextures to the budget for pixels") {
@@ -167,7 +167,7 @@ TEST_CASE("charges PixelTextures to the budget for pixels") {
   CHECK_FALSE(list.items.back().texture.image);
   REQUIRE(list.left_out.size() == 1);
   CHECK(list.left_out[0].why.find("pixels of textures") != std::string::npos);
-  CHECK(world.budget().used(vrml::Resource::pixels) <= world.budget().limit(vrml::Resource::pixels));
+  CHECK(world.budget().used(Resource::pixels) <= world.budget().limit(Resource::pixels));
 }
 
 TEST_CASE("stops collecting when the budget's stop function returns true") {

@@ -16,11 +16,11 @@ namespace {
 
 /// Parsed world with its render list.
 struct World {
-  explicit World(const std::string& body, const vrml::Limits& limits = {})
+  explicit World(const std::string& body, const Limits& limits = {})
       : scene(std::make_unique<vrml::SceneGraph>("test.wrl", limits)) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
-    for (const vrml::Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
+    for (const Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
     REQUIRE(diagnostics.errors() == 0);
   }
   RenderList collect(const glm::vec3& viewer = {0, 0, 10}) { return render::collect(*scene, images, meshes, viewer); }
@@ -206,7 +206,7 @@ TEST_CASE("limits items and visits of a hostile tree of USEs") {
     text += level;
     if (i < 30) with_shape += level;
   }
-  vrml::Limits limits;
+  Limits limits;
   limits.visits /= watched_step(16);
   CHECK(World(text, limits).collect().items.empty());
   CHECK(World("Transform { scale 0 0 0 children [" + with_shape + "] }", limits).collect().items.size() <= 2'000'000);
@@ -264,7 +264,7 @@ TEST_CASE("lists rigid Viewpoints in file order, those of Inlines last") {
       "Transform { translation 5 0 0 scale 2 2 -2 rotation 0 1 0 3.14159265 children\n"
       "  DEF V Viewpoint { description \"two\" position 0 0 1 orientation 1 0 0 0.5 } }");
   auto inner = std::make_unique<vrml::SceneGraph>("inner.wrl");
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   vrml::parse(
       "#VRML V2.0 utf8\nViewpoint { description \"inner\" } Background { skyColor 1 0 0 }\n"
       "NavigationInfo { headlight FALSE } " +

@@ -16,7 +16,7 @@ namespace {
 class World {
  public:
   explicit World(const std::string& body) : scene_(std::make_unique<vrml::SceneGraph>("text.wrl")) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     (void)vrml::parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
     REQUIRE(diagnostics.errors() == 0);
     execution_ = std::make_unique<vrml::Execution>(*scene_);

@@ -188,7 +188,7 @@ TEST_CASE("draws packed records like unpacked ones", "[optimised]") {
       // Two chunks, the upper and the lower half, each with its own frame.
       for (std::size_t half = 0; half < 2; ++half) {
         const std::size_t first = half * 2000;
-        qnv::Box box;
+        Box box;
         for (std::size_t i = first; i < first + 2000; ++i) box.add(given->positions[i]);
         const qnv::RecordFrame frame = qnv::frame_for(box, given->weights[0] * 2);
         std::vector<std::byte> bytes(2000 * qnv::kRecordBytes + 3);

@@ -34,7 +34,7 @@ double inside(const Image& image, const vrml::GlyphShape& shape) {
 
 struct World {
   explicit World(const std::string& text) : scene("test.wrl") {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     vrml::parse("#VRML V2.0 utf8\n" + text, scene, diagnostics);
     REQUIRE(diagnostics.errors() == 0);
   }

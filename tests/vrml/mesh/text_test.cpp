@@ -1,7 +1,7 @@
 #include "vrml/mesh/text_shaper.h"
 
+#include "base/budget.h"
 #include "tests/vrml/mesh_checks.h"
-#include "vrml/scene/budget.h"
 
 #include <initializer_list>
 #include <string>
@@ -146,7 +146,7 @@ TEST_CASE("aligns Text by justify (VRML97 6.20.3, Tables 6.2 to 6.5)") {
             REQUIRE(mesh.positions.size() == 4 * (4 + 2 + 3));
             std::size_t next = 0;
             for (int i = 0; i < 3; ++i) {
-              Bounds line;
+              Box line;
               for (int k = 0; k < 4 * static_cast<int>(extents[i]); ++k) line.add(mesh.positions[next++]);
               lower[i][across] -= at;
               upper[i][across] -= at;
@@ -179,7 +179,7 @@ TEST_CASE("stretches or compresses each string of Text to its length") {  // 6.4
   const float expected[] = {3, 0.5f, 1, 1};
   REQUIRE(mesh.positions.size() == 32);
   for (std::size_t i = 0; i < 4; ++i) {
-    Bounds line;
+    Box line;
     for (std::size_t k = 0; k < 8; ++k) line.add(mesh.positions[8 * i + k]);
     CHECK(line.lower.x == Approx(0).margin(1e-6));
     CHECK(line.upper.x == Approx(expected[i]));
@@ -188,7 +188,7 @@ TEST_CASE("stretches or compresses each string of Text to its length") {  // 6.4
   text.style("horizontal", false);  // measured vertically
   const Mesh vertical = text.drawn();
   for (std::size_t i = 0; i < 4; ++i) {
-    Bounds line;
+    Box line;
     for (std::size_t k = 0; k < 8; ++k) line.add(vertical.positions[8 * i + k]);
     CHECK(line.size().y == Approx(expected[i] == 1 ? 2 : expected[i]));
     CHECK(line.size().x == Approx(1));

@@ -1,4 +1,4 @@
-#include "vrml/scene/budget.h"
+#include "base/budget.h"
 
 #include "vrml/mesh/mesh.h"
 #include "vrml/syntax/parser.h"

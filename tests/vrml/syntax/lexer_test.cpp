@@ -1,6 +1,6 @@
 #include "vrml/syntax/lexer.h"
 
-#include "vrml/scene/array.h"
+#include "base/array.h"
 #include "vrml/scene/field_value.h"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 #include "qnv/codecs/displaced/decode/surface_stages.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/codecs/displaced/subdivision.h"
 #include "qnv/mesh/triangle_weights.h"
 

@@ -1,6 +1,6 @@
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "qnv/codecs/displaced/decode/surface_stages.h"
 #include "qnv/codecs/displaced/encode/stage_encode.h"
 #include "qnv/codecs/displaced/encode/thin_surface.h"

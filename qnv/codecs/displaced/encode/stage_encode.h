@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "qnv/codecs/displaced/encode/base_mesh_prefetcher.h"
 #include "qnv/codecs/displaced/encode/target.h"
 #include "qnv/codecs/displaced/surface.h"

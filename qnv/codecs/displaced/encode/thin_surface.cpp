@@ -1,6 +1,6 @@
 #include "qnv/codecs/displaced/encode/thin_surface.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/mesh/simplify/quadric.h"
 #include "qnv/mesh/survey.h"
 

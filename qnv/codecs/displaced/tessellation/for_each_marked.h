@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "qnv/codecs/displaced/tessellation/patch_evaluator.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/codecs/displaced/subdivision.h"
 #include "qnv/codecs/displaced/tessellation/for_each_marked.h"
 #include "qnv/codecs/displaced/tessellation/patch_kernel.h"

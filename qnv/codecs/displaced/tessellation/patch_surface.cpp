@@ -1,7 +1,7 @@
 #include "qnv/codecs/displaced/tessellation/patch_surface.h"
 
-#include "qnv/base/finite.h"
-#include "qnv/base/parallel.h"
+#include "base/finite.h"
+#include "base/parallel.h"
 #include "qnv/codecs/displaced/subdivision.h"
 #include "qnv/codecs/displaced/tessellation/patch_kernel.h"
 

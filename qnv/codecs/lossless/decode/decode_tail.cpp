@@ -1,4 +1,4 @@
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 #include "qnv/codecs/lossless/decode/tail_reader.h"
 #include "qnv/codecs/lossless/exact_header.h"
 #include "qnv/codecs/lossless/exact_tail.h"

@@ -1,6 +1,6 @@
 #include "qnv/codecs/lossless/decode/shaded_mesh.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/lossless/shading.h"
 #include "qnv/mesh/triangle_weights.h"

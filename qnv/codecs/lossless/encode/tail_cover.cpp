@@ -1,6 +1,6 @@
 #include "qnv/codecs/lossless/encode/tail_cover.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "qnv/codecs/displaced/subdivision.h"
 #include "qnv/codecs/lossless/mesh_growth.h"
 #include "qnv/mesh/triangle_tree.h"

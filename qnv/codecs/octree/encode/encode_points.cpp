@@ -1,4 +1,4 @@
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/mesh/survey.h"

@@ -1,6 +1,6 @@
 #include "qnv/codecs/octree/lod/lod_cache.h"
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 #include "qnv/codecs/octree/packed_layout.h"
 
 #include <glm/geometric.hpp>

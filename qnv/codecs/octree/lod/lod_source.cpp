@@ -1,6 +1,6 @@
 #include "qnv/codecs/octree/lod/lod_source.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 
 #include <algorithm>
 #include <array>

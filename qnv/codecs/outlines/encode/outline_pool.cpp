@@ -1,6 +1,6 @@
 #include "qnv/codecs/outlines/encode/outline_pool.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <algorithm>
 #include <bit>

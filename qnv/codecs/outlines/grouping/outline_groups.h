@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

@@ -1,6 +1,6 @@
 #include "qnv/codecs/outlines/grouping/outline_mesh.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 
 #include <glm/geometric.hpp>
 

@@ -1,4 +1,4 @@
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 #include "qnv/codecs/lossless/exact_tail.h"
 #include "qnv/codecs/progressive/progressive.h"
 #include "qnv/codecs/progressive/progressive_header.h"

@@ -1,6 +1,6 @@
 #include "qnv/codecs/records/records_payload.h"
 
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "qnv/codecs/records/encode/encode_cloud.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/base/palette.h"
 #include "qnv/codecs/records/records_payload.h"
 #include "qnv/codecs/shared/encode_options.h"

@@ -1,4 +1,4 @@
-#include "qnv/base/bytes.h"
+#include "base/bytes.h"
 #include "qnv/base/morton.h"
 #include "qnv/base/palette.h"
 #include "qnv/codecs/records/records_payload.h"

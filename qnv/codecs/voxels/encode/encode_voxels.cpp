@@ -1,6 +1,6 @@
 #include "qnv/codecs/voxels/encode/encode_voxels.h"
 
-#include "qnv/base/finite.h"
+#include "base/finite.h"
 #include "qnv/base/morton.h"
 #include "qnv/codecs/shared/stream_writer.h"
 #include "qnv/codecs/voxels/voxels.h"

@@ -1,7 +1,7 @@
 #include "qnv/codecs/voxels/encode/visibility.h"
 
+#include "base/parallel.h"
 #include "qnv/base/morton.h"
-#include "qnv/base/parallel.h"
 
 #include <algorithm>
 #include <array>

@@ -96,8 +96,7 @@ class OutlineStudio {
     if (auto* renderer = std::get_if<std::unique_ptr<render::Renderer>>(&created)) renderer_ = std::move(*renderer);
   }
   [[nodiscard]] bool good() const { return renderer_ != nullptr; }
-  render::Image picture(const render::RenderList& list, const render::WorldBounds& bounds, float azimuth,
-                        float elevation) {
+  render::Image picture(const render::RenderList& list, const WideBox& bounds, float azimuth, float elevation) {
     render::DrawOptions draw;
     draw.width = 320;
     draw.height = 240;
@@ -248,7 +247,7 @@ TEST_CASE("changes no more than a pixel of flat-shaded CAD parts by merging copl
       inner += std::max(group.inner.size(), group.outline.size());
     CHECK(inner < made.groups.counts.polygons);
     vrml::SceneGraph scene("outlines.wrl");
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     REQUIRE(vrml::parse(string_of(outline_world(made.groups, made.model.appearances, "")), scene, diagnostics) ==
             vrml::ParseOutcome::complete);
     render::MeshCache meshes;
@@ -268,7 +267,7 @@ TEST_CASE("changes no more than a pixel of flat-shaded CAD parts by merging copl
 TEST_CASE("derives creaseAngle from normals") {
   const auto of = [](const std::string& geometry) {
     vrml::SceneGraph scene("a.wrl");
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     REQUIRE(vrml::parse("#VRML V2.0 utf8\nShape { geometry " + geometry + " }\n", scene, diagnostics) ==
             vrml::ParseOutcome::complete);
     render::MeshCache meshes;

@@ -87,7 +87,7 @@ TEST_CASE("opens a truncated, thinned or damaged large octree stream with less d
 
 TEST_CASE("copies a stream to memory that cannot be read in place") {
   const auto* first = reinterpret_cast<const std::byte*>(large_stream().data());
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   CHECK(stream_source("nowhere/at/all.qnv") == nullptr);
   const ScratchFolder folder;
   const std::string other = folder.write("other.qnv", "another file that has come to lie there");

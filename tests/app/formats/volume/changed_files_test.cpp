@@ -43,7 +43,7 @@ TEST_CASE("reports a world that is truncated during reading, and shows its begin
   std::filesystem::resize_file(path, 100);
   while (!loading.done()) (void)loading.step(std::chrono::milliseconds(10));
   const auto& entries = loading.diagnostics().entries();
-  CHECK(std::any_of(entries.begin(), entries.end(), [](const vrml::Diagnostic& one) {
+  CHECK(std::any_of(entries.begin(), entries.end(), [](const Diagnostic& one) {
     return one.text().find("error: the file changed while it was read") != std::string::npos;
   }));
   CHECK_FALSE(loading.collect({0, 0, 10}).items.empty());

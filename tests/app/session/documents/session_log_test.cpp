@@ -13,9 +13,9 @@ namespace gs::app::session_log_test {
 
 using Lines = std::vector<std::string>;
 
-vrml::Diagnostics said(const Lines& messages) {
-  vrml::Diagnostics all;
-  for (const std::string& message : messages) all.add({vrml::Severity::error, "a.wrl", {1, 1}, message});
+Diagnostics said(const Lines& messages) {
+  Diagnostics all;
+  for (const std::string& message : messages) all.add({Severity::error, "a.wrl", {1, 1}, message});
   return all;
 }
 

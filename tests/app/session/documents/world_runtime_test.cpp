@@ -12,7 +12,7 @@ namespace {
 
 struct World {
   explicit World(const std::string& body) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     opened.scene = std::make_unique<vrml::SceneGraph>("text.wrl");
     (void)vrml::parse("#VRML V2.0 utf8\n" + body, *opened.scene, diagnostics);
     CHECK(diagnostics.errors() == 0);
@@ -21,7 +21,7 @@ struct World {
     seen = runtime->look({0, 0, 10}, true);
   }
   vrml::NodeId read(const std::string& text) {
-    vrml::Diagnostics diagnostics;
+    Diagnostics diagnostics;
     const vrml::NodeId made = vrml::read_into(*opened.scene, "made.wrl", text, diagnostics).roots[0];
     CHECK(diagnostics.errors() == 0);
     runtime->execution().scenes().attach(*opened.scene);
@@ -89,7 +89,7 @@ TEST_CASE("keeps an outdated list valid after its Inline is removed") {
   World world("Group { } Inline { }");
   vrml::SceneGraph& scene = *world.opened.scene;
   auto content = std::make_shared<vrml::SceneGraph>("part.wrl", scene.budget());
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nShape { geometry Box { } }", *content, diagnostics);
   const std::weak_ptr<vrml::SceneGraph> watched = content;
   scene.attach_inline(scene.roots()[1], std::move(content));

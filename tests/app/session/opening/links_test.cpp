@@ -12,7 +12,7 @@ namespace {
 
 Link link(const std::string& file, const std::string& fields) {
   vrml::SceneGraph scene(file);
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nAnchor { " + fields + " }", scene, diagnostics);
   REQUIRE(diagnostics.errors() == 0);
   return link_of(scene, scene.roots()[0]);

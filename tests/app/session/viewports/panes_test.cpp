@@ -345,7 +345,7 @@ TEST_CASE("adapts the first view to the shape of the viewport until the user mov
 }
 
 TEST_CASE("keeps a linked pose relative to its scene as the leader's") {
-  vrml::Bounds small, large;
+  Box small, large;
   small.add({-1, -1, -1});
   small.add({1, 1, 1});
   large.add({90, -10, -10});
@@ -359,9 +359,9 @@ TEST_CASE("keeps a linked pose relative to its scene as the leader's") {
   CHECK(there.orientation == pose.orientation);
   CHECK(there.field_of_view == 0.5f);
   CHECK(glm::distance(linked_pose(there, large, small).position, pose.position) < 1e-4f);
-  CHECK(linked_pose(pose, vrml::Bounds{}, large).position == pose.position);
-  CHECK(linked_pose(pose, small, vrml::Bounds{}).position == pose.position);
-  vrml::Bounds endless;
+  CHECK(linked_pose(pose, Box{}, large).position == pose.position);
+  CHECK(linked_pose(pose, small, Box{}).position == pose.position);
+  Box endless;
   endless.add(glm::vec3(-std::numeric_limits<float>::max()));
   endless.add(glm::vec3(std::numeric_limits<float>::max()));
   CHECK(linked_pose(pose, small, endless).position == pose.position);

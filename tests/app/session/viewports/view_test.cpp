@@ -90,7 +90,7 @@ TEST_CASE("frames geometry that is added to an empty world without Viewpoint") {
   const auto shared = make_document(world_of("DEF T Transform { children [] translation 300 0 0 }"));
   View view = view_of(shared, kSize, {});
   vrml::SceneGraph& scene = *shared->world.scene;
-  vrml::Diagnostics diagnostics;
+  Diagnostics diagnostics;
   const auto made =
       shared->runtime->programs().create(scene, "test", "Shape { geometry Sphere { radius 70 } }", diagnostics, &scene);
   REQUIRE(made.roots.size() == 1);

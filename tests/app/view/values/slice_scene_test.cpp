@@ -56,10 +56,10 @@ TEST_CASE("keeps every second voxel of a grid that is too large") {
   CHECK(grid->kept(2) == 1);
   CHECK(grid->kept_value(1, 1, 0) == 22);
   CHECK(*grid->nearest({3.4, 2, 1}) == 22);
-  vrml::Limits limits;
+  Limits limits;
   limits.memory = 0;
   CHECK(std::holds_alternative<std::string>(
-      VolumeGrid::take(small_volume(), nullptr, std::make_shared<vrml::Budget>(limits), 1000)));
+      VolumeGrid::take(small_volume(), nullptr, std::make_shared<Budget>(limits), 1000)));
   const std::atomic<bool> stop{true};
   CHECK(std::holds_alternative<std::string>(VolumeGrid::take(small_volume(), &stop, own_budget(), 1000)));
 }

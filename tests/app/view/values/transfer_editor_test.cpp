@@ -30,8 +30,8 @@ void check_transfer(const Transfer& transfer) {
   }
 }
 
-vrml::Bounds box(const glm::vec3& lower, const glm::vec3& upper) {
-  vrml::Bounds bounds;
+Box box(const glm::vec3& lower, const glm::vec3& upper) {
+  Box bounds;
   bounds.add(lower);
   bounds.add(upper);
   return bounds;
@@ -234,7 +234,7 @@ TEST_CASE("maps sliders proportionally and back") {
 }
 
 TEST_CASE("moves clipping planes across the whole scene") {
-  const vrml::Bounds bounds = box({-1, 10, 0}, {3, 20, 2});
+  const Box bounds = box({-1, 10, 0}, {3, 20, 2});
   ClipChoice choice;
   choice.axis = ClipAxis::y;
   choice.place = 0.25f;
@@ -252,7 +252,7 @@ TEST_CASE("moves clipping planes across the whole scene") {
 }
 
 TEST_CASE("keeps the position of a flipped plane") {
-  const vrml::Bounds bounds = box({-1, 10, 0}, {3, 20, 2});
+  const Box bounds = box({-1, 10, 0}, {3, 20, 2});
   for (const ClipAxis axis : {ClipAxis::x, ClipAxis::y, ClipAxis::z, ClipAxis::view}) {
     ClipChoice choice;
     choice.axis = axis;
@@ -264,7 +264,7 @@ TEST_CASE("keeps the position of a flipped plane") {
 }
 
 TEST_CASE("derives the choice from the plane") {
-  const vrml::Bounds bounds = box({-1, 10, 0}, {3, 20, 2});
+  const Box bounds = box({-1, 10, 0}, {3, 20, 2});
   for (const ClipAxis axis : {ClipAxis::x, ClipAxis::y, ClipAxis::z, ClipAxis::view})
     for (const bool flip : {false, true}) {
       ClipChoice choice;

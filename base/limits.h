@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace gs::vrml {
+namespace gs {
 
 /// Limited resources of a world; the rows of kResources define the amounts.
 enum class Resource : std::uint8_t {
@@ -67,4 +67,4 @@ struct Limits {
   std::size_t script_heap = std::size_t{256} << 20;  // bytes for all programs
 };
 
-}  // namespace gs::vrml
+}  // namespace gs

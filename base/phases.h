@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace gs::render {
+namespace gs {
 
 /// Phase of a drawing program: the work that it does or waits for.
 enum class Phase : std::uint8_t { other, read, parse, tessellate, compile, upload, cut, draw, write };
@@ -56,4 +56,4 @@ class PhaseScope {
   Phase before_;
 };
 
-}  // namespace gs::render
+}  // namespace gs

@@ -1,4 +1,4 @@
-#include "vrml/scene/array.h"
+#include "base/array.h"
 
 #include <catch2/catch.hpp>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace gs::vrml::array_test {
+namespace gs::array_test {
 
 TEST_CASE("keeps the capacity below twice the size of a list that is copied before each addition") {
   Array<std::int32_t> list;
@@ -43,4 +43,4 @@ TEST_CASE("doubles the capacity of an unshared list, so that its elements move r
   CHECK(list.span()[99'999] == 99'999);
 }
 
-}  // namespace gs::vrml::array_test
+}  // namespace gs::array_test

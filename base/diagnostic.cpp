@@ -1,8 +1,8 @@
-#include "vrml/scene/diagnostic.h"
+#include "base/diagnostic.h"
 
 #include <utility>
 
-namespace gs::vrml {
+namespace gs {
 
 std::string Diagnostic::text() const {
   std::string out = file;
@@ -34,4 +34,4 @@ void Diagnostics::append(const Diagnostics& other) {
   dropped_ += other.dropped_;
 }
 
-}  // namespace gs::vrml
+}  // namespace gs

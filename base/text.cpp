@@ -1,10 +1,10 @@
-#include "app/base/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 
-namespace gs::app {
+namespace gs {
 namespace {
 
 constexpr std::array<const char*, 5> kSizeUnits{"B", "kB", "MB", "GB", "TB"};
@@ -49,4 +49,4 @@ std::string readable_part(std::uint64_t bytes, std::uint64_t of) {
          kSizeUnits[unit];
 }
 
-}  // namespace gs::app
+}  // namespace gs

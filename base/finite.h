@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace gs::qnv {
+namespace gs {
 
 /// Reports whether every component is finite. Pure; safe from any thread.
 [[nodiscard]] inline bool finite(float x) { return std::isfinite(x); }
@@ -19,4 +19,4 @@ namespace gs::qnv {
   return finite(q.w) && finite(q.x) && finite(q.y) && finite(q.z);
 }
 
-}  // namespace gs::qnv
+}  // namespace gs

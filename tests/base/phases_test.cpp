@@ -1,8 +1,8 @@
-#include "render/base/phases.h"
+#include "base/phases.h"
 
 #include <catch2/catch.hpp>
 
-namespace gs::render {
+namespace gs {
 namespace {
 
 double now_of_phases = 0;
@@ -30,4 +30,4 @@ TEST_CASE("counts the time of an inner phase apart from its outer phase") {
 }
 
 }  // namespace
-}  // namespace gs::render
+}  // namespace gs

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/base/world_budget.h"
-#include "vrml/scene/array.h"
+#include "base/array.h"
+#include "base/budget.h"
 
 #include <cstddef>
 #include <functional>
@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace gs::app {
+namespace gs {
 
 /// Returns true for the first bytes of a gzip member (RFC 1952).
 [[nodiscard]] bool is_gzip(std::span<const std::byte> bytes);
@@ -48,15 +48,14 @@ class Gunzip {
 
 /// Decompressed bytes with their share of a budget.
 struct UnpackedBytes {
-  vrml::Array<std::byte> bytes;
-  vrml::Share share;
+  Array<std::byte> bytes;
+  Share share;
   std::optional<std::string> problem;  // reason why the rest is missing
 };
 /// Decompresses gzip members to the end, or as far as the budget for `resource` allows.
-[[nodiscard]] UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& budget,
-                                        vrml::Resource resource);
+[[nodiscard]] UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& budget, Resource resource);
 
 /// Compresses bytes to one gzip member.
 [[nodiscard]] std::vector<std::byte> gzip(std::span<const std::byte> bytes);
 
-}  // namespace gs::app
+}  // namespace gs

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace gs::vrml {
+namespace gs {
 
 /// Position in a text. Line and column count from 1; the column counts bytes. {0, 0} means the whole file.
 struct SourceLocation {
@@ -50,4 +50,4 @@ class Diagnostics {
   std::size_t errors_ = 0, warnings_ = 0, dropped_ = 0;
 };
 
-}  // namespace gs::vrml
+}  // namespace gs

@@ -10,38 +10,38 @@
 #include <utility>
 #include <vector>
 
-namespace gs::app {
+namespace gs {
 
 /// JSON value (RFC 8259) that a command reports: null, boolean, number, string, list or object in insertion order.
 /// Hides its JSON library, which is slow to compile. One thread at a time.
-class Fact {
+class JsonValue {
  public:
-  using Named = std::pair<std::string_view, Fact>;
+  using Named = std::pair<std::string_view, JsonValue>;
 
-  Fact();  // null
-  Fact(bool truth);
-  Fact(double number);
-  Fact(std::int64_t number);
-  Fact(std::uint64_t number);
+  JsonValue();  // null
+  JsonValue(bool truth);
+  JsonValue(double number);
+  JsonValue(std::int64_t number);
+  JsonValue(std::uint64_t number);
   template <std::integral T>
-  requires(!std::same_as<T, bool>) Fact(T number)
-      : Fact(static_cast<std::conditional_t<std::signed_integral<T>, std::int64_t, std::uint64_t>>(number)) {}
-  Fact(float number) : Fact(static_cast<double>(number)) {}
-  Fact(std::string_view text);
-  Fact(const char* text) : Fact(std::string_view(text)) {}
-  Fact(const std::string& text) : Fact(std::string_view(text)) {}
-  Fact(const Fact& other);
-  Fact(Fact&& other) noexcept;
-  Fact& operator=(Fact other) noexcept;
-  ~Fact();
+  requires(!std::same_as<T, bool>) JsonValue(T number)
+      : JsonValue(static_cast<std::conditional_t<std::signed_integral<T>, std::int64_t, std::uint64_t>>(number)) {}
+  JsonValue(float number) : JsonValue(static_cast<double>(number)) {}
+  JsonValue(std::string_view text);
+  JsonValue(const char* text) : JsonValue(std::string_view(text)) {}
+  JsonValue(const std::string& text) : JsonValue(std::string_view(text)) {}
+  JsonValue(const JsonValue& other);
+  JsonValue(JsonValue&& other) noexcept;
+  JsonValue& operator=(JsonValue other) noexcept;
+  ~JsonValue();
 
-  [[nodiscard]] static Fact list(std::initializer_list<Fact> values = {});
-  [[nodiscard]] static Fact named(std::initializer_list<Named> values = {});
+  [[nodiscard]] static JsonValue list(std::initializer_list<JsonValue> values = {});
+  [[nodiscard]] static JsonValue named(std::initializer_list<Named> values = {});
 
   /// Sets the value of a name: appends it, or replaces the existing one. Null becomes an object.
-  void put(std::string_view name, Fact value);
+  void put(std::string_view name, JsonValue value);
   /// Appends a value to a list. Null becomes a list.
-  void add(Fact value);
+  void add(JsonValue value);
   /// Returns true for a value without list elements and without members.
   [[nodiscard]] bool empty() const;
 
@@ -59,4 +59,4 @@ class Fact {
 /// Returns true if a text is a JSON object with a member `name`. Safe for untrusted texts.
 [[nodiscard]] bool is_json_with(std::string_view text, std::string_view name);
 
-}  // namespace gs::app
+}  // namespace gs

@@ -1,4 +1,4 @@
-#include "app/base/gunzip.h"
+#include "base/gzip.h"
 
 #include <zlib.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace gs::app {
+namespace gs {
 namespace {
 
 constexpr std::size_t kUnpackedBytes = std::size_t{256} << 10;
@@ -69,14 +69,14 @@ struct Gunzip::State {
     std::size_t made = piece.size() - stream.avail_out;
     taken += given - stream.avail_in;
     total += made;
-    const vrml::Limits& limits = budget->limits();
+    const Limits& limits = budget->limits();
     if (total > limits.unpack_free && total / limits.unpack_ratio > taken)
       return fail("unpacks to more than " + std::to_string(limits.unpack_ratio) + " times its size");
-    bool room = budget->take(vrml::Resource::unpacked, made);
+    bool room = budget->take(Resource::unpacked, made);
     if (!room) {
       // The budget limits the output exactly, independent of the sizes of the input pieces.
-      made = std::min<std::size_t>(made, budget->left(vrml::Resource::unpacked));
-      (void)budget->take(vrml::Resource::unpacked, made);
+      made = std::min<std::size_t>(made, budget->left(Resource::unpacked));
+      (void)budget->take(Resource::unpacked, made);
     }
     // Passes the output on even if the time is over.
     if (made > 0 && !sink(std::string_view(piece.data(), made))) {
@@ -84,7 +84,7 @@ struct Gunzip::State {
       return;
     }
     if (budget->stopped()) return fail("the time limit was reached during unpacking");
-    if (!room) return fail("unpacks to " + budget->refusal(vrml::Resource::unpacked));
+    if (!room) return fail("unpacks to " + budget->refusal(Resource::unpacked));
     if (status == Z_STREAM_END)
       between = true;
     else if (status != Z_OK && status != Z_BUF_ERROR)
@@ -150,9 +150,9 @@ std::optional<std::string> gunzip(std::span<const std::byte> bytes, const WorldB
   return unpacking.finish();
 }
 
-UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& budget, vrml::Resource resource) {
+UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& budget, Resource resource) {
   UnpackedBytes result;
-  result.share = vrml::Share(budget, resource);
+  result.share = Share(budget, resource);
   std::size_t refused = 0;
   result.problem = gunzip(bytes, budget, [&](std::string_view piece) {
     if (!result.share.grow(piece.size())) {
@@ -168,4 +168,4 @@ UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& b
   return result;
 }
 
-}  // namespace gs::app
+}  // namespace gs

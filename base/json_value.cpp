@@ -1,4 +1,4 @@
-#include "app/base/fact.h"
+#include "base/json_value.h"
 
 #include <nlohmann/json.hpp>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 
-namespace gs::app {
+namespace gs {
 
-struct Fact::Value {
+struct JsonValue::Value {
   nlohmann::ordered_json json;
 };
 
@@ -37,43 +37,47 @@ std::string plain_text(const OrderedJson& value) {
 
 }  // namespace
 
-Fact::Fact() : value_(std::make_unique<Value>()) {}
-Fact::Fact(bool truth) : value_(new Value{truth}) {}
-Fact::Fact(double number) : value_(new Value{number}) {}
-Fact::Fact(std::int64_t number) : value_(new Value{number}) {}
-Fact::Fact(std::uint64_t number) : value_(new Value{number}) {}
-Fact::Fact(std::string_view text) : value_(new Value{text}) {}
-Fact::Fact(const Fact& other) : value_(std::make_unique<Value>(*other.value_)) {}
-Fact::Fact(Fact&& other) noexcept : value_(std::move(other.value_)) {}
-Fact& Fact::operator=(Fact other) noexcept {
+JsonValue::JsonValue() : value_(std::make_unique<Value>()) {}
+JsonValue::JsonValue(bool truth) : value_(new Value{truth}) {}
+JsonValue::JsonValue(double number) : value_(new Value{number}) {}
+JsonValue::JsonValue(std::int64_t number) : value_(new Value{number}) {}
+JsonValue::JsonValue(std::uint64_t number) : value_(new Value{number}) {}
+JsonValue::JsonValue(std::string_view text) : value_(new Value{text}) {}
+JsonValue::JsonValue(const JsonValue& other) : value_(std::make_unique<Value>(*other.value_)) {}
+JsonValue::JsonValue(JsonValue&& other) noexcept : value_(std::move(other.value_)) {}
+JsonValue& JsonValue::operator=(JsonValue other) noexcept {
   value_ = std::move(other.value_);
   return *this;
 }
-Fact::~Fact() = default;
+JsonValue::~JsonValue() = default;
 
-Fact Fact::list(std::initializer_list<Fact> values) {
-  Fact all;
+JsonValue JsonValue::list(std::initializer_list<JsonValue> values) {
+  JsonValue all;
   all.value_->json = OrderedJson::array();
-  for (const Fact& value : values) all.add(value);
+  for (const JsonValue& value : values) all.add(value);
   return all;
 }
 
-Fact Fact::named(std::initializer_list<Named> values) {
-  Fact all;
+JsonValue JsonValue::named(std::initializer_list<Named> values) {
+  JsonValue all;
   all.value_->json = OrderedJson::object();
   for (const auto& [name, value] : values) all.put(name, value);
   return all;
 }
 
-void Fact::put(std::string_view name, Fact value) { value_->json[std::string(name)] = std::move(value.value_->json); }
+void JsonValue::put(std::string_view name, JsonValue value) {
+  value_->json[std::string(name)] = std::move(value.value_->json);
+}
 
-void Fact::add(Fact value) { value_->json.push_back(std::move(value.value_->json)); }
+void JsonValue::add(JsonValue value) { value_->json.push_back(std::move(value.value_->json)); }
 
-bool Fact::empty() const { return value_->json.empty(); }
+bool JsonValue::empty() const { return value_->json.empty(); }
 
-std::string Fact::json() const { return value_->json.dump(2, ' ', true, OrderedJson::error_handler_t::replace) + "\n"; }
+std::string JsonValue::json() const {
+  return value_->json.dump(2, ' ', true, OrderedJson::error_handler_t::replace) + "\n";
+}
 
-std::vector<std::string> Fact::lines() const {
+std::vector<std::string> JsonValue::lines() const {
   std::vector<std::string> all;
   for (const auto& [key, value] : value_->json.items()) {
     const bool list = value.is_array() && !value.empty() && !value.front().is_number() && !value.front().is_array();
@@ -97,4 +101,4 @@ bool is_json_with(std::string_view text, std::string_view name) {
   return json.is_object() && json.contains(name);
 }
 
-}  // namespace gs::app
+}  // namespace gs

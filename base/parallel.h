@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace gs::qnv {
+namespace gs {
 
 /// Progress of a long task, and its cancellation flag. Each task has its own. Any thread may set `cancelled`.
 struct Progress {
@@ -19,4 +19,4 @@ struct Progress {
 bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& work, unsigned threads = 0,
                   Progress* progress = nullptr);
 
-}  // namespace gs::qnv
+}  // namespace gs

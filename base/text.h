@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace gs::app {
+namespace gs {
 
 /// Returns bytes as text, without checks or copies.
 [[nodiscard]] inline std::string_view text_of(std::span<const std::byte> bytes) {
@@ -33,4 +33,4 @@ namespace gs::app {
 /// Returns progress such as "1.4 of 2.3 MB" or "45.2 kB of 2.3 MB".
 [[nodiscard]] std::string readable_part(std::uint64_t bytes, std::uint64_t of);
 
-}  // namespace gs::app
+}  // namespace gs

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/limits.h"
+#include "base/limits.h"
 
 #include <array>
 #include <atomic>
@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace gs::vrml {
+namespace gs {
 
 /// Amounts that one world has used of its limits, and its cancellation check. Every allocation with a size that a file
 /// determines is drawn from here first. Thread-safe, except for `stop_when`.
@@ -88,4 +88,10 @@ class Share {
   std::uint64_t amount_ = 0;
 };
 
-}  // namespace gs::vrml
+/// Budget that all parts of one world share; never null.
+using WorldBudget = std::shared_ptr<Budget>;
+
+/// Returns a budget for a file that is read alone.
+[[nodiscard]] inline WorldBudget own_budget() { return std::make_shared<Budget>(); }
+
+}  // namespace gs

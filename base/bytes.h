@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace gs::qnv {
+namespace gs {
 
 /// Appends little-endian numbers to a byte vector.
 class ByteWriter {
@@ -63,4 +63,4 @@ class ByteReader {
   bool good_ = true;
 };
 
-}  // namespace gs::qnv
+}  // namespace gs

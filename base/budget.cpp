@@ -1,8 +1,8 @@
-#include "vrml/scene/budget.h"
+#include "base/budget.h"
 
 #include <algorithm>
 
-namespace gs::vrml {
+namespace gs {
 namespace {
 
 const ResourceRow& row_of(Resource resource) { return kResources[static_cast<std::size_t>(resource)]; }
@@ -69,4 +69,4 @@ std::string Budget::refusal(Resource resource) const {
   return "more than the limit for " + name + ", " + size + " of one world (--memory raises it)";
 }
 
-}  // namespace gs::vrml
+}  // namespace gs

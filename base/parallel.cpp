@@ -1,4 +1,4 @@
-#include "qnv/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <exception>
@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace gs::qnv {
+namespace gs {
 
 bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& work, unsigned threads,
                   Progress* progress) {
@@ -43,4 +43,4 @@ bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& wor
   return !cancelled();
 }
 
-}  // namespace gs::qnv
+}  // namespace gs

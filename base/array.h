@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace gs::vrml {
+namespace gs {
 
 /// Growable array with copy-on-write storage.
 ///
@@ -185,4 +185,4 @@ class Array {
   Block* block_ = nullptr;
 };
 
-}  // namespace gs::vrml
+}  // namespace gs

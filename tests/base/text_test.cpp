@@ -1,8 +1,8 @@
-#include "app/base/text.h"
+#include "base/text.h"
 
 #include <catch2/catch.hpp>
 
-namespace gs::app::text_test {
+namespace gs::text_test {
 
 TEST_CASE("prints sizes in a suitable unit, and parts in the unit of the whole") {
   CHECK(readable_size(999) == "999 B");
@@ -24,4 +24,4 @@ TEST_CASE("cuts names between characters, and removes their controls") {
   CHECK(shortened("\xc3\xa4\xc3\xa4", 3) == "\xc3\xa4...");
 }
 
-}  // namespace gs::app::text_test
+}  // namespace gs::text_test
