@@ -178,7 +178,7 @@ void measure_readers(int nodes) {
               median(trees));
 }
 
-class Bell {
+class EventFd {
  public:
   void ring() {
     const std::scoped_lock lock(mutex_);
@@ -240,7 +240,7 @@ void measure_sockets(int nodes, int frames, bool web) {
   } else {
     options.paths = {path};
   }
-  Bell bell;
+  EventFd bell;
   Server server;
   auto started = net::ControlServer::start(std::move(options), [&] { bell.ring(); });
   if (!std::holds_alternative<std::unique_ptr<net::ControlServer>>(started)) return;

@@ -13,11 +13,11 @@
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
-#include "tests/render/rays/raycast.h"
 #include "render/scene/camera.h"
 #include "render/splat/splat_gl.h"
 #include "render/splat/splat_pieces.h"
 #include "render/splat/splat_raster.h"
+#include "tests/render/rays/raycast.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -257,7 +257,7 @@ bool compare_surface(const std::string& name, const std::vector<render::SharedSp
   for (const auto& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
   const qnv::Cloud all = together(shared);
   const render::SplatPiece whole{&all, 0, all.size()};
-  const bool smooth = render::survey_surface(std::span(&whole, 1), view, all.size()).smooth;
+  const bool smooth = render::measure_surface(std::span(&whole, 1), view, all.size()).smooth;
   Result result;
   render::SplatLayer layer;
   result.processor_seconds = seconds([&] { layer = render::rasterize_surface(pieces, view); }, settings.runs);

@@ -32,8 +32,8 @@ CodePoint first_code_point(std::string_view text) {
     if ((at(i) & 0xc0U) != 0x80) return {};
     value = value << 6U | (at(i) & 0x3fU);
   }
-  static constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  if (value < kLeast[bytes] || value > 0x10ffff || (value >= 0xd800 && value < 0xe000)) return {};
+  static constexpr std::uint32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (value < kMin[bytes] || value > 0x10ffff || (value >= 0xd800 && value < 0xe000)) return {};
   return {value, bytes};
 }
 

@@ -11,7 +11,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostDigits = 9;
+constexpr std::size_t kMaxDigits = 9;
 
 }  // namespace
 
@@ -39,7 +39,7 @@ std::optional<NumberedName> numbered_name(std::string_view name) {
     if (end >= name.size() || name[end] != 'd' || end - i > 4) return std::nullopt;
     for (std::size_t k = i + 1; k < end; ++k)
       result.digits = result.digits * 10 + static_cast<std::size_t>(name[k] - '0');
-    if (result.digits > kMostDigits) return std::nullopt;
+    if (result.digits > kMaxDigits) return std::nullopt;
     part = &result.after;
     i = end;
   }
@@ -57,7 +57,7 @@ std::optional<std::vector<std::string>> file_series(const std::string& path) {
   const std::string begin = name->before.substr(folder.size());
   std::vector<std::pair<std::uint64_t, std::string>> found;
   fs::directory_iterator entry(folder.empty() ? "." : folder, error);
-  for (; !error && entry != fs::directory_iterator() && found.size() < kMostFiles; entry.increment(error)) {
+  for (; !error && entry != fs::directory_iterator() && found.size() < kMaxFiles; entry.increment(error)) {
     const std::string file = entry->path().filename().string();
     if (file.size() <= begin.size() + name->after.size() || !file.starts_with(begin) || !file.ends_with(name->after))
       continue;

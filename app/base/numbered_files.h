@@ -20,9 +20,9 @@ struct NumberedName {
 
 /// Returns the files of a series, such as the output of a simulation, ordered by number. "run.%04d.vti" matches all
 /// files of the folder with a number of any length in that position. Returns nullopt if the path has no placeholder, or
-/// if a file has this exact name. Returns at most kMostFiles.
+/// if a file has this exact name. Returns at most kMaxFiles.
 [[nodiscard]] std::optional<std::vector<std::string>> file_series(const std::string& path);
-inline constexpr std::size_t kMostFiles = 100'000;
+inline constexpr std::size_t kMaxFiles = 100'000;
 
 /// Returns the index of the file that is shown at a time, at `rate` files per second. The last file stays. `count` is
 /// greater than 0.

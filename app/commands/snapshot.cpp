@@ -10,7 +10,7 @@
 #include "app/simulation/simulation.h"
 #include "app/view/navigation.h"
 #include "app/viewer/offscreen.h"
-#include "app/world/left_out.h"
+#include "app/world/limit_report.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "base/json_value.h"
@@ -50,7 +50,7 @@ using Clock = std::chrono::steady_clock;
 
 // Bytes of a world above which the memory of the driver's compiler is worth freeing, which takes 5 ms.
 constexpr std::size_t kLargeWorld = 16 << 20;
-constexpr int kMostAtFirst = 2048;  // max side in pixels that the driver prepares; larger pictures are drawn in parts
+constexpr int kMaxAtFirst = 2048;  // max side in pixels that the driver prepares; larger pictures are drawn in parts
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -154,8 +154,8 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   // A confined process must not use drivers and devices, so it draws on the processor.
   const bool confined = !options.confine.empty() && options.backend == "auto";
   render::DrawOptions first_part;
-  first_part.width = std::min(options.width, kMostAtFirst);
-  first_part.height = std::min(options.height, kMostAtFirst);
+  first_part.width = std::min(options.width, kMaxAtFirst);
+  first_part.height = std::min(options.height, kMaxAtFirst);
   first_part.samples = options.samples;
   // The driver starts while the world is read.
   std::future<OpenedRenderer> opening =

@@ -9,8 +9,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostSeen = 20'000;  // max number of events that wait to be sent
-constexpr std::size_t kMostId = 256;       // max bytes of the id of a call
+constexpr std::size_t kMaxSeen = 20'000;  // max number of events that wait to be sent
+constexpr std::size_t kMaxId = 256;       // max bytes of the id of a call
 
 // Error codes of JSON-RPC 2.0, 5.1.
 enum class RpcError : int {
@@ -57,7 +57,7 @@ RpcCall read_call(JsonCursor& json) {
     const std::string_view text = json.skip();
     if (name == "id") {
       call.id = text;
-      if (kind == JsonKind::list || kind == JsonKind::object || kind == JsonKind::boolean || text.size() > kMostId)
+      if (kind == JsonKind::list || kind == JsonKind::object || kind == JsonKind::boolean || text.size() > kMaxId)
         call.problem = "expected an id that is a number or a short string";
     } else if (name == "params") {
       call.parameters = text;
@@ -69,7 +69,7 @@ RpcCall read_call(JsonCursor& json) {
     }
   }
   if (!call.method && call.problem.empty()) call.problem = "expected the name of a method";
-  if (!call.problem.empty()) call.id = call.id.size() > kMostId ? std::string_view() : call.id;
+  if (!call.problem.empty()) call.id = call.id.size() > kMaxId ? std::string_view() : call.id;
   return call;
 }
 
@@ -346,7 +346,7 @@ void Control::note(ControlledWorld& world, const vrml::SentEvent& event) {
   for (const auto& [number, place] : found->second) {
     ControlClient& client = clients_.at(number);
     Watch& watch = client.watches.at(place);
-    if (!watch.latest && seen_.size() < kMostSeen && !channel_.is_behind(number)) {
+    if (!watch.latest && seen_.size() < kMaxSeen && !channel_.is_behind(number)) {
       seen_.push_back({number, place, event.time, *event.value});
       continue;
     }

@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostUpdate = std::size_t{16} << 20;  // max bytes of JSON between beginUpdate and endUpdate
+constexpr std::size_t kMaxUpdate = std::size_t{16} << 20;  // max bytes of JSON between beginUpdate and endUpdate
 
 std::string in_quotes(std::string_view text) { return "'" + std::string(text.substr(0, 80)) + "'"; }
 
@@ -190,8 +190,8 @@ std::optional<ClientEvent> ServiceCall::event(JsonCursor& json) {
 bool ServiceCall::send(std::vector<ClientEvent>&& events) {
   if (!client.updates) return deliver(std::move(events));
   for (const std::optional<std::string_view>& one : given) client.update_bytes += one ? one->size() : 0;
-  if (client.update_bytes > kMostUpdate) {
-    problem = "an update exceeds " + std::to_string(kMostUpdate >> 20) + " MiB; expected endUpdate earlier";
+  if (client.update_bytes > kMaxUpdate) {
+    problem = "an update exceeds " + std::to_string(kMaxUpdate >> 20) + " MiB; expected endUpdate earlier";
     return false;
   }
   // The client's numbers keep the nodes alive until then.

@@ -209,9 +209,9 @@ bool unadvise_browser(ServiceCall& call) {
 }
 
 bool await_world(ServiceCall& call) {
-  constexpr std::size_t kMostWaiting = 1000;
+  constexpr std::size_t kMaxWaiting = 1000;
   if (call.document) return true;
-  if (call.client.waits_for_world.size() >= kMostWaiting) {
+  if (call.client.waits_for_world.size() >= kMaxWaiting) {
     call.problem = "too many calls are waiting for a world";
     return false;
   }

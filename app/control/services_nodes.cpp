@@ -10,7 +10,7 @@ namespace {
 
 constexpr ParameterRow kNode{"node", "node"};
 constexpr ParameterRow kEventOut{"event", "name of an eventOut or exposedField"};
-constexpr std::size_t kMostWatches = 100'000, kMostNodes = 1'000'000;  // max numbers per client
+constexpr std::size_t kMaxWatches = 100'000, kMaxNodes = 1'000'000;  // max numbers per client
 
 void put_node(ServiceCall& call, const PlacedNode& node) {
   const vrml::Node& of = node.scene->node(node.id);
@@ -24,8 +24,8 @@ void put_node(ServiceCall& call, const PlacedNode& node) {
 bool get_node(ServiceCall& call) {
   const auto node = call.node(0);
   if (!node) return false;
-  if (call.client.nodes.size() >= kMostNodes) {
-    call.problem = "this client has " + std::to_string(kMostNodes) + " nodes; expected dispose earlier";
+  if (call.client.nodes.size() >= kMaxNodes) {
+    call.problem = "this client has " + std::to_string(kMaxNodes) + " nodes; expected dispose earlier";
     return false;
   }
   put_node(call, *node);
@@ -123,8 +123,8 @@ bool advise(ServiceCall& call) {
   std::optional<PlacedNode> node;
   const vrml::InterfaceDeclaration* const event = event_out(call, node);
   if (!event) return false;
-  if (call.client.watches.size() >= kMostWatches) {
-    call.problem = "this client already watches " + std::to_string(kMostWatches) + " eventOuts";
+  if (call.client.watches.size() >= kMaxWatches) {
+    call.problem = "this client already watches " + std::to_string(kMaxWatches) + " eventOuts";
     return false;
   }
   call.result = "{\"watch\":" + std::to_string(call.control.watch(call.client, *node, *event)) + "}";

@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr int kMostSide = 4096;  // max pixels per side
+constexpr int kMaxSide = 4096;  // max pixels per side
 
 void put_numbers(std::string& out, std::string_view name, std::span<const double> numbers) {
   out += (out.size() > 1 ? ",\"" : "\"") + std::string(name) + "\":[";
@@ -112,8 +112,8 @@ bool set_viewer(ServiceCall& call) {
 
 bool snapshot(ServiceCall& call) {
   constexpr int kWidth = 1024, kHeight = 768;
-  const auto width = call.has(0) ? call.whole(0, 1, kMostSide) : kWidth;
-  const auto height = call.has(1) ? call.whole(1, 1, kMostSide) : kHeight;
+  const auto width = call.has(0) ? call.whole(0, 1, kMaxSide) : kWidth;
+  const auto height = call.has(1) ? call.whole(1, 1, kMaxSide) : kHeight;
   if (!width || !height) return false;
   if (!call.control.painter()) {
     call.problem = "this program cannot draw pictures";

@@ -125,7 +125,7 @@ class Builder {
   }
   std::uint32_t number_of(const qnv::OutlineAppearance& look) {
     const auto [at, fresh] = numbers_.try_emplace(key_of(look), static_cast<std::uint32_t>(out_.appearances.size()));
-    if (fresh && out_.appearances.size() >= qnv::kMostOutlineAppearances) {
+    if (fresh && out_.appearances.size() >= qnv::kMaxOutlineAppearances) {
       at->second = 0;
     } else if (fresh) {
       out_.appearances.push_back(look);

@@ -15,15 +15,14 @@
 namespace gs::app {
 namespace {
 
-
 constexpr std::size_t kTriangleBatch = 4096;
-// Edges of textured triangles are halved down to this length in texels, but at most kMostDivisions times.
+// Edges of textured triangles are halved down to this length in texels, but at most kMaxDivisions times.
 constexpr float kTexels = 2;
-constexpr int kMostDivisions = 7;
+constexpr int kMaxDivisions = 7;
 
-// An edge is curved if the cosine of its end normals exceeds kBentCosine; the offset is limited to kMostBend of its
+// An edge is curved if the cosine of its end normals exceeds kBentCosine; the offset is limited to kMaxBend of its
 // length.
-constexpr float kBentCosine = 0.5f, kMostBend = 0.15f;
+constexpr float kBentCosine = 0.5f, kMaxBend = 0.15f;
 
 /// Number of times an edge is halved, and whether its midpoint follows the normals or a straight line.
 struct EdgeCut {
@@ -156,7 +155,7 @@ class Emitter {
     float length = std::sqrt(glm::dot(d, d));
     if (!std::isfinite(length)) return 0;
     int n = 0;
-    while (n < kMostDivisions && length > kTexels) {
+    while (n < kMaxDivisions && length > kTexels) {
       length *= 0.5f;
       ++n;
     }
@@ -194,7 +193,7 @@ class Emitter {
       // Place the midpoint half way to the tangent planes at both ends; this is exact for a circle.
       const glm::vec3 half = (b.position - a.position) * 0.5f;
       const glm::vec3 off = 0.25f * (glm::dot(half, b.normal) * b.normal - glm::dot(half, a.normal) * a.normal);
-      const float size = glm::length(off), most = kMostBend * 2 * glm::length(half);
+      const float size = glm::length(off), most = kMaxBend * 2 * glm::length(half);
       if (size > 0) c.position += size > most ? off * (most / size) : off;
     }
     const glm::vec3 n = a.normal + b.normal;
@@ -211,9 +210,9 @@ class Emitter {
     const auto is_cut = [&](std::size_t k) { return cuts[k % 3].halvings > 0; };
     const int halved = is_cut(0) + is_cut(1) + is_cut(2);
     if (halved == 0) return put(c);
-    // Inner edges are cut by their own length; the total depth stays within kMostDivisions.
+    // Inner edges are cut by their own length; the total depth stays within kMaxDivisions.
     const auto inside = [&](const SurfaceCorner& a, const SurfaceCorner& b) {
-      return EdgeCut{std::min(halvings_of(a.texture, b.texture), kMostDivisions - depth - 1),
+      return EdgeCut{std::min(halvings_of(a.texture, b.texture), kMaxDivisions - depth - 1),
                      glm::dot(a.normal, b.normal) > kBentCosine};
     };
     const auto half = [&](std::size_t k) { return EdgeCut{cuts[k % 3].halvings - 1, cuts[k % 3].bent}; };

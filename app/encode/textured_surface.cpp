@@ -28,10 +28,10 @@ using render::Image;
 // Margin around tiles in pixels, for mipmaps; size of single-colour tiles.
 constexpr std::uint32_t kMargin = 8, kSolid = 16;
 // Max repetitions of a repeated texture, and max size of the atlas in pixels per axis.
-constexpr float kMostRepeats = 8;
-constexpr std::uint32_t kMostPixels = 4096;
+constexpr float kMaxRepeats = 8;
+constexpr std::uint32_t kMaxPixels = 4096;
 // A single texture keeps its coordinates unless they repeat more often than this.
-constexpr float kMostSpan = 16;
+constexpr float kMaxSpan = 16;
 
 // Coarse previews start at kCoarsest to 2 * kCoarsest pixels per axis. A preview is omitted if it exceeds
 // 1/kWorthOfCoarse of the picture's bytes. A PNG, which decodes row by row, gets several previews, each kFiner times
@@ -194,26 +194,26 @@ std::optional<Image> painted(PictureGatherer& gathered, qnv::TexturedSurface& su
     if (tile.image) {
       // A non-repeating texture extends its border.
       const glm::vec2 shown = tile.upper - tile.lower;
-      if (!(shown.x * shown.y <= kMostRepeats) || !(std::max(shown.x, shown.y) <= kMostSpan)) return std::nullopt;
+      if (!(shown.x * shown.y <= kMaxRepeats) || !(std::max(shown.x, shown.y) <= kMaxSpan)) return std::nullopt;
       const glm::vec2 of(static_cast<float>(tile.image->width), static_cast<float>(tile.image->height));
       size = glm::ceil(tile.upper * of) - first_pixel(tile) + 1.0f;
     }
-    if (!(std::max(size.x, size.y) + 2 * kMargin <= static_cast<float>(kMostPixels))) return std::nullopt;
+    if (!(std::max(size.x, size.y) + 2 * kMargin <= static_cast<float>(kMaxPixels))) return std::nullopt;
     tile.width = static_cast<std::uint32_t>(size.x) + 2 * kMargin;
     tile.height = static_cast<std::uint32_t>(size.y) + 2 * kMargin;
     pixels += static_cast<double>(tile.width) * tile.height;
     widest = std::max(widest, tile.width);
   }
-  if (pixels > static_cast<double>(kMostPixels) * kMostPixels) return std::nullopt;
+  if (pixels > static_cast<double>(kMaxPixels) * kMaxPixels) return std::nullopt;
   Image image;
   image.components = 3;
-  image.width = std::clamp(static_cast<std::uint32_t>(std::sqrt(pixels) * 1.05) + 1, widest, kMostPixels);
+  image.width = std::clamp(static_cast<std::uint32_t>(std::sqrt(pixels) * 1.05) + 1, widest, kMaxPixels);
   image.height = lay_out(tiles, image.width);
-  if (image.height > kMostPixels) {
-    image.width = kMostPixels;
+  if (image.height > kMaxPixels) {
+    image.width = kMaxPixels;
     image.height = lay_out(tiles, image.width);
   }
-  if (image.height > kMostPixels) return std::nullopt;
+  if (image.height > kMaxPixels) return std::nullopt;
   image.pixels.resize(std::size_t{3} * image.width * image.height);
   for (const TextureTile& tile : tiles) {
     const glm::vec2 first = first_pixel(tile);
@@ -358,7 +358,7 @@ std::optional<qnv::TexturedSurface> textured_surface(const render::RenderList& l
   const TextureTile& first = gathered.tiles.front();
   if (gathered.tiles.size() == 1 && (first.image->components >= 3 || first.color == glm::vec3(1))) {
     const glm::vec2 span = first.upper - first.lower;
-    if (!(std::max(span.x, span.y) <= kMostSpan)) gathered.shift();
+    if (!(std::max(span.x, span.y) <= kMaxSpan)) gathered.shift();
     surface.repeat_s = first.repeat_s;
     surface.repeat_t = first.repeat_t;
     pack(first.image->components == 2 || first.image->components == 4 ? without_alpha(*first.image) : *first.image,

@@ -8,9 +8,9 @@ namespace gs::app {
 namespace {
 
 // Bytes per pixel: decoded, up to 4 components, and the renderer's copy with mipmaps.
-constexpr std::uint64_t kMostPixelBytes = 10, kCopyBytes = 6;
+constexpr std::uint64_t kMaxPixelBytes = 10, kCopyBytes = 6;
 // Minimum size; smaller pictures are useless.
-constexpr std::uint64_t kFewestPixels = 64 * 64;
+constexpr std::uint64_t kMinPixels = 64 * 64;
 
 std::string size_of(std::uint32_t width, std::uint32_t height) {
   return std::to_string(width) + "x" + std::to_string(height);
@@ -20,7 +20,7 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 
 render::ImageLimits texture_limits(const WorldBudget& budget) {
   const Limits& limits = budget->limits();
-  const std::uint64_t left = budget->left(Resource::pixels) / 2 / kMostPixelBytes;
+  const std::uint64_t left = budget->left(Resource::pixels) / 2 / kMaxPixelBytes;
   render::ImageLimits image_limits;
   image_limits.file_pixels = limits.image_pixels;
   image_limits.kept_pixels = static_cast<std::size_t>(std::min<std::uint64_t>(limits.texture_pixels, left));
@@ -31,7 +31,7 @@ render::ImageLimits texture_limits(const WorldBudget& budget) {
 
 std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes, const WorldBudget& budget) {
   const render::ImageLimits image_limits = texture_limits(budget);
-  if (image_limits.kept_pixels < kFewestPixels) return render::ImageError{budget->refusal(Resource::pixels)};
+  if (image_limits.kept_pixels < kMinPixels) return render::ImageError{budget->refusal(Resource::pixels)};
   auto decoded = render::decode_image(bytes, image_limits);
   if (auto* error = std::get_if<render::ImageError>(&decoded)) return std::move(*error);
   struct Held {

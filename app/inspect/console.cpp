@@ -22,7 +22,7 @@ std::optional<ProgramLine> line_of(const Diagnostic& one) {
 }  // namespace
 
 void ScriptConsole::add(ProgramLine line) {
-  if (lines_.size() >= kMostLines) lines_.erase(lines_.begin(), lines_.begin() + kMostLines / 4);
+  if (lines_.size() >= kMaxLines) lines_.erase(lines_.begin(), lines_.begin() + kMaxLines / 4);
   lines_.push_back(std::move(line));
 }
 
@@ -49,7 +49,7 @@ bool ScriptConsole::take(const SessionLog& log, const std::string& path) {
 bool ScriptConsole::enter(const std::string& line) {
   if (line.find_first_not_of(" \t\r\n") == std::string::npos) return false;
   std::erase(entered_, line);
-  if (entered_.size() >= kMostEntered) entered_.erase(entered_.begin());
+  if (entered_.size() >= kMaxEntered) entered_.erase(entered_.begin());
   entered_.push_back(line);
   recalled_ = entered_.size();
   edited_.clear();

@@ -29,7 +29,7 @@ struct ProgramLine {
 /// No drawing.
 class ScriptConsole {
  public:
-  static constexpr std::size_t kMostLines = 2000, kMostEntered = 200;
+  static constexpr std::size_t kMaxLines = 2000, kMaxEntered = 200;
 
   /// Reads new entries from the log of a world's file. Another world's entries replace the present ones. Returns true
   /// if the lines changed.
@@ -41,7 +41,7 @@ class ScriptConsole {
   [[nodiscard]] bool has_entered() const { return !waiting_.empty(); }
   void answer(const std::string& text, bool failed);
   void clear() { lines_.clear(); }
-  /// Returns the lines, oldest first; old lines are dropped after kMostLines.
+  /// Returns the lines, oldest first; old lines are dropped after kMaxLines.
   [[nodiscard]] const std::vector<ProgramLine>& lines() const { return lines_; }
   /// Returns the previous (`before`) or next history entry; nullopt if there is none. `present` is the line being
   /// edited; it is restored after the newest entry.

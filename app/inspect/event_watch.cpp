@@ -19,7 +19,7 @@ void EventWatch::watch(vrml::Execution* world) {
         const Key key{event.node, event.event};
         auto found = seen_.find(key);
         if (found == seen_.end()) {
-          if (seen_.size() >= kMost) return;
+          if (seen_.size() >= kMax) return;
           found = seen_.emplace(key, Seen{}).first;
         }
         found->second.time = event.time;

@@ -32,7 +32,7 @@ class EventWatch {
   /// Returns null if the eventOut has not sent anything.
   [[nodiscard]] const Seen* find(const NodeAt& node, const vrml::InterfaceDeclaration& event) const;
   /// Max number of eventOuts tracked; later ones are ignored.
-  static constexpr std::size_t kMost = 100'000;
+  static constexpr std::size_t kMax = 100'000;
   [[nodiscard]] std::size_t size() const { return seen_.size(); }
 
  private:

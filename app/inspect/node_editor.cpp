@@ -11,7 +11,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostEdits = 10'000;  // max pending edits
+constexpr std::size_t kMaxEdits = 10'000;  // max pending edits
 
 }  // namespace
 
@@ -44,7 +44,7 @@ std::optional<std::string> NodeEditor::send_text(const vrml::InterfaceDeclaratio
 std::optional<std::string> NodeEditor::send(const vrml::InterfaceDeclaration& event_in, vrml::FieldValue value) {
   if (!world_ || !node_) return "the node no longer exists";
   if (auto why = why_not_valid(*node_.scene->node(node_.id).type, event_in, value)) return why;
-  if (edits_.size() >= kMostEdits) return "too many changes are pending; try again";
+  if (edits_.size() >= kMaxEdits) return "too many changes are pending; try again";
   edits_.push_back({node_, &event_in, std::move(value)});
   return std::nullopt;
 }

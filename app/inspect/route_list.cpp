@@ -7,10 +7,10 @@
 namespace gs::app {
 
 std::string label_of(const NodeAt& node) {
-  constexpr std::size_t kMost = 80;
+  constexpr std::size_t kMax = 80;
   if (!node || !node.scene->contains(node.id)) return "(gone)";
   const vrml::Node& of = node.scene->node(node.id);
-  return shortened(of.name.empty() ? std::string_view(of.type->name) : of.name, kMost);
+  return shortened(of.name.empty() ? std::string_view(of.type->name) : of.name, kMax);
 }
 
 void RouteList::refresh(const vrml::Execution* world, const NodeAt& selected) {

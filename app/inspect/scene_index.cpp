@@ -7,8 +7,8 @@ namespace gs::app {
 namespace {
 
 constexpr double kBetween = 2;                         // min seconds between two rebuilds
-constexpr std::size_t kMostDepth = 100'000;            // far above the nesting limit of texts
-constexpr std::size_t kMostScenes = 0xffff;            // max scenes that entries can number
+constexpr std::size_t kMaxDepth = 100'000;             // far above the nesting limit of texts
+constexpr std::size_t kMaxScenes = 0xffff;             // max scenes that entries can number
 constexpr std::size_t kDrawn = std::size_t{64} << 10;  // entries charged to the budget at a time
 
 char small(char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter; }
@@ -91,8 +91,8 @@ bool SceneIndex::enter(const NodeAt& node, std::uint32_t parent, std::uint16_t p
     if (!share_.grow(bytes)) cut_short_ = true;
   }
   const auto [number, fresh] =
-      scene_numbers_.try_emplace(node.scene, static_cast<std::uint16_t>(std::min(scenes_.size(), kMostScenes)));
-  if (fresh && scenes_.size() < kMostScenes) scenes_.push_back({node.scene, {}});
+      scene_numbers_.try_emplace(node.scene, static_cast<std::uint16_t>(std::min(scenes_.size(), kMaxScenes)));
+  if (fresh && scenes_.size() < kMaxScenes) scenes_.push_back({node.scene, {}});
   if (number->second >= scenes_.size()) cut_short_ = true;
   if (cut_short_) return false;
   std::vector<std::uint32_t>& known = scenes_[number->second].entries;
@@ -121,7 +121,7 @@ std::size_t SceneIndex::walk(std::size_t work) {
     }
     const auto element = static_cast<std::uint32_t>(top.element++);
     const NodeAt node{group.scene, group.nodes[element]};
-    if (!node.id || !enter(node, top.entry, group.place, element) || depth_ >= kMostDepth) continue;
+    if (!node.id || !enter(node, top.entry, group.place, element) || depth_ >= kMaxDepth) continue;
     const auto entry = static_cast<std::uint32_t>(entries_.size() - 1);
     if (way_.size() <= depth_) way_.resize(depth_ + 1);
     Standing& below = way_[depth_++];
@@ -145,7 +145,7 @@ bool SceneIndex::fits(const NodeAt& at) {
 std::size_t SceneIndex::scan(std::size_t work) {
   if (sought_.empty()) scanned_ = entries_.size();
   std::size_t done = 0;
-  for (; scanned_ < entries_.size() && done < work && matches_.size() < kMostMatches; ++scanned_, ++done)
+  for (; scanned_ < entries_.size() && done < work && matches_.size() < kMaxMatches; ++scanned_, ++done)
     if (fits(node_of(static_cast<std::uint32_t>(scanned_)))) matches_.push_back(static_cast<std::uint32_t>(scanned_));
   work_done_ += done;
   return done;

@@ -36,12 +36,12 @@ class SceneIndex {
   /// Searches nodes with this text in DEF name or type, ignoring case. An empty text ends the search.
   void find(std::string_view text);
   [[nodiscard]] const std::string& sought() const { return sought_; }
-  /// Number of matches, up to kMostMatches; matches are in text order.
+  /// Number of matches, up to kMaxMatches; matches are in text order.
   [[nodiscard]] std::size_t matches() const { return matches_.size(); }
   [[nodiscard]] NodeAt match(std::size_t index) const { return node_of(matches_[index]); }
   /// Reports whether the search has covered all indexed nodes.
-  [[nodiscard]] bool searched() const { return scanned_ == entries_.size() || matches_.size() >= kMostMatches; }
-  static constexpr std::size_t kMostMatches = 100'000;
+  [[nodiscard]] bool searched() const { return scanned_ == entries_.size() || matches_.size() >= kMaxMatches; }
+  static constexpr std::size_t kMaxMatches = 100'000;
 
   /// Returns the total number of nodes and entries visited, as a measure of cost.
   [[nodiscard]] std::uint64_t work_done() const { return work_done_; }

@@ -132,7 +132,7 @@ OutlineRow SceneOutline::row(std::size_t index) const {
   if (!row.node) return row;
   row.use = is_use(found, row.node);
   row.open = found.way.back()->open.contains(found.number);
-  row.can_open = row.open || (!row.use && row.depth < kMostDepth && count_held(row.node) > 0);
+  row.can_open = row.open || (!row.use && row.depth < kMaxDepth && count_held(row.node) > 0);
   return row;
 }
 

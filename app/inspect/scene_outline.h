@@ -44,7 +44,7 @@ class SceneOutline {
   [[nodiscard]] std::uint64_t work_done() const { return work_done_; }
 
  private:
-  static constexpr std::size_t kMostDepth = 1000;
+  static constexpr std::size_t kMaxDepth = 1000;
   /// An open line, or the whole.
   struct Branch {
     NodeAt node;

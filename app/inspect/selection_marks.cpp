@@ -33,7 +33,7 @@ WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes)
   }
   const auto add = [&](const WideBox& one) { bounds.add(one); };
   for (const render::DrawItem& item : list.items)
-    if (item.place < inside.size() && inside[item.place] && item.mesh && item.seen)
+    if (item.place < inside.size() && inside[item.place] && item.mesh && item.visible)
       add(render::world_bounds(item.mesh->bounds, item.world_from_node));
   for (const render::SplatItem& splat : list.splats)
     if (splat.place < inside.size() && inside[splat.place] && splat.cloud) {

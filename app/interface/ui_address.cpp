@@ -13,7 +13,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostSuggestions = 12;
+constexpr std::size_t kMaxSuggestions = 12;
 constexpr ImGuiWindowFlags kListFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
                                         ImGuiWindowFlags_NoFocusOnAppearing;
@@ -26,7 +26,7 @@ std::vector<UiOverlay::State::Suggestion> UiOverlay::State::suggestions(const Ui
   std::vector<Suggestion> result;
   const auto add = [&](const std::string& place, const std::string& label, Icon icon) {
     const bool there = std::any_of(result.begin(), result.end(), [&](const Suggestion& s) { return s.place == place; });
-    if (!there && result.size() < kMostSuggestions) result.push_back({place, label, icon});
+    if (!there && result.size() < kMaxSuggestions) result.push_back({place, label, icon});
   };
   if (!looks_like_path(typed)) {
     for (const Bookmark& one : model.bookmarks)
@@ -35,7 +35,7 @@ std::vector<UiOverlay::State::Suggestion> UiOverlay::State::suggestions(const Ui
     for (const std::string& place : model.recent)
       if (fuzzy_score(without_home(place), typed)) add(place, without_home(place), Icon::clock);
   }
-  for (const std::string& path : suggested_paths(typed, listing, kMostSuggestions))
+  for (const std::string& path : suggested_paths(typed, listing, kMaxSuggestions))
     add(path, path, path.ends_with('/') ? Icon::folder : Icon::file);
   return result;
 }

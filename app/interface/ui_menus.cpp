@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostShown = 15;
+constexpr std::size_t kMaxShown = 15;
 constexpr float kRoomForTwo = 62;  // min width for a menu with a submenu beside it, in font heights
 
 // Begins a part of the menu row.
@@ -161,7 +161,7 @@ void UiOverlay::State::MenuBar::end_part() {
 
 void UiOverlay::State::MenuBar::recent_menu(const UiModel& model, UiActions& actions) {
   if (!begin_part("Open recent", !model.recent.empty())) return;
-  for (std::size_t i = 0; i < std::min(model.recent.size(), kMostShown); ++i)
+  for (std::size_t i = 0; i < std::min(model.recent.size(), kMaxShown); ++i)
     if (ImGui::MenuItem(("      " + label_of(shortened(without_home(model.recent[i]), 90), std::to_string(i))).c_str()))
       actions.open = model.recent[i];
   end_part();

@@ -14,7 +14,7 @@ namespace gs::app {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMostRecentShown = 5;
+constexpr std::size_t kMaxRecentShown = 5;
 
 }  // namespace
 
@@ -104,7 +104,7 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
     colored_text(UiColors::kQuiet, "Recent");
     std::vector<Suggestion> recent;
     for (const std::string& place : model.recent)
-      if (recent.size() < kMostRecentShown) recent.push_back({place, without_home(place), Icon::clock});
+      if (recent.size() < kMaxRecentShown) recent.push_back({place, without_home(place), Icon::clock});
     if (const auto clicked = suggestion_rows(recent, std::nullopt)) choice = recent[*clicked].place;
     ImGui::Separator();
   }

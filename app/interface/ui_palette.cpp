@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostRows = 400;
+constexpr std::size_t kMaxRows = 400;
 constexpr int kFramesToType = 4;  // max frames until its field has the focus
 
 }  // namespace
@@ -47,7 +47,7 @@ void UiOverlay::State::palette_dialog(const UiModel& model, UiActions& actions) 
   for (const Command& command : all)
     if (const auto score = fuzzy_score(command.words, palette.typed)) fit.emplace_back(*score, &command);
   std::stable_sort(fit.begin(), fit.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (fit.size() > kMostRows) fit.resize(kMostRows);
+  if (fit.size() > kMaxRows) fit.resize(kMaxRows);
 
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   const float width = std::min(620 * scale, screen.x - 24 * scale);

@@ -16,7 +16,7 @@ namespace gs::app {
 namespace {
 
 constexpr float kHandle = 8;                            // width of a divider's handle, at scale 1
-constexpr float kLeastViewport = 96;                    // min side of a viewport, at scale 1
+constexpr float kMinViewport = 96;                      // min side of a viewport, at scale 1
 constexpr std::size_t kBarLabel = 40, kMenuLabel = 60;  // max bytes of a name
 
 std::string name_of_pane(std::size_t pane, const std::string& label) {
@@ -80,7 +80,7 @@ void ViewportWidgets::divider_handles(const UiModel& model, UiActions& actions) 
         const ImVec2 pointer = ImGui::GetIO().MousePos;
         actions.divider = {divider,
                            static_cast<int>(std::lround(divider.upright ? pointer.x / unit.x : pointer.y / unit.y)),
-                           static_cast<int>(std::lround(kLeastViewport * scale_ / unit.x)), !held};
+                           static_cast<int>(std::lround(kMinViewport * scale_ / unit.x)), !held};
       }
       tooltips_.show("Drag to resize viewports.  Double-click to equalise their sizes");
     }
@@ -184,8 +184,7 @@ void ViewportWidgets::pane_shares(const UiViewport& viewport, UiActions& actions
     actions.pane = wish(PaneRequest::Kind::weigh, viewport);
     actions.pane->weight = static_cast<double>(std::abs(weight - 1) < 0.04f ? 1.0f : weight);
   }
-  tooltips_.show(
-      "Multiplies this viewport's share of vectors and bandwidth.  Ctrl+click to type a number");
+  tooltips_.show("Multiplies this viewport's share of vectors and bandwidth.  Ctrl+click to type a number");
   text("Vectors: " +
        (viewport.vectors > 0 ? percent(viewport.vectors) + ", " + thousands(viewport.budget) : std::string("none")));
   const std::string share = viewport.reading > 0 ? percent(viewport.reading) + ", " : "";

@@ -13,12 +13,12 @@
 namespace gs::app {
 namespace {
 
-constexpr double kFade = 0.005;      // fade-out of a cut sound, in seconds
-constexpr double kMostApart = 0.02;  // max drift in seconds before a sound jumps to its position
-constexpr double kNear = 0.02;       // tolerance in pairs; above the precision of times since 1970
-constexpr double kFastest = 64;      // max file samples per output sample; faster sounds are inaudible
-constexpr int kLobes = 8;            // filter lobes on each side
-constexpr int kFilterSteps = 512;    // table entries per lobe
+constexpr double kFade = 0.005;     // fade-out of a cut sound, in seconds
+constexpr double kMaxApart = 0.02;  // max drift in seconds before a sound jumps to its position
+constexpr double kNear = 0.02;      // tolerance in pairs; above the precision of times since 1970
+constexpr double kFastest = 64;     // max file samples per output sample; faster sounds are inaudible
+constexpr int kLobes = 8;           // filter lobes on each side
+constexpr int kFilterSteps = 512;   // table entries per lobe
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// Windowed sinc function for resampling.
@@ -159,7 +159,7 @@ void Mixer::mix_one(Playing& playing, double from, double to, std::span<float> p
   if (voice.loop && turn > 0) should = std::fmod(should, turn);
   double apart = should - (voice.loop && turn > 0 ? std::fmod(playing.place, turn) : playing.place);
   if (voice.loop && turn > 0) apart -= turn * std::round(apart / turn);
-  if (!playing.placed || std::abs(apart) > kMostApart * stream.rate() * voice.rate) playing.place = should;
+  if (!playing.placed || std::abs(apart) > kMaxApart * stream.rate() * voice.rate) playing.place = should;
   // Snap to the file's samples if the rates match.
   if (std::abs(step - 1) < 1e-9 && std::abs(playing.place - std::round(playing.place)) < kNear)
     playing.place = std::round(playing.place);

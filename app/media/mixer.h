@@ -14,7 +14,7 @@ namespace gs::app {
 /// Sample rate of the mix: stereo pairs per second.
 inline constexpr int kMixRate = 48000;
 /// Maximum number of sounds played at a time; see SoundRank.
-inline constexpr std::size_t kMostVoices = 32;
+inline constexpr std::size_t kMaxVoices = 32;
 
 /// One sound to be mixed.
 struct Voice {

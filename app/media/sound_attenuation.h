@@ -32,7 +32,7 @@ struct Pan {
 /// Computes how loud a viewer hears a Sound (6.42, 7.3.4). `world_from_viewer` must have no scale.
 [[nodiscard]] Heard sound_attenuation(const render::SoundState& sound, const glm::dmat4& world_from_viewer);
 
-/// Sort key that selects which sounds play when there are more than kMostVoices (7.3.4.1).
+/// Sort key that selects which sounds play when there are more than kMaxVoices (7.3.4.1).
 struct SoundRank {
   double priority = 0, start = 0, level = 0;
   friend bool operator<(const SoundRank& a, const SoundRank& b);

@@ -39,7 +39,7 @@ void SoundStage::add(const render::RenderList& list, vrml::Execution& execution,
 
 void SoundStage::end(double now) {
   std::stable_sort(heard_.begin(), heard_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  if (heard_.size() > kMostVoices) heard_.resize(kMostVoices);
+  if (heard_.size() > kMaxVoices) heard_.resize(kMaxVoices);
   std::vector<Voice> voices;
   voices.reserve(heard_.size());
   for (auto& [rank, voice] : heard_) voices.push_back(std::move(voice));
@@ -55,7 +55,7 @@ void SoundStage::set_muted(bool muted) {
 }
 
 void SoundStage::change_volume(int steps) {
-  volume_ = std::clamp(volume_ + steps * kVolumeStep, kLeastVolume, 0);
+  volume_ = std::clamp(volume_ + steps * kVolumeStep, kMinVolume, 0);
   muted_ = muted_ && steps < 0;
   set_gain();
 }

@@ -31,10 +31,10 @@ class SoundStage {
 
   void set_muted(bool muted);
   [[nodiscard]] bool muted() const { return muted_; }
-  /// Changes the volume by `steps` of kVolumeStep dB, clamped to kLeastVolume..0.
+  /// Changes the volume by `steps` of kVolumeStep dB, clamped to kMinVolume..0.
   void change_volume(int steps);
   [[nodiscard]] int volume() const { return volume_; }  // dB
-  static constexpr int kVolumeStep = 3, kLeastVolume = -36;
+  static constexpr int kVolumeStep = 3, kMinVolume = -36;
 
   [[nodiscard]] Mixer& mixer() { return mixer_; }
 

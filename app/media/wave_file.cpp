@@ -7,8 +7,8 @@
 namespace gs::app {
 
 void WaveFile::add(std::span<const float> pairs) {
-  constexpr auto kMost = static_cast<std::size_t>(kLongest * kMixRate * 2);
-  for (const float value : pairs.first(std::min(pairs.size(), kMost - std::min(kMost, samples_.size()))))
+  constexpr auto kMax = static_cast<std::size_t>(kLongest * kMixRate * 2);
+  for (const float value : pairs.first(std::min(pairs.size(), kMax - std::min(kMax, samples_.size()))))
     samples_.push_back(static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767)));
 }
 

@@ -19,8 +19,8 @@ std::optional<std::string> plan_animation(const AnimationRequest& request, std::
   if (legs > 0) seconds = legs * (request.length > 0 ? request.length : kTourSeconds);
   const double wanted =
       request.pictures > 0 ? static_cast<double>(request.pictures) : std::round(seconds * request.rate);
-  if (!(wanted <= static_cast<double>(kMostPictures)))
-    return "an animation has at most " + std::to_string(kMostPictures) + " pictures";
+  if (!(wanted <= static_cast<double>(kMaxPictures)))
+    return "an animation has at most " + std::to_string(kMaxPictures) + " pictures";
   const auto count = static_cast<std::size_t>(std::max(wanted, 1.0));
   steps.clear();
   for (std::size_t i = 0; i < count; ++i) {

@@ -14,7 +14,7 @@
 namespace gs::app {
 
 inline constexpr double kTurntableSeconds = 8, kTourSeconds = 3;  // defaults: one turn; between Viewpoints
-inline constexpr std::size_t kMostPictures = 100'000;             // max pictures in an animation
+inline constexpr std::size_t kMaxPictures = 100'000;              // max pictures in an animation
 
 /// One picture of an animation.
 struct AnimationStep {

@@ -8,8 +8,8 @@
 
 namespace gs::app {
 
-inline constexpr int kMostPictureSide = 65536;  // pixels
-inline constexpr double kUsualDots = 300;       // default resolution, dots per inch
+inline constexpr int kMaxPictureSide = 65536;  // pixels
+inline constexpr double kUsualDots = 300;      // default resolution, dots per inch
 
 /// Output options of a saved picture, apart from its content.
 struct PictureRequest {
@@ -22,7 +22,7 @@ struct PictureRequest {
 };
 
 /// Returns the size in pixels for the requested paper size. Returns nullopt if a side is empty or exceeds
-/// kMostPictureSide. Uses kUsualDots per inch if no resolution is requested.
+/// kMaxPictureSide. Uses kUsualDots per inch if no resolution is requested.
 [[nodiscard]] std::optional<glm::ivec2> pixels_of(const PictureRequest& request);
 
 }  // namespace gs::app

@@ -39,20 +39,20 @@ std::string pictures_folder() {
   if (!config.starts_with('/')) config = variable("HOME") + "/.config";
   const auto opened = net::map_file(config + "/user-dirs.dirs");
   const auto* file = std::get_if<net::MappedFile>(&opened);
-  constexpr std::size_t kMost = 65536;
-  if (!file || file->bytes().size() > kMost) return pictures_folder(variable, {});
+  constexpr std::size_t kMax = 65536;
+  if (!file || file->bytes().size() > kMax) return pictures_folder(variable, {});
   return pictures_folder(variable, {reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size()});
 }
 
 std::string picture_name(std::string_view title, double time, std::string_view extension) {
-  constexpr std::size_t kMostTitle = 80;  // bytes
+  constexpr std::size_t kMaxTitle = 80;  // bytes
   std::string name;
   for (const char c : title) {
     const auto byte = static_cast<unsigned char>(c);
     name += byte < ' ' || byte == 127 || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos ? '_' : c;
   }
-  if (name.size() > kMostTitle) {
-    std::size_t end = kMostTitle;
+  if (name.size() > kMaxTitle) {
+    std::size_t end = kMaxTitle;
     while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;
     name.resize(end);
   }

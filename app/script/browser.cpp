@@ -17,7 +17,7 @@
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMostTold = 4096;  // characters of a line and of a description
+constexpr std::size_t kMaxTold = 4096;  // characters of a line and of a description
 
 bool texts_argument(JSContext* context, const JS::CallArgs& args, unsigned index, std::vector<std::string>& texts) {
   if (index >= args.length() || args[index].isNullOrUndefined()) return true;
@@ -151,7 +151,7 @@ bool tell_text(JSContext* context, unsigned argc, JS::Value* vp) {
   World& world = world_of(context);
   ScriptRequest request = request_of(world, kKind);
   args.rval().setUndefined();
-  if (!cut_text_of_value(context, args.get(0), kMostTold, request.text)) return false;
+  if (!cut_text_of_value(context, args.get(0), kMaxTold, request.text)) return false;
   world.request(std::move(request));
   return true;
 }
@@ -159,8 +159,8 @@ bool tell_text(JSContext* context, unsigned argc, JS::Value* vp) {
 bool print(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   std::string line, text;
-  for (unsigned i = 0; i < args.length() && line.size() < kMostTold; ++i) {
-    if (!cut_text_of_value(context, args[i], kMostTold, text)) return false;
+  for (unsigned i = 0; i < args.length() && line.size() < kMaxTold; ++i) {
+    if (!cut_text_of_value(context, args[i], kMaxTold, text)) return false;
     line += (i ? " " : "") + text;
   }
   world_of(context).print(std::move(line));

@@ -34,7 +34,7 @@ class Engine {
   [[nodiscard]] JSContext* context() const { return context_; }
 
   /// Max size of one memory block of a program: a string of 2^24 characters, with room to grow.
-  static constexpr std::size_t kMostBlock = std::size_t{20} << 20;
+  static constexpr std::size_t kMaxBlock = std::size_t{20} << 20;
 
   /// Time that a program has the engine for. Inside another turn, the outer one's limits hold. `late_message` outlives
   /// the turn; see on_overdue.
@@ -53,7 +53,7 @@ class Engine {
     Engine& engine_;
     bool outermost_;
     std::size_t first_job_;
-    BlockLimit blocks_{kMostBlock};
+    BlockLimit blocks_{kMaxBlock};
   };
 
   /// Bytes of values that the engine does not count itself.

@@ -11,13 +11,13 @@
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMostText = 2000;  // of a value
+constexpr std::size_t kMaxText = 2000;  // of a value
 
 // As programs write it: a text in quotes.
 bool text_of_result(JSContext* context, JS::HandleValue value, std::string& text) {
   if (value.isSymbol()) return text = "a symbol", true;
   if (!text_of_value(context, value, text)) return false;
-  if (text.size() > kMostText) text = text.substr(0, kMostText) + "...";
+  if (text.size() > kMaxText) text = text.substr(0, kMaxText) + "...";
   if (value.isString()) text = '"' + text + '"';
   return true;
 }

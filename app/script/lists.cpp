@@ -26,8 +26,8 @@ using vrml::FieldType;
 using vrml::FieldValue;
 
 constexpr std::size_t kParentSlot = 0, kPlaceSlot = 1;
-constexpr std::uint32_t kMostElements = 1U << 26, kMostNodes = 1U << 20;
-constexpr std::size_t kMostPrinted = std::size_t{1} << 20;  // elements
+constexpr std::uint32_t kMaxElements = 1U << 26, kMaxNodes = 1U << 20;
+constexpr std::size_t kMaxPrinted = std::size_t{1} << 20;  // elements
 
 bool index_of(jsid id, std::uint32_t& index) {
   if (!id.isInt() || id.toInt() < 0) return false;
@@ -172,7 +172,7 @@ class ListHandler final : public LiveProxyHandler {
     if (!is_length(context, id)) return result.succeed();  // has no other properties
     double length = 0;
     if (!JS::ToNumber(context, value, &length)) return false;
-    if (!(length >= 0 && length <= kMostElements)) return fail(context, "invalid length of a list");
+    if (!(length >= 0 && length <= kMaxElements)) return fail(context, "invalid length of a list");
     return resize(context, proxy, static_cast<std::uint32_t>(length)) && result.succeed();
   }
 
@@ -191,10 +191,10 @@ class ListHandler final : public LiveProxyHandler {
         [&](auto& array) {
           if constexpr (requires { array.span(); }) {
             const std::size_t before = array.size();
-            if (std::is_same_v<std::decay_t<decltype(array[0])>, vrml::NodeId> && length > kMostNodes)
-              return fail_range(context, "a list of nodes may have " + std::to_string(kMostNodes) + " elements");
+            if (std::is_same_v<std::decay_t<decltype(array[0])>, vrml::NodeId> && length > kMaxNodes)
+              return fail_range(context, "a list of nodes may have " + std::to_string(kMaxNodes) + " elements");
             const std::size_t bytes = length * sizeof(*array.data());
-            if (length > before && (length > kMostElements || !world_of(context).engine().may_have(bytes))) {
+            if (length > before && (length > kMaxElements || !world_of(context).engine().may_have(bytes))) {
               JS_ReportOutOfMemory(context);
               return false;
             }
@@ -279,7 +279,7 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
       JS::RootedValue length(context);
       double number = 0;
       if (!JS_GetProperty(context, object, "length", &length) || !JS::ToNumber(context, length, &number)) return false;
-      count = static_cast<std::uint32_t>(std::min<double>(number, kMostElements));
+      count = static_cast<std::uint32_t>(std::min<double>(number, kMaxElements));
     }
   }
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -302,7 +302,7 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   std::string text;
   static const vrml::SceneGraph nothing;
   const FieldValue* value = list_value(*box);
-  if (value && count_of(*value) > kMostPrinted)
+  if (value && count_of(*value) > kMaxPrinted)
     return fail_range(context, "a list of " + std::to_string(count_of(*value)) + " elements is too long for a string");
   const vrml::SceneGraph* const scene = box->scene.in(box->link.get());
   // Names of nodes are a part of them.
@@ -396,7 +396,7 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
   std::size_t before = block_bytes_of(*field);
   if (text && !is_new) before += std::get<vrml::MFString>(*field)[index].view().size();
   if (is_new) {
-    if (index >= kMostElements) return fail(context, "index exceeds the maximum length of a list");
+    if (index >= kMaxElements) return fail(context, "index exceeds the maximum length of a list");
     if (!ListHandler::change_size(context, *field, index + 1)) return false;
   }
   std::visit(

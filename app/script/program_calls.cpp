@@ -8,7 +8,7 @@
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMostRequests = 256, kMostRequestText = std::size_t{32} << 20;
+constexpr std::size_t kMaxRequests = 256, kMaxRequestText = std::size_t{32} << 20;
 
 }  // namespace
 
@@ -29,8 +29,8 @@ double World::random() {
 }
 
 void World::print(std::string text) {
-  constexpr std::size_t kMostText = 4096;
-  if (text.size() > kMostText) text.resize(kMostText);
+  constexpr std::size_t kMaxText = 4096;
+  if (text.size() > kMaxText) text.resize(kMaxText);
   tell({{Severity::note, "", {}, std::move(text)}, true});
 }
 
@@ -41,8 +41,7 @@ void World::request(ScriptRequest request) {
   std::size_t bytes = request.text.size();
   for (const auto* const texts : {&request.urls, &request.parameters})
     for (const std::string& text : *texts) bytes += text.size();
-  if (ends_ || running_->ended || requests_.size() >= kMostRequests || bytes > kMostRequestText - request_bytes_)
-    return;
+  if (ends_ || running_->ended || requests_.size() >= kMaxRequests || bytes > kMaxRequestText - request_bytes_) return;
   request_bytes_ += bytes;
   requests_.push_back(std::move(request));
 }

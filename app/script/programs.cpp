@@ -55,8 +55,8 @@ std::optional<Diagnostic> take_exception(JSContext* context, bool& recursion) {
   Diagnostic one{Severity::error, found && found->filename ? found->filename : std::string(), {}, {}};
   if (found) one.location = {found->lineno, found->lineno == 0 ? 0 : std::max(1U, found->column)};
   one.message = builder.toStringResult() ? builder.toStringResult().c_str() : "the program failed";
-  constexpr std::size_t kMostText = 400;
-  if (one.message.size() > kMostText) one.message.resize(kMostText);
+  constexpr std::size_t kMaxText = 400;
+  if (one.message.size() > kMaxText) one.message.resize(kMaxText);
   recursion = found && found->errorNumber == JSMSG_OVER_RECURSED;
   return one;
 }

@@ -26,11 +26,11 @@
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMostMessages = 1000, kMostSaid = 4000;
-constexpr int kMostFaults = 3;
-constexpr std::size_t kWorthCollecting = 64;                // nodes
-constexpr std::size_t kMostCreated = std::size_t{4} << 20;  // bytes of a text of nodes
-constexpr std::size_t kTextOfNode = 16;                     // octets at least, of nodes below the roots of a text
+constexpr std::size_t kMaxMessages = 1000, kMaxSaid = 4000;
+constexpr int kMaxFaults = 3;
+constexpr std::size_t kWorthCollecting = 64;               // nodes
+constexpr std::size_t kMaxCreated = std::size_t{4} << 20;  // bytes of a text of nodes
+constexpr std::size_t kTextOfNode = 16;                    // octets at least, of nodes below the roots of a text
 
 bool is_object(vrml::FieldType type) {
   using vrml::FieldType;
@@ -181,7 +181,7 @@ bool World::begin(vrml::EventNode node) {
   made->scene = execution_.scenes().own(*at.scene);
   made->source = text_of_program(*made).source();
   made->faults = faults;
-  made->off = faults >= kMostFaults;
+  made->off = faults >= kMaxFaults;
   made->late_message = late_message(*made);
   programs_[node] = std::move(made);
   return go_on(node);
@@ -420,14 +420,14 @@ bool World::flush_changed(JSContext* context) {
 bool World::create_from_string(JSContext* context, std::string_view text, vrml::MFNode& nodes,
                                vrml::SceneGraph*& scene) {
   scene = running_->scene;
-  if (text.size() > kMostCreated)
+  if (text.size() > kMaxCreated)
     return fail_range(context, "a text of " + std::to_string(text.size()) + " bytes is too long to create nodes from");
   if (ends_ || running_->ended) return fail(context, "shutdown() cannot create nodes");
   Diagnostics diagnostics;
   vrml::RunTimeNodes made =
       make_nodes(execution_, *scene, label(*running_), text, diagnostics, &text_of_program(*running_));
   for (const Diagnostic& one : diagnostics.entries())
-    if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({one, false});
+    if (said_.size() < kMaxSaid && said_.insert(one.text()).second) tell({one, false});
   if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "not VRML97 text");
   engine_.note_nodes(std::max({kWorthCollecting, made.roots.size(), text.size() / kTextOfNode}));
   nodes = std::move(made.roots);
@@ -449,19 +449,19 @@ void World::report(Severity severity, const Program& program, std::string messag
   Diagnostic one = at.value_or(Diagnostic{severity, node.text->file_name(), node.location, {}});
   one.severity = severity;
   one.message = label(program) + ": " + std::move(message);
-  if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({std::move(one), false});
+  if (said_.size() < kMaxSaid && said_.insert(one.text()).second) tell({std::move(one), false});
 }
 
 void World::tell(ScriptMessage message) {
   if (observer_) return observer_(message);
-  if (messages_.size() < kMostMessages) messages_.push_back(std::move(message));
+  if (messages_.size() < kMaxMessages) messages_.push_back(std::move(message));
 }
 
 void World::fault(Program& program, const std::string& why, std::optional<Diagnostic> at) {
-  const bool last = ++program.faults >= kMostFaults;
+  const bool last = ++program.faults >= kMaxFaults;
   report(Severity::error, program,
          why + (last ? "; this third fault switches the program off"
-                     : " (fault " + std::to_string(program.faults) + " of " + std::to_string(kMostFaults) + ")"),
+                     : " (fault " + std::to_string(program.faults) + " of " + std::to_string(kMaxFaults) + ")"),
          std::move(at));
   program.off = last;
 }

@@ -22,7 +22,7 @@ namespace {
 using vrml::FieldType;
 using vrml::FieldValue;
 
-constexpr std::size_t kMostListText = std::size_t{32} << 20;  // bytes of all texts of a new list
+constexpr std::size_t kMaxListText = std::size_t{32} << 20;  // bytes of all texts of a new list
 
 bool is_true(JSContext* context, JS::HandleValue value) {
   // An object made by `new SFBool(FALSE)`.
@@ -152,7 +152,7 @@ bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml
         if (!element.isUndefined() && !to_element(context, element, type, scene, one)) return false;
         if constexpr (std::is_same_v<T, vrml::SFString>) {
           text += one.view().size();
-          if (text > kMostListText || !world_of(context).engine().may_have(text))
+          if (text > kMaxListText || !world_of(context).engine().may_have(text))
             return fail_range(context, "the strings of a list exceed the limit of a Script");
         }
         array.push_back(std::move(one));
@@ -195,9 +195,9 @@ bool make_string(JSContext* context, std::string_view text, JS::MutableHandleVal
 bool text_of_value(JSContext* context, JS::HandleValue value, std::string& text) {
   JS::RootedString string(context, JS::ToString(context, value));
   if (!string) return false;
-  if (const std::size_t length = JS::GetStringLength(string); length > kMostCharacters)
+  if (const std::size_t length = JS::GetStringLength(string); length > kMaxCharacters)
     return fail_range(context, "a string of " + std::to_string(length) + " characters; the limit is " +
-                                   std::to_string(kMostCharacters));
+                                   std::to_string(kMaxCharacters));
   const JS::UniqueChars bytes = JS_EncodeStringToUTF8(context, string);
   if (!bytes) return false;
   text = bytes.get();

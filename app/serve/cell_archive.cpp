@@ -20,8 +20,8 @@ namespace {
 
 // Ten symbols of the erasure code: the initial window of a server before it knows the path (RFC 6928).
 constexpr std::size_t kBaseBytes = 12'000;
-constexpr std::uint32_t kMostIndexed = std::uint32_t{1} << 20;
-constexpr std::size_t kMostDirectoryBytes = std::size_t{64} << 20;
+constexpr std::uint32_t kMaxIndexed = std::uint32_t{1} << 20;
+constexpr std::size_t kMaxDirectoryBytes = std::size_t{64} << 20;
 
 struct Place {
   std::uint64_t offset = 0;
@@ -78,7 +78,7 @@ std::vector<std::byte> QnvSource::bytes(std::uint64_t offset, std::size_t count)
 std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) const {
   if (header.directory == 0 || header.directory >= file_.stamp.size) return {};
   const std::uint64_t length = file_.stamp.size - header.directory;
-  if (length > kMostDirectoryBytes) return {};
+  if (length > kMaxDirectoryBytes) return {};
   const auto raw = bytes(header.directory, static_cast<std::size_t>(length));
   std::vector<Place> places;
   // The reader needs a header first.
@@ -86,7 +86,7 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   const auto on_chunk = [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
     if (type != qnv::ChunkType::directory) return;
     for (const qnv::DirectoryEntry& entry : qnv::decode_directory(payload, header.description.box))
-      if (places.size() < kMostIndexed && entry.bytes > qnv::kChunkHeaderBytes)
+      if (places.size() < kMaxIndexed && entry.bytes > qnv::kChunkHeaderBytes)
         places.push_back({entry.offset, entry.bytes, cell_box(entry.box, header.description.box)});
   };
   (void)reader.push(qnv::encode_header(header), on_chunk);
@@ -98,7 +98,7 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
 // Finds the chunks of a file without directory, one after the other, until the bytes are not a chunk.
 std::vector<Place> QnvSource::from_chunks(std::uint64_t begin) const {
   std::vector<Place> places;
-  while (places.size() < kMostIndexed) {
+  while (places.size() < kMaxIndexed) {
     const auto head = qnv::chunk_head(bytes(begin, qnv::kChunkHeaderBytes));
     if (!head) break;
     if (qnv::carries(*payload_, head->type)) places.push_back({begin, static_cast<std::uint32_t>(head->bytes), {}});
@@ -108,7 +108,7 @@ std::vector<Place> QnvSource::from_chunks(std::uint64_t begin) const {
 }
 
 std::optional<std::string> QnvSource::read() {
-  const auto start = bytes(0, qnv::kMostHeaderBytes);
+  const auto start = bytes(0, qnv::kMaxHeaderBytes);
   std::size_t header_bytes = 0;
   bool need_more = false;
   auto decoded = qnv::decode_header(start, header_bytes, need_more);
@@ -135,7 +135,7 @@ std::optional<std::string> QnvSource::read() {
 std::optional<net::CellChunk> QnvSource::chunk(std::size_t, std::uint32_t number) {
   if (number >= places_.size()) return std::nullopt;
   const Place& place = places_[number];
-  if (place.bytes > qnv::kChunkHeaderBytes + qnv::kMostChunkBytes) return std::nullopt;
+  if (place.bytes > qnv::kChunkHeaderBytes + qnv::kMaxChunkBytes) return std::nullopt;
   const std::vector<std::byte> all = bytes(place.offset, place.bytes);
   // The file has changed, or its directory is wrong.
   const auto parts = all.size() == place.bytes ? qnv::cut_chunk(*payload_, all) : std::nullopt;

@@ -10,8 +10,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostText = 8192, kMostBookmarks = 1000, kMostSessionFiles = 100, kMostPanels = 100;
-constexpr int kMostPixels = 32768;
+constexpr std::size_t kMaxText = 8192, kMaxBookmarks = 1000, kMaxSessionFiles = 100, kMaxPanels = 100;
+constexpr int kMaxPixels = 32768;
 
 std::string printed(const json& value) { return value.dump(2, ' ', false, json::error_handler_t::replace) + "\n"; }
 
@@ -28,8 +28,8 @@ std::string string_in(const json& object, const char* name) {
   if (!value.is_string()) return {};
   std::string text = value.get<std::string>();
   // Stored texts never contain line ends or zero bytes.
-  return text.size() > kMostText || text.find_first_of(std::string("\n\r\0", 3)) != std::string::npos ? std::string()
-                                                                                                      : text;
+  return text.size() > kMaxText || text.find_first_of(std::string("\n\r\0", 3)) != std::string::npos ? std::string()
+                                                                                                     : text;
 }
 
 bool flag_in(const json& object, const char* name) {
@@ -57,10 +57,10 @@ std::vector<std::string> strings_in(const json& list, std::size_t most) {
 }  // namespace
 
 void note_recent(AppState& state, const std::string& place) {
-  if (place.empty() || place.size() > kMostText) return;
+  if (place.empty() || place.size() > kMaxText) return;
   std::erase(state.recent, place);
   state.recent.insert(state.recent.begin(), place);
-  if (state.recent.size() > AppState::kMostRecent) state.recent.resize(AppState::kMostRecent);
+  if (state.recent.size() > AppState::kMaxRecent) state.recent.resize(AppState::kMaxRecent);
 }
 
 std::string memory_text(const AppState& state) {
@@ -76,23 +76,23 @@ std::optional<AppState> read_memory(std::string_view text) {
   const json whole = parsed(text);
   if (!whole.is_object()) return std::nullopt;
   AppState state;
-  state.recent = strings_in(member(whole, "recent"), AppState::kMostRecent);
+  state.recent = strings_in(member(whole, "recent"), AppState::kMaxRecent);
   const json& window = member(whole, "window");
-  state.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMostPixels));
-  state.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMostPixels));
+  state.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMaxPixels));
+  state.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMaxPixels));
   if (const json& place = member(window, "place"); place.is_array() && place.size() == 2) {
     const auto good = [](const json& one) {
-      return one.is_number_integer() && std::abs(one.get<double>()) <= kMostPixels;
+      return one.is_number_integer() && std::abs(one.get<double>()) <= kMaxPixels;
     };
     if (good(place[0]) && good(place[1])) state.place = {place[0].get<int>(), place[1].get<int>()};
   }
   if (const json& areas = member(whole, "areas"); areas.is_array())
     for (std::size_t i = 0; i < std::min(areas.size(), state.areas.size()); ++i)
-      state.areas[i] = number_in_json(areas[i], 1, kMostPixels);
+      state.areas[i] = number_in_json(areas[i], 1, kMaxPixels);
   if (const json& panels = member(whole, "panels"); panels.is_array())
     for (const json& one : panels) {
       PanelMemory panel{string_in(one, "panel"), string_in(one, "side"), flag_in(one, "open"), flag_in(one, "front")};
-      if (!panel.panel.empty() && state.panels.size() < kMostPanels) state.panels.push_back(std::move(panel));
+      if (!panel.panel.empty() && state.panels.size() < kMaxPanels) state.panels.push_back(std::move(panel));
     }
   return state;
 }
@@ -115,7 +115,7 @@ std::optional<std::vector<Bookmark>> read_bookmarks(std::string_view text) {
   std::vector<Bookmark> bookmarks;
   for (const json& one : list) {
     Bookmark bookmark{string_in(one, "place"), string_in(one, "viewpoint"), string_in(one, "title"), {}};
-    if (bookmark.place.empty() || bookmarks.size() >= kMostBookmarks) continue;
+    if (bookmark.place.empty() || bookmarks.size() >= kMaxBookmarks) continue;
     if (bookmark.title.empty()) bookmark.title = bookmark.place;
     const json& camera = member(one, "camera");
     if (camera.is_array() &&
@@ -137,11 +137,11 @@ std::string session_text(const SessionMemory& session) {
 std::optional<SessionMemory> read_session(std::string_view text) {
   const json whole = parsed(text);
   if (!whole.is_object()) return std::nullopt;
-  SessionMemory session{strings_in(member(whole, "files"), kMostSessionFiles), string_in(whole, "split"), {}};
+  SessionMemory session{strings_in(member(whole, "files"), kMaxSessionFiles), string_in(whole, "split"), {}};
   if (const json& viewports = member(whole, "viewports"); viewports.is_array())
     for (const json& one : viewports) {
-      const auto number = static_cast<std::size_t>(number_in_json(member(one, "number"), 1, kMostSessionFiles));
-      if (number == 0 || session.viewports.size() >= kMostSessionFiles) continue;
+      const auto number = static_cast<std::size_t>(number_in_json(member(one, "number"), 1, kMaxSessionFiles));
+      if (number == 0 || session.viewports.size() >= kMaxSessionFiles) continue;
       session.viewports.push_back({number, string_in(one, "file"), number_in_json(member(one, "weight"), 0, 1000)});
     }
   return session;

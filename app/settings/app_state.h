@@ -34,7 +34,7 @@ struct PanelMemory {
 
 /// State that the program stores by itself between windows.
 struct AppState {
-  static constexpr std::size_t kMostRecent = 50;
+  static constexpr std::size_t kMaxRecent = 50;
 
   std::vector<std::string> recent;          // paths and URLs, newest first
   int width = 0, height = 0;                // of the window; 0 means unknown

@@ -11,12 +11,12 @@ namespace gs::app {
 /// Several programs may write to the same log. One thread.
 class LogFile {
  public:
-  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // of each of the two files
+  static constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // of each of the two files
 
   /// Creates a log. An empty path disables it.
   explicit LogFile(std::string path = {}) : path_(std::move(path)) {}
   /// Appends an entry. `text` is made printable, so that it stays on one line. Ignores write errors.
-  void add(std::string_view text, std::size_t most = kMostBytes);
+  void add(std::string_view text, std::size_t most = kMaxBytes);
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr char kMemoryFile[] = "/memory.json", kLogFile[] = "/log", kSessionStart[] = "session-",
                kSessionEnd[] = ".json";
-constexpr std::size_t kMostSessions = 16;  // max number of files that are read
+constexpr std::size_t kMaxSessions = 16;  // max number of files that are read
 
 // Returns the process ID in the name of a session file.
 std::optional<pid_t> process_of(const std::string& name) {
@@ -125,7 +125,7 @@ SessionMemory SettingsStore::take_lost_sessions() {
   fs::directory_iterator entry(folders_.state, error);
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     const auto process = process_of(entry->path().filename().string());
-    if (process && !is_running(*process) && files.size() < kMostSessions) files.push_back(entry->path());
+    if (process && !is_running(*process) && files.size() < kMaxSessions) files.push_back(entry->path());
   }
   for (const fs::path& file : files) {
     std::string problem;

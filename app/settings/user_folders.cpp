@@ -13,7 +13,7 @@ namespace gs::app {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 constexpr char kFolderOfOurs[] = "/ghostspace";
 
 // Returns the folder in an environment variable. Relative paths are ignored (XDG Base Directory Specification).
@@ -65,8 +65,8 @@ std::optional<std::string> read_user_file(const std::string& path, std::string& 
     return std::nullopt;
   }
   const auto bytes = std::get<net::MappedFile>(opened).bytes();
-  if (bytes.size() > kMostBytes) {
-    problem = path + ": it is longer than " + readable_size(kMostBytes);
+  if (bytes.size() > kMaxBytes) {
+    problem = path + ": it is longer than " + readable_size(kMaxBytes);
     return std::nullopt;
   }
   return std::string(text_of(bytes));

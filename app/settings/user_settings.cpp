@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostProblems = 20;
+constexpr std::size_t kMaxProblems = 20;
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r";
@@ -39,7 +39,7 @@ std::string on_off(bool value) { return value ? "on" : "off"; }
 
 constexpr auto kFlag = SettingRow::Kind::flag, kNumber = SettingRow::Kind::number, kChoice = SettingRow::Kind::choice;
 constexpr std::string_view kOnOff = "on off ";
-constexpr double kMostVectors = 1e9;
+constexpr double kMaxVectors = 1e9;
 
 constexpr SettingRow kSettings[] = {
     {"theme", "Colours", kChoice, "dark light ", 0, 0, false, "dark or light theme",
@@ -83,7 +83,7 @@ constexpr SettingRow kSettings[] = {
      "maximum memory per file in GiB; the excess is left out; --memory overrides it",
      [](const UserSettings& s) { return text_of_number(s.memory); },
      [](UserSettings& s, std::string_view v) { s.memory = number_in(v); }},
-    {"budget", "Vector budget", kNumber, "", 0, kMostVectors, true,
+    {"budget", "Vector budget", kNumber, "", 0, kMaxVectors, true,
      "maximum number of vectors drawn in a window; 0 chooses automatically; --budget overrides it",
      [](const UserSettings& s) { return std::to_string(s.budget); },
      [](UserSettings& s, std::string_view v) { s.budget = static_cast<std::size_t>(number_in(v)); }},
@@ -131,7 +131,7 @@ ReadSettings read_settings(std::string_view text) {
   ReadSettings result;
   std::size_t line = 0;
   const auto complain_of = [&](const std::string& what) {
-    if (result.problems.size() < kMostProblems) result.problems.push_back(std::to_string(line) + ": error: " + what);
+    if (result.problems.size() < kMaxProblems) result.problems.push_back(std::to_string(line) + ": error: " + what);
   };
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());

@@ -76,7 +76,7 @@ std::vector<net::Region> regions_of(std::span<const qnv::LodView> views, const B
   for (const qnv::LodView& view : views) {
     std::optional<Box> seen = all;
     for (int pass = 0; pass < kPasses && seen; ++pass) seen = seen_part(*seen, view);
-    if (!seen || share(*seen, all) > kAll || regions.size() >= net::kMostRegions) continue;
+    if (!seen || share(*seen, all) > kAll || regions.size() >= net::kMaxRegions) continue;
     const net::Region region{cell_box(*seen, all), 1};
     if (std::find(regions.begin(), regions.end(), region) == regions.end()) regions.push_back(region);
   }

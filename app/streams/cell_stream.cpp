@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint16_t kCellsPort = 6635;             // MPLS in UDP, RFC 7510
 constexpr std::uint64_t kAnyRate = 1'000'000'000;      // bits per second; the server reduces it to its limit
 constexpr std::size_t kAtOnce = std::size_t{4} << 20;  // max bytes handled between two checks of the time
-constexpr std::size_t kMostEarly = std::size_t{64} << 20;
+constexpr std::size_t kMaxEarly = std::size_t{64} << 20;
 constexpr std::size_t kSlot = 0;
 
 }  // namespace
@@ -94,7 +94,7 @@ void CellStream::take(net::CellEvent& event) {
   } else if (event.kind == Kind::piece && !base_) {
     // Pieces are kept until the base is received, because they need it.
     early_bytes_ += event.bytes.size() + sizeof event;
-    if (early_bytes_ <= kMostEarly) early_.push_back(std::move(event));
+    if (early_bytes_ <= kMaxEarly) early_.push_back(std::move(event));
   } else if (event.kind == Kind::piece) {
     sink_.piece(event);
   } else if (event.kind == Kind::ended) {

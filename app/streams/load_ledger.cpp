@@ -20,7 +20,7 @@ LoadRow* LoadLedger::find(std::uint64_t number) {
 
 std::uint64_t LoadLedger::begin(std::string url, std::string kind, const vrml::Node* node) {
   const std::lock_guard lock(mutex_);
-  if (rows_.size() >= kMost) {
+  if (rows_.size() >= kMax) {
     const auto old = std::find_if(rows_.begin(), rows_.end(), [](const LoadRow& one) { return one.ended.has_value(); });
     if (old == rows_.end()) return 0;
     rows_.erase(old);
@@ -109,7 +109,7 @@ std::vector<LoadRow> LoadLedger::rows() const {
 void LoadLedger::cancel(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   const LoadRow* const row = find(number);
-  if (!row || row->ended || cancelled_.size() >= kMost) return;
+  if (!row || row->ended || cancelled_.size() >= kMax) return;
   cancelled_.push_back(number);
   if (wake_) wake_();
 }

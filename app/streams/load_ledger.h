@@ -53,7 +53,7 @@ struct LoadRow {
 /// ended rows, the newest are kept. Any thread.
 class LoadLedger {
  public:
-  static constexpr std::size_t kMost = 2000;
+  static constexpr std::size_t kMax = 2000;
 
   // For the loader.
   using Clock = std::chrono::steady_clock;

@@ -13,10 +13,10 @@ namespace {
 // Max gap between ranges that is read along, because another request costs about as much.
 constexpr std::uint64_t kJoin = 16384;
 constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // bytes per request
-constexpr std::size_t kMostOpen = 3;  // max concurrent requests, so that the connection never idles
-constexpr unsigned kMostFailures = 5;
+constexpr std::size_t kMaxOpen = 3;  // max concurrent requests, so that the connection never idles
+constexpr unsigned kMaxFailures = 5;
 constexpr std::uint64_t kLongDirectory = std::uint64_t{128} << 10;
-constexpr std::uint64_t kMostDirectory = std::uint64_t{256} << 20;
+constexpr std::uint64_t kMaxDirectory = std::uint64_t{256} << 20;
 constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // for vectors; see Urgency
 
 }  // namespace
@@ -24,7 +24,7 @@ constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // for vectors;
 RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place)
     : loader_(loader), feed_(std::move(feed)), place_(std::move(place)) {
   place_.ledger->follow(place_.row, feed_.get(), true);
-  if (place_.total - place_.directory > kMostDirectory)
+  if (place_.total - place_.directory > kMaxDirectory)
     give_up("its directory exceeds the limit");
   else
     directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
@@ -49,7 +49,7 @@ bool RangedStream::ask_for_more() {
   bool any = false;
   // Streams share a connection in proportion to their requested bytes.
   const std::uint64_t most = std::max(static_cast<std::uint64_t>(kBatch * feed_->weight()), kJoin);
-  while (open_.size() < kMostOpen) {
+  while (open_.size() < kMaxOpen) {
     Batch batch;
     std::uint64_t bytes = 0;
     for (const qnv::ChunkRange& chunk : wanted_) {
@@ -100,7 +100,7 @@ bool RangedStream::take(net::LoadEvent& event) {
       open_.erase(batch);
     }
   } else if (const auto* error = std::get_if<net::LoadError>(&event.what)) {
-    if (of_directory || ++failures_ >= kMostFailures || error->kind == net::LoadErrorKind::changed) {
+    if (of_directory || ++failures_ >= kMaxFailures || error->kind == net::LoadErrorKind::changed) {
       give_up(error->message);
     } else {
       for (const qnv::ChunkRange& chunk : batch->second.chunks) asked_.erase(chunk.offset);

@@ -21,7 +21,7 @@ constexpr std::string_view kExpectedCamera =
     "expected position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS and, for parallel rays, height=H, or the "
     "text of a Viewpoint";
 constexpr std::string_view kNodeWords[] = {"OrthoViewpoint", "Viewpoint"};  // words that identify the text as a node
-constexpr std::size_t kMostCameraText = 4096;                               // bytes
+constexpr std::size_t kMaxCameraText = 4096;                                // bytes
 
 std::string numbers_text(std::span<const double> numbers, char separator) {
   std::string text;
@@ -103,7 +103,7 @@ std::string viewpoint_text(const Pose& pose) {
 
 std::variant<Pose, std::string> read_camera(std::string_view text) {
   const std::string expected(kExpectedCamera);
-  if (text.size() > kMostCameraText) return expected;
+  if (text.size() > kMaxCameraText) return expected;
   double position[3] = {0, 0, 10}, orientation[4] = {0, 0, 1, 0}, field_of_view[1] = {0.785398}, height[1] = {0};
   struct Field {
     std::string_view name;

@@ -13,9 +13,9 @@
 namespace gs::app {
 namespace {
 
-constexpr double kSquares = 10;          // approximate number of squares under the scene
-constexpr double kBright = 10;           // a bright line every so many lines
-constexpr std::size_t kMostLines = 200;  // per direction
+constexpr double kSquares = 10;         // approximate number of squares under the scene
+constexpr double kBright = 10;          // a bright line every so many lines
+constexpr std::size_t kMaxLines = 200;  // per direction
 
 /// Bounding box along the orientation's right, up and front.
 struct OwnBox {
@@ -83,7 +83,7 @@ std::shared_ptr<const render::RenderList> ground_grid(const WideBox& bounds, con
   const double margin = 3;
   const double left = std::floor(box.lower.x / spacing - margin), right = std::ceil(box.upper.x / spacing + margin);
   const double back = std::floor(box.lower.z / spacing - margin), front = std::ceil(box.upper.z / spacing + margin);
-  if (!(right - left <= kMostLines && front - back <= kMostLines)) return nullptr;
+  if (!(right - left <= kMaxLines && front - back <= kMaxLines)) return nullptr;
   std::vector<glm::vec3> faint, bright;
   const glm::dvec3 origin = bounds.center();
   const auto add = [&](double number, const glm::dvec3& from, const glm::dvec3& to) {
@@ -106,7 +106,7 @@ std::shared_ptr<const render::RenderList> GroundGrids::of(const WideBox& bounds,
   for (const Grid& grid : grids_)
     if (grid.bounds.lower == bounds.lower && grid.bounds.upper == bounds.upper && grid.upright == upright)
       return grid.lines;
-  if (grids_.size() >= kMostGrids) grids_.erase(grids_.begin());
+  if (grids_.size() >= kMaxGrids) grids_.erase(grids_.begin());
   grids_.push_back({bounds, upright, ground_grid(bounds, upright)});
   return grids_.back().lines;
 }

@@ -23,7 +23,7 @@ class GroundGrids {
   [[nodiscard]] std::shared_ptr<const render::RenderList> of(const WideBox& bounds, const Upright& upright);
 
  private:
-  static constexpr std::size_t kMostGrids = 8;
+  static constexpr std::size_t kMaxGrids = 8;
   struct Grid {
     WideBox bounds;
     Upright upright;

@@ -106,7 +106,7 @@ std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render
   std::unordered_map<std::uint32_t, std::vector<std::size_t>> of_parent;  // indices of `result`, by parent position
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const render::DrawItem& item = list.items[i];
-    if (!item.seen || item.place >= list.places.size()) continue;
+    if (!item.visible || item.place >= list.places.size()) continue;
     // Siblings have the same sensors.
     const auto [found, fresh] = of_parent.try_emplace(list.places[item.place].parent);
     if (fresh) {

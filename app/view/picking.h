@@ -30,7 +30,7 @@ struct Hit {
 
 struct PickOptions {
   float pixel = 0.001f;                              // width of a pixel at distance 1
-  render::CloudLook clouds;                          // must match the drawn style
+  render::SplatStyle clouds;                         // must match the drawn style
   std::size_t max_triangles = std::size_t{1} << 24;  // max triangles to cache
 };
 

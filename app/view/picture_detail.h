@@ -6,7 +6,7 @@ namespace gs::app {
 /// plain value.
 class PictureDetail {
  public:
-  static constexpr int kMost = 8;
+  static constexpr int kMax = 8;
 
   /// Returns the divisor of the resolution per axis for the next picture. `changing` means that it differs from the
   /// last one.
@@ -14,7 +14,7 @@ class PictureDetail {
   /// Records that a picture of this coarseness took `seconds`, or was cancelled because of user input.
   void note(int coarseness, bool given_up, double seconds) {
     if (given_up)
-      coarseness_ = coarseness < coarseness_ ? coarseness_ : coarseness * 2 > kMost ? kMost : coarseness * 2;
+      coarseness_ = coarseness < coarseness_ ? coarseness_ : coarseness * 2 > kMax ? kMax : coarseness * 2;
     else if (coarseness == coarseness_ && coarseness > 1 && seconds * kCostOfHalf < kSoon)
       coarseness_ /= 2;
   }
@@ -30,7 +30,7 @@ class PictureDetail {
 /// cancelled, and drawing pauses for as long as it took; then the limit doubles. A plain value; all times in seconds.
 class LoadingPace {
  public:
-  static constexpr double kFirst = 0.5, kMost = 8;
+  static constexpr double kFirst = 0.5, kMax = 8;
 
   /// Reports whether to continue a picture that was begun at `begin`.
   [[nodiscard]] bool go_on(double begin, double now) const { return begin >= rests_until_ && now - begin < patience_; }
@@ -41,7 +41,7 @@ class LoadingPace {
       patience_ = kFirst;
     } else if (now - begin >= patience_) {
       rests_until_ = now + (now - begin);
-      patience_ = patience_ * 2 > kMost ? kMost : patience_ * 2;
+      patience_ = patience_ * 2 > kMax ? kMax : patience_ * 2;
     }
   }
 

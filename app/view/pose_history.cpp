@@ -21,7 +21,7 @@ void PoseHistory::moved(const Pose& from, const Pose& to, double now) {
     return;
   }
   if (!begins) return;
-  if (behind_.size() >= kMostPlaces) behind_.erase(behind_.begin());
+  if (behind_.size() >= kMaxPlaces) behind_.erase(behind_.begin());
   behind_.push_back(from);
   ahead_.clear();
 }

@@ -11,8 +11,8 @@ namespace gs::app {
 /// Undo history of viewer poses. Movements without a rest in between count as one. A plain value.
 class PoseHistory {
  public:
-  static constexpr std::size_t kMostPlaces = 100;  // max entries; the oldest ones are dropped
-  static constexpr double kRest = 0.5;             // seconds without movement that end a movement
+  static constexpr std::size_t kMaxPlaces = 100;  // max entries; the oldest ones are dropped
+  static constexpr double kRest = 0.5;            // seconds without movement that end a movement
 
   /// Records a movement from one pose to another at `now`, in seconds.
   void moved(const Pose& from, const Pose& to, double now);

@@ -19,7 +19,7 @@ std::string measure(double value, const std::string& unit = {}) {
 }  // namespace
 
 bool Ruler::add(const glm::dvec3& place) {
-  if (points_.size() >= kMostPoints || !std::isfinite(place.x + place.y + place.z)) return false;
+  if (points_.size() >= kMaxPoints || !std::isfinite(place.x + place.y + place.z)) return false;
   points_.push_back(place);
   return true;
 }

@@ -12,9 +12,9 @@ namespace gs::app {
 /// Measurement of clicked points; lengths are in world units.
 class Ruler {
  public:
-  static constexpr std::size_t kMostPoints = 1000;
+  static constexpr std::size_t kMaxPoints = 1000;
 
-  /// Adds a point. Returns false if it is not finite or there are kMostPoints already.
+  /// Adds a point. Returns false if it is not finite or there are kMaxPoints already.
   bool add(const glm::dvec3& place);
   /// Removes the last point. Returns false if there is none.
   bool undo();

@@ -42,7 +42,7 @@ std::vector<std::size_t> shares_of(std::size_t total, std::span<const std::size_
 }
 
 void Refinement::note(bool pending, std::size_t discs, bool changed) {
-  frames_ = !changed && pending == pending_ && discs == discs_ ? std::min(frames_ + 1, kMostFramesAlike) : 0;
+  frames_ = !changed && pending == pending_ && discs == discs_ ? std::min(frames_ + 1, kMaxFramesAlike) : 0;
   pending_ = pending;
   discs_ = discs;
 }

@@ -47,16 +47,16 @@ class PointerRouter {
 /// Splits `total` in proportion to `weights`. Each share is at least 1; a weight of 0 gets 0.
 [[nodiscard]] std::vector<std::size_t> shares_of(std::size_t total, std::span<const std::size_t> weights);
 
-/// Decides whether to draw again for more detail. Stops after kMostFramesAlike frames without progress, so that an idle
+/// Decides whether to draw again for more detail. Stops after kMaxFramesAlike frames without progress, so that an idle
 /// window costs nothing.
 class Refinement {
  public:
   /// Records the last frame: whether any viewport has pending detail, the total number of splats, and whether view or
   /// input `changed`.
   void note(bool pending, std::size_t discs, bool changed);
-  [[nodiscard]] bool wanted() const { return pending_ && frames_ < kMostFramesAlike; }
+  [[nodiscard]] bool wanted() const { return pending_ && frames_ < kMaxFramesAlike; }
 
-  static constexpr int kMostFramesAlike = 60;
+  static constexpr int kMaxFramesAlike = 60;
 
  private:
   bool pending_ = false;

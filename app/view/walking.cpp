@@ -17,7 +17,7 @@ using render::WorldTriangle;
 constexpr double kGravity = 9.81 / 1.6;  // eye heights per second squared: worlds have their own units
 constexpr double kTerminal = 40;         // eye heights per second
 constexpr double kLagTime = 0.08;        // time constant of the view after a step, in seconds (63 %)
-constexpr double kLeastLag = 1e-4;       // eye heights
+constexpr double kMinLag = 1e-4;         // eye heights
 constexpr double kTolerance = 1e-3;      // tolerated penetration, in radii
 constexpr double kSteepestGround = 0.5;  // min cosine of a slope to stand on
 constexpr int kRounds = 8;               // max iterations to resolve collisions
@@ -192,7 +192,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
   const dvec3 flat = avatar.gravity ? way - avatar.up * glm::dot(way, avatar.up) : way;
   const double piece = avatar.radius * 0.5, length = glm::length(flat);
   const int pieces =
-      std::clamp(static_cast<int>(std::ceil(std::min(length / piece, 1e6))), length > 0 ? 1 : 0, kMostPieces);
+      std::clamp(static_cast<int>(std::ceil(std::min(length / piece, 1e6))), length > 0 ? 1 : 0, kMaxPieces);
   const double gone = std::min(length, pieces * piece);
   const dvec3 step = pieces > 0 ? flat * (gone / length / pieces) : dvec3(0);
 
@@ -248,7 +248,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
     next.on_ground = false;
   }
   next.lag *= std::exp(-seconds / kLagTime);
-  if (std::abs(next.lag) < kLeastLag * avatar.height) next.lag = 0;
+  if (std::abs(next.lag) < kMinLag * avatar.height) next.lag = 0;
   return next;
 }
 

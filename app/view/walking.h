@@ -44,9 +44,9 @@ struct Walk {
 /// Moves the body by `way` in `seconds`. It slides along obstacles, climbs steps up to avatar.step, follows the ground
 /// and falls onto it (VRML97 4.13.4, 6.29). If it starts inside an obstacle, such as a Viewpoint in a wall, it can
 /// leave but not go deeper. The result is independent of the frame rate as far as paths cut into half-radius pieces
-/// are. Drops pieces over kMostPieces. Pure, apart from `obstacles`; safe for any numbers.
+/// are. Drops pieces over kMaxPieces. Pure, apart from `obstacles`; safe for any numbers.
 [[nodiscard]] Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, const glm::dvec3& way,
                         double seconds);
-inline constexpr int kMostPieces = 256;
+inline constexpr int kMaxPieces = 256;
 
 }  // namespace gs::app

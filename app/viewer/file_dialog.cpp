@@ -21,7 +21,7 @@ extern char** environ;
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostOutput = std::size_t{1} << 20;
+constexpr std::size_t kMaxOutput = std::size_t{1} << 20;
 constexpr int kChosenNone = 1;  // exit status of all programs when the user cancels
 
 bool has_desktop() {
@@ -107,7 +107,7 @@ bool FileDialog::show(const std::string& folder) {
       const ssize_t count = ::read(run->output.get(), buffer, sizeof buffer);
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) break;
-      if (text.size() < kMostOutput) text.append(buffer, static_cast<std::size_t>(count));
+      if (text.size() < kMaxOutput) text.append(buffer, static_cast<std::size_t>(count));
     }
     siginfo_t about{};
     while (::waitid(P_PID, static_cast<id_t>(run->child), &about, WEXITED | WNOWAIT) != 0 && errno == EINTR) {

@@ -24,7 +24,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::chrono::milliseconds kPatience{5000};  // max wait of the sender, which then opens an own window
-constexpr std::size_t kMostFilesHanded = 1000;        // in one message
+constexpr std::size_t kMaxFilesHanded = 1000;         // in one message
 constexpr char kSocketName[] = "/window.sock", kTokenName[] = "/window.token";
 
 bool is_ours_alone(const std::string& folder) {
@@ -96,7 +96,7 @@ HandOver::Taken HandOver::take() {
     const auto message = nlohmann::json::parse(news->message, nullptr, false);
     const auto open = message.is_object() ? message.find("open") : message.end();
     const bool good =
-        message.is_object() && open != message.end() && open->is_array() && open->size() <= kMostFilesHanded;
+        message.is_object() && open != message.end() && open->is_array() && open->size() <= kMaxFilesHanded;
     (void)server_->send(news->client, good ? "taken" : "refused");
     if (!good) continue;
     taken.asked = true;

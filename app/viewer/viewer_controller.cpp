@@ -19,9 +19,9 @@ constexpr double kSameCamera = 1e-4;  // max difference of the numbers of equal 
 
 // Returns the title of the window: the world's title and its file.
 std::string title_of(const std::string& title, const std::string& file) {
-  constexpr std::size_t kMost = 100;  // bytes
+  constexpr std::size_t kMax = 100;  // bytes
   if (title.empty() || title == file) return file;
-  return shortened(title, kMost) + " (" + file + ")";
+  return shortened(title, kMax) + " (" + file + ")";
 }
 
 std::vector<double> camera_numbers(const Pose& pose) {

@@ -109,7 +109,7 @@ class ViewerController {
   UiOverlay ui_;
   Session session_;
   Inspection inspection_;  // extension of the session
-  std::array<RateHistory, kMostViewports> readings_;
+  std::array<RateHistory, kMaxViewports> readings_;
   FileDialog dialog_;
   SessionMemory lost_;   // sessions that ended unexpectedly, until the user has answered
   std::string opening_;  // last choice in the Open dialog

@@ -7,8 +7,8 @@ namespace gs::app {
 namespace {
 
 // Max number of vectors of streams that are decoded per frame for all viewports: about 20 ms of one core.
-constexpr std::size_t kMostDecoded = 250'000;
-constexpr double kMostUninterrupted = 0.4;  // seconds of drawing before events are polled
+constexpr std::size_t kMaxDecoded = 250'000;
+constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing before events are polled
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
 }  // namespace
@@ -22,7 +22,7 @@ std::size_t Viewer::budget() const {
 void Viewer::draw_viewports() {
   measures_.budget = budget();
   const std::vector<std::size_t> budgets = budgets_of(frame_, session_.panes(), measures_.budget);
-  const std::vector<std::size_t> decoded = shares_of(kMostDecoded, budgets);
+  const std::vector<std::size_t> decoded = shares_of(kMaxDecoded, budgets);
   for (std::size_t i = 0; i < frame_.pictures.size(); ++i) {
     const Viewport& place = frame_.pictures[i].place;
     render::DrawOptions draw;
@@ -82,7 +82,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
     if (interface_first_) return false;
     const double now = Window::now();
     if (frame_.loading && !pace_.go_on(begin, now)) return false;
-    if (now - begin < kMostUninterrupted) return true;
+    if (now - begin < kMaxUninterrupted) return true;
     window_->poll();
     return !window_->should_close() && !window_->has_events();
   };

@@ -111,7 +111,7 @@ bool ViewerTools::take(const SessionInput::Event& given, const View* seen, const
   ruled_ = seen->document;
   const glm::vec2 at = event.pointer - glm::vec2(place.left, place.top), size(place.size());
   const Ray ray = ray_through(seen->navigation.pose, at, size);
-  if (const auto hit = picker_.pick(shown(kMostViewports, *seen), ray, pick_options(*seen, size)))
+  if (const auto hit = picker_.pick(shown(kMaxViewports, *seen), ray, pick_options(*seen, size)))
     (void)ruler_.add(hit->point);
   return false;
 }
@@ -191,7 +191,7 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
   value_.clear();
   const glm::vec2 at = pointer_ - glm::vec2(place.left, place.top), size(place.size());
   if (at.x < 0 || at.y < 0 || at.x >= size.x || at.y >= size.y) return;
-  const render::RenderList& list = shown(kMostViewports, seen);
+  const render::RenderList& list = shown(kMaxViewports, seen);
   const Ray ray = ray_through(seen.navigation.pose, at, size);
   const auto hit = picker_.pick(list, ray, pick_options(seen, size));
   if (!hit) return;
@@ -292,7 +292,7 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.clouds = seen.look;
   apply_style(seen, scene.draw);
   scene.draw.guides = guides(seen);
-  scene.draw.viewport = kMostViewports;
+  scene.draw.viewport = kMaxViewports;
   if (const auto bar = request.color_bar ? bar_of(seen) : std::nullopt)
     scene.over = [bar = *bar](render::Image& band, int top, const glm::ivec2& all) {
       draw_color_bar({band, top}, all, bar);
@@ -305,7 +305,7 @@ glm::ivec2 ViewerTools::size_of(const Viewport& place) const {
 }
 
 void ViewerTools::take_picture(const View& seen, const Viewport& place, const Tell& tell) {
-  const PictureScene scene = scene_of(kMostViewports, seen, size_of(place), wish_.request);
+  const PictureScene scene = scene_of(kMaxViewports, seen, size_of(place), wish_.request);
   auto picture = paint_png(renderer_, scene, wish_.request);
   if (const auto* problem = std::get_if<std::string>(&picture))
     return tell("Cannot save the picture: " + *problem, true);
@@ -327,9 +327,9 @@ std::vector<render::Camera>& ViewerTools::tour_of(const View& seen) {
 }
 
 void ViewerTools::add_to_tour(const View& seen, const Tell& tell) {
-  constexpr std::size_t kMostViews = 1000;
+  constexpr std::size_t kMaxViews = 1000;
   std::vector<render::Camera>& tour = tour_of(seen);
-  if (tour.size() >= kMostViews) return tell("A tour has at most 1000 views", true);
+  if (tour.size() >= kMaxViews) return tell("A tour has at most 1000 views", true);
   tour.push_back(camera_of(seen.navigation.pose));
   tell("View " + std::to_string(tour.size()) + " of the tour" +
            (tour.size() == 1 ? "; File > Pictures saves the tour" : ""),
@@ -379,7 +379,7 @@ bool ViewerTools::go_on(const View* seen, const Tell& tell) {
   if (!seen || job.of.lock() != seen->document) {
     problem = "another file was opened";
   } else if (job.next < job.steps.size()) {
-    PictureScene scene = scene_of(kMostViewports, *seen, job.size, job.request);
+    PictureScene scene = scene_of(kMaxViewports, *seen, job.size, job.request);
     const AnimationStep& step = job.steps[job.next];
     scene.camera = step.from && *step.from + 1 < job.tour.size()
                        ? camera_between(job.tour[*step.from], job.tour[*step.from + 1], step.part)

@@ -106,7 +106,7 @@ class ViewerTools {
     bool all = false;  // otherwise planes wait until the number of voxels is known
   };
   std::vector<Wished> wished_;                      // initial display from the command line
-  std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMostViewports is the key of saved pictures
+  std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMaxViewports is the key of saved pictures
   PictureWish wish_;
   std::string folder_;
   std::string replaceable_transfer_;  // file that was read, written or confirmed here, so that it may be replaced

@@ -71,7 +71,7 @@ class Viewer final : public WindowOperations {
   Frame frame_;                              // result of the last step
   ViewerTools tools_;
   PictureLedger pictures_;
-  std::array<PictureDetail, kMostViewports> details_;
+  std::array<PictureDetail, kMaxViewports> details_;
   LoadingPace pace_;
   std::string title_;
   PictureMeasures measures_;

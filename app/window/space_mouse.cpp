@@ -11,7 +11,7 @@ namespace {
 constexpr int kSpnavMotion = 1, kSpnavButton = 2;  // event types of spnav.h
 constexpr float kFullPush = 350;                   // value at full deflection
 constexpr float kRestingHand = 0.08f;              // dead zone; a cap is rarely pushed along one axis only
-constexpr int kMostSpnavEvents = 256;              // max per poll, so that a flooding daemon cannot block the window
+constexpr int kMaxSpnavEvents = 256;               // max per poll, so that a flooding daemon cannot block the window
 constexpr std::array<Key, 2> kSpnavKeys = {Key::page_up, letter_key('F')};
 
 float axis(int value) {
@@ -44,7 +44,7 @@ std::vector<WindowEvent> SpaceMouse::take(double time) {
   std::vector<WindowEvent> events;
   if (!open_) return events;
   SpnavLibrary::Event raw;
-  for (int i = 0; i < kMostSpnavEvents && library_->poll_event(&raw) != 0; ++i) {
+  for (int i = 0; i < kMaxSpnavEvents && library_->poll_event(&raw) != 0; ++i) {
     WindowEvent event;
     event.time = time;
     if (raw.type == kSpnavMotion) {

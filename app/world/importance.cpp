@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostVisits = 200'000, kMostLookedDepth = 256;
+constexpr std::size_t kMaxVisits = 200'000, kMaxLookedDepth = 256;
 constexpr float kUnknown = 0.25f;  // for nodes without a known size
 
 class Surveyor {
@@ -24,7 +24,7 @@ class Surveyor {
 
   void run(const vrml::SceneGraph& scene) {
     push_all(scene, scene.roots(), glm::dmat4(1), 0);
-    while (!open_.empty() && visits_++ < kMostVisits && found_.size() < wanted_.size()) {
+    while (!open_.empty() && visits_++ < kMaxVisits && found_.size() < wanted_.size()) {
       const Place place = open_.back();
       open_.pop_back();
       visit(place);
@@ -41,7 +41,7 @@ class Surveyor {
   };
 
   void push_all(const vrml::SceneGraph& scene, const vrml::MFNode& nodes, const glm::dmat4& matrix, std::size_t depth) {
-    if (depth > kMostLookedDepth) return;
+    if (depth > kMaxLookedDepth) return;
     for (const vrml::NodeId id : nodes) open_.push_back({&scene, id, matrix, depth});
   }
 

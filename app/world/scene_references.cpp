@@ -67,10 +67,10 @@ SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list,
 // each parent folder that the text may read could be that root.
 std::vector<net::Url> SceneHandler::below_folders(const net::Url& base, const net::Url& rooted,
                                                   const net::Origin& from) const {
-  constexpr int kMostFolders = 32;
+  constexpr int kMaxFolders = 32;
   std::vector<net::Url> places;
   net::Url folder = base;
-  for (int i = 0; i < kMostFolders && folder.path.size() > 1; ++i) {
+  for (int i = 0; i < kMaxFolders && folder.path.size() > 1; ++i) {
     folder.path.resize(std::max<std::size_t>(1, folder.path.rfind('/', folder.path.size() - 2) + 1));
     net::Url candidate = net::resolve(folder, net::parse_url("." + rooted.path));
     if (!world_.policy.refuse(from, candidate)) places.push_back(std::move(candidate));

@@ -24,8 +24,8 @@ void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) 
 
 // Limits for unanswered requests, because a text could make this program send datagrams to any host. Each silent server
 // gets 16 greetings of 256 bytes.
-constexpr std::size_t kMostUnanswered = 4;      // at the same time
-constexpr std::size_t kMostSilentServers = 16;  // of one world
+constexpr std::size_t kMaxUnanswered = 4;      // at the same time
+constexpr std::size_t kMaxSilentServers = 16;  // of one world
 
 }  // namespace
 
@@ -43,7 +43,7 @@ bool WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
     open_cells(fetch, url);
     return true;
   }
-  if (silent_servers.contains(url.authority) || silent_servers.size() >= kMostSilentServers) {
+  if (silent_servers.contains(url.authority) || silent_servers.size() >= kMaxSilentServers) {
     fail_candidate(fetch, net::url_for_messages(url.text()) + (silent_servers.contains(url.authority)
                                                                    ? ": its server did not answer before"
                                                                    : ": too many servers did not answer"));
@@ -123,7 +123,7 @@ bool WorldLoading::State::step_cells() {
     return std::count_if(cells.begin(), cells.end(),
                          [](const auto& one) { return !one->stream->over() && !one->stream->answered(); });
   };
-  while (!waiting_cells.empty() && unanswered() < static_cast<std::ptrdiff_t>(kMostUnanswered)) {
+  while (!waiting_cells.empty() && unanswered() < static_cast<std::ptrdiff_t>(kMaxUnanswered)) {
     Fetch& next = *waiting_cells.front();
     waiting_cells.pop_front();
     const net::Url url = next.candidates[next.next - 1];

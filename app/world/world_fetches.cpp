@@ -72,10 +72,10 @@ void WorldLoading::State::fail_candidate(Fetch& fetch, const std::string& why, c
 
 // Records a refused folder. Returns true if it was not reported before.
 bool WorldLoading::State::refuse_folder(const std::string& folder, const std::string& reference) {
-  constexpr std::size_t kMostFolders = 64;
+  constexpr std::size_t kMaxFolders = 64;
   const auto same = [&](const OutsideFolder& one) { return one.folder == folder; };
   if (std::any_of(world.outside.begin(), world.outside.end(), same)) return false;
-  if (world.outside.size() < kMostFolders) world.outside.push_back({folder, reference});
+  if (world.outside.size() < kMaxFolders) world.outside.push_back({folder, reference});
   return true;
 }
 

@@ -7,12 +7,12 @@ namespace gs::bench {
 namespace {
 
 constexpr double kNanoseconds = 1e9;
-constexpr double kLeastQueue = 32'000;  // bytes
+constexpr double kMinQueue = 32'000;  // bytes
 
 }  // namespace
 
 std::size_t queue_bytes(const LinkSpec& spec) {
-  return static_cast<std::size_t>(std::max(kLeastQueue, spec.bits_per_second / 8 * spec.round_trip));
+  return static_cast<std::size_t>(std::max(kMinQueue, spec.bits_per_second / 8 * spec.round_trip));
 }
 
 LinkDirection::LinkDirection(const LinkSpec& spec, std::uint64_t seed)

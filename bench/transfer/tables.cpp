@@ -274,8 +274,8 @@ bool print_matrix(const TransferOptions& options, Model& model, const ServerSpec
 bool print_loss(const TransferOptions& options, Model& model, const ServerSpec& server) {
   const std::vector<double> losses{0, 10, 30};
   constexpr double kRate = 10, kRoundTrip = 20;
-  constexpr unsigned kLeastRuns = 3;
-  const unsigned runs = std::max(kLeastRuns, options.runs);
+  constexpr unsigned kMinRuns = 3;
+  const unsigned runs = std::max(kMinRuns, options.runs);
   std::vector<TransferSpec> specs;
   std::vector<const Format*> formats;
   for (const Format* format : options.formats)

@@ -62,7 +62,7 @@ std::uint32_t aal5_crc(std::span<const std::byte> bytes) {
 
 bool segment(std::span<const std::byte> user, Vc vc, std::uint8_t user_to_user, bool low_priority,
              std::vector<Cell>& cells) {
-  if (user.empty() || user.size() > kMostPdu) return false;
+  if (user.empty() || user.size() > kMaxPdu) return false;
   const std::size_t count = cells_of_pdu(user.size());
   std::vector<std::byte> pdu(user.begin(), user.end());
   pdu.reserve(count * kCellPayload);
@@ -83,7 +83,7 @@ bool segment(std::span<const std::byte> user, Vc vc, std::uint8_t user_to_user, 
 }
 
 Reassembler::Reassembler(std::size_t most_vcs, std::size_t most_pdu)
-    : most_vcs_(std::max<std::size_t>(most_vcs, 1)), most_cells_(cells_of_pdu(std::min(most_pdu, kMostPdu))) {}
+    : most_vcs_(std::max<std::size_t>(most_vcs, 1)), most_cells_(cells_of_pdu(std::min(most_pdu, kMaxPdu))) {}
 
 Reassembler::State& Reassembler::state(Vc vc, std::vector<Pdu>& out) {
   auto found = states_.find(vc);

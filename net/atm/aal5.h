@@ -16,7 +16,7 @@ namespace gs::net {
 // last.
 
 constexpr std::size_t kAal5Trailer = 8;
-constexpr std::size_t kMostPdu = 65535;
+constexpr std::size_t kMaxPdu = 65535;
 /// PDU of the paper's figure 6: eight cells with 47 records of 8 bytes.
 constexpr std::size_t kRecordBytes = 8, kRecordsOfPdu = 47, kRecordPdu = kRecordBytes * kRecordsOfPdu;
 constexpr std::size_t kRecordPduCells = 8;
@@ -29,7 +29,7 @@ constexpr std::size_t kRecordPduCells = 8;
   return (bytes + kAal5Trailer + kCellPayload - 1) / kCellPayload;
 }
 
-/// Appends the cells of one PDU. Returns false and appends nothing if `user` is empty or longer than kMostPdu.
+/// Appends the cells of one PDU. Returns false and appends nothing if `user` is empty or longer than kMaxPdu.
 bool segment(std::span<const std::byte> user, Vc vc, std::uint8_t user_to_user, bool low_priority,
              std::vector<Cell>& cells);
 
@@ -59,7 +59,7 @@ struct Pdu {
 /// is removed. One thread. Safe for untrusted cells.
 class Reassembler {
  public:
-  explicit Reassembler(std::size_t most_vcs = 64, std::size_t most_pdu = kMostPdu);
+  explicit Reassembler(std::size_t most_vcs = 64, std::size_t most_pdu = kMaxPdu);
 
   /// Takes the next cell of its channel.
   void push(const Cell& cell, std::vector<Pdu>& out);

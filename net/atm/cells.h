@@ -20,8 +20,8 @@ constexpr std::size_t kPackedCell = 52;
 /// Bytes of a datagram before its cells: label and control word.
 constexpr std::size_t kDatagramHeader = 8;
 /// Number of cells that fit into a datagram of 1400 bytes.
-constexpr std::size_t kMostCells = 26;
-constexpr std::size_t kMostDatagram = kDatagramHeader + kMostCells * kPackedCell;
+constexpr std::size_t kMaxCells = 26;
+constexpr std::size_t kMaxDatagram = kDatagramHeader + kMaxCells * kPackedCell;
 /// Bytes that the headers of IPv4 and UDP add to a datagram.
 constexpr std::uint64_t kPacketHeaders = 28;
 /// Virtual channel: path identifier of 12 bits (NNI) and channel identifier.
@@ -53,7 +53,7 @@ struct CellDatagram {
   std::vector<Cell> cells;
 };
 
-/// Encodes a datagram of at most kMostCells cells. All flags of the control word are 0.
+/// Encodes a datagram of at most kMaxCells cells. All flags of the control word are 0.
 [[nodiscard]] std::vector<std::byte> encode_datagram(std::uint32_t label, std::uint16_t sequence,
                                                      std::span<const Cell> cells);
 /// Decodes a datagram. Refuses more than one label, an associated channel (see associated_channel()), a part of a cell,

@@ -9,7 +9,7 @@ constexpr std::uint64_t kRequest = 1000;       // cost of a request in its bucke
 constexpr std::size_t kLargestPiece = 65536;   // bytes
 constexpr std::size_t kSmallestPiece = 1460;   // bytes: one TCP segment
 constexpr std::uint64_t kTurnsPerSecond = 64;  // turns of a client at the limit
-constexpr std::size_t kMostIdleClients = 4096;
+constexpr std::size_t kMaxIdleClients = 4096;
 
 }  // namespace
 
@@ -56,11 +56,11 @@ ClientLimits::Client& ClientLimits::client(const ClientKey& key, Instant now) {
 // Keeps clients without connections for their buckets, unless there are too many.
 void ClientLimits::forget(Instant now) {
   constexpr Instant kLong{10'000'000};
-  if (clients_.size() < kMostIdleClients) return;
+  if (clients_.size() < kMaxIdleClients) return;
   std::erase_if(clients_, [&](const auto& entry) {
     return entry.second.connections == 0 && entry.second.waiting.empty() && now - entry.second.seen > kLong;
   });
-  if (clients_.size() < 4 * kMostIdleClients) return;
+  if (clients_.size() < 4 * kMaxIdleClients) return;
   std::erase_if(clients_,
                 [](const auto& entry) { return entry.second.connections == 0 && entry.second.waiting.empty(); });
 }

@@ -6,7 +6,7 @@ namespace gs::net {
 namespace {
 
 // A PDU of a server fits into one datagram.
-constexpr std::size_t kMostPduHere = kMostCells * kCellPayload;
+constexpr std::size_t kMaxPduHere = kMaxCells * kCellPayload;
 
 std::uint64_t key_of(std::uint32_t chunk, std::uint32_t pdu) { return (std::uint64_t{chunk} << 32 | pdu) + 1; }
 
@@ -50,13 +50,13 @@ CellAssembly::CellAssembly(std::size_t slot, const GrantMessage& grant)
       slot_(static_cast<std::uint8_t>(slot)),
       version_(grant.version),
       base_crc_(grant.base_crc),
-      reassembler_(kMostStreams + 2, kMostPduHere),
-      streams_(std::min(grant.streams.size(), kMostStreams)) {
+      reassembler_(kMaxStreams + 2, kMaxPduHere),
+      streams_(std::min(grant.streams.size(), kMaxStreams)) {
   layout_ = grant.base;
   if (layout_.sound()) base_.emplace(layout_);
   for (std::size_t i = 0; i < streams_.size(); ++i) {
     streams_[i].records = grant.streams[i].records;
-    streams_[i].done.resize(std::min<std::size_t>(grant.streams[i].chunks, kMostChunks));
+    streams_[i].done.resize(std::min<std::size_t>(grant.streams[i].chunks, kMaxChunks));
   }
 }
 
@@ -265,7 +265,7 @@ CellAssembly::Progress& CellAssembly::progress(const ChunkName& name, std::uint3
     if (found->second.total == total) return found->second;
     forget(found);  // the chunk has another length, so it has changed
   }
-  while (progress_.size() >= kMostProgress || (!records && waiting_bytes_ + total > kMostWaiting && !progress_.empty()))
+  while (progress_.size() >= kMaxProgress || (!records && waiting_bytes_ + total > kMaxWaiting && !progress_.empty()))
     forget_one();
   Progress& made = progress_[name];
   made.total = total;

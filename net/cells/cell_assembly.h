@@ -40,11 +40,11 @@ struct CellEvent {
 };
 
 /// Assembles a base and pieces of chunks from the cells of one slot. Returns received data at once, even after losses.
-/// Memory: the base twice, kMostWaiting bytes of incomplete chunks, and one bit per chunk. One thread. Safe for
+/// Memory: the base twice, kMaxWaiting bytes of incomplete chunks, and one bit per chunk. One thread. Safe for
 /// untrusted cells.
 class CellAssembly {
  public:
-  static constexpr std::size_t kMostWaiting = std::size_t{16} << 20, kMostProgress = 4096;
+  static constexpr std::size_t kMaxWaiting = std::size_t{16} << 20, kMaxProgress = 4096;
 
   CellAssembly(std::size_t slot, const GrantMessage& grant);
 

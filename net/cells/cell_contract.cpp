@@ -10,7 +10,7 @@ namespace gs::net {
 namespace {
 
 constexpr std::uint8_t kContractVersion = 1;
-constexpr std::size_t kLeastReport = 64;  // longer than a goodbye without text
+constexpr std::size_t kMinReport = 64;  // longer than a goodbye without text
 
 void put_text(NetworkWriter& out, std::string_view text, std::size_t most) {
   text = text.substr(0, most);
@@ -38,7 +38,7 @@ void put(NetworkWriter& out, const RequestMessage& message) {
   out.integer(message.streams);
   out.integer(message.rate);
   out.integer(message.budget);
-  put_text(out, message.path, kMostPath);
+  put_text(out, message.path, kMaxPath);
 }
 void put(NetworkWriter& out, const GrantMessage& message) {
   out.integer(message.session);
@@ -51,7 +51,7 @@ void put(NetworkWriter& out, const GrantMessage& message) {
   out.integer(message.base.bytes);
   out.integer(message.base.symbol);
   out.integer(message.base.source);
-  const std::size_t count = std::min(message.streams.size(), kMostStreams);
+  const std::size_t count = std::min(message.streams.size(), kMaxStreams);
   out.integer(static_cast<std::uint8_t>(count));
   for (std::size_t i = 0; i < count; ++i) {
     out.integer(static_cast<std::uint8_t>(message.streams[i].records));
@@ -63,19 +63,19 @@ void put(NetworkWriter& out, const RefuseMessage& message) {
   out.integer(message.number);
   out.integer(message.slot);
   out.integer(static_cast<std::uint8_t>(message.why));
-  put_text(out, message.text, kMostText);
+  put_text(out, message.text, kMaxText);
 }
 void put(NetworkWriter& out, const SlotReport& report) {
   out.integer(report.slot);
   out.integer(report.number);
   out.integer(static_cast<std::uint8_t>(report.base_done));
-  const std::size_t regions = std::min(report.regions.size(), kMostRegions);
+  const std::size_t regions = std::min(report.regions.size(), kMaxRegions);
   out.integer(static_cast<std::uint8_t>(regions));
   for (std::size_t i = 0; i < regions; ++i) {
     for (const std::uint16_t corner : report.regions[i].box) out.integer(corner);
     out.integer(report.regions[i].weight);
   }
-  const std::size_t wishes = std::min(report.wishes.size(), kMostWishes);
+  const std::size_t wishes = std::min(report.wishes.size(), kMaxWishes);
   out.integer(static_cast<std::uint8_t>(wishes));
   for (std::size_t i = 0; i < wishes; ++i) {
     out.integer(report.wishes[i].stream);
@@ -93,7 +93,7 @@ void put(NetworkWriter& out, const ReportMessage& message) {
   out.integer(message.echo);
   out.integer(message.held);
   out.integer(message.rate);
-  const std::size_t count = std::min(message.slots.size(), kMostSlots);
+  const std::size_t count = std::min(message.slots.size(), kMaxSlots);
   out.integer(static_cast<std::uint8_t>(count));
   for (std::size_t i = 0; i < count; ++i) put(out, message.slots[i]);
 }
@@ -104,7 +104,7 @@ void put(NetworkWriter& out, const SyncMessage& message) {
   out.integer(message.granted);
   out.integer(message.rate);
   out.integer(message.round_trip);
-  const std::size_t count = std::min(message.slots.size(), kMostSlots);
+  const std::size_t count = std::min(message.slots.size(), kMaxSlots);
   out.integer(static_cast<std::uint8_t>(count));
   for (std::size_t i = 0; i < count; ++i) {
     out.integer(message.slots[i].slot);
@@ -115,7 +115,7 @@ void put(NetworkWriter& out, const SyncMessage& message) {
 }
 void put(NetworkWriter& out, const ByeMessage& message) {
   out.integer(message.session);
-  put_text(out, message.text, kMostText);
+  put_text(out, message.text, kMaxText);
 }
 
 using Parsed = std::optional<ContractMessage>;
@@ -139,8 +139,8 @@ Parsed request_from(NetworkReader& in) {
   message.rate = in.integer<std::uint64_t>();
   message.budget = in.integer<std::uint64_t>();
   message.path = text_from(in);
-  if (message.slot >= kMostSlots || message.weight == 0 || message.cells < kFewestCells || message.cells > kMostCells ||
-      message.path.size() > kMostPath)
+  if (message.slot >= kMaxSlots || message.weight == 0 || message.cells < kMinCells || message.cells > kMaxCells ||
+      message.path.size() > kMaxPath)
     return std::nullopt;
   return message;
 }
@@ -158,12 +158,12 @@ Parsed grant_from(NetworkReader& in) {
   message.base.symbol = in.integer<std::uint16_t>();
   message.base.source = in.integer<std::uint8_t>();
   const auto count = in.integer<std::uint8_t>();
-  if (message.slot >= kMostSlots || count > kMostStreams) return std::nullopt;
+  if (message.slot >= kMaxSlots || count > kMaxStreams) return std::nullopt;
   for (std::size_t i = 0; i < count; ++i) {
     StreamGrant stream;
     stream.records = (in.integer<std::uint8_t>() & 1) != 0;
     stream.chunks = in.integer<std::uint32_t>();
-    if (stream.chunks > kMostChunks) return std::nullopt;
+    if (stream.chunks > kMaxChunks) return std::nullopt;
     message.streams.push_back(stream);
   }
   // The answer to an empty request has no base.
@@ -178,7 +178,7 @@ Parsed refuse_from(NetworkReader& in) {
   message.slot = in.integer<std::uint8_t>();
   message.why = static_cast<Refusal>(in.integer<std::uint8_t>());
   message.text = text_from(in);
-  if (message.slot >= kMostSlots || message.text.size() > kMostText) return std::nullopt;
+  if (message.slot >= kMaxSlots || message.text.size() > kMaxText) return std::nullopt;
   return message;
 }
 
@@ -187,14 +187,14 @@ bool slot_from(NetworkReader& in, SlotReport& report) {
   report.number = in.integer<std::uint32_t>();
   report.base_done = (in.integer<std::uint8_t>() & 1) != 0;
   const auto regions = in.integer<std::uint8_t>();
-  if (report.slot >= kMostSlots || regions > kMostRegions) return false;
+  if (report.slot >= kMaxSlots || regions > kMaxRegions) return false;
   report.regions.resize(regions);
   for (Region& region : report.regions) {
     for (std::uint16_t& corner : region.box) corner = in.integer<std::uint16_t>();
     region.weight = in.integer<std::uint8_t>();
   }
   const auto wishes = in.integer<std::uint8_t>();
-  if (wishes > kMostWishes) return false;
+  if (wishes > kMaxWishes) return false;
   report.wishes.resize(wishes);
   for (ChunkName& wish : report.wishes) {
     wish.stream = in.integer<std::uint8_t>();
@@ -216,7 +216,7 @@ Parsed report_from(NetworkReader& in) {
   message.held = in.integer<std::uint32_t>();
   message.rate = in.integer<std::uint64_t>();
   const auto count = in.integer<std::uint8_t>();
-  if (count > kMostSlots) return std::nullopt;
+  if (count > kMaxSlots) return std::nullopt;
   message.slots.resize(count);
   for (SlotReport& report : message.slots)
     if (!slot_from(in, report)) return std::nullopt;
@@ -232,14 +232,14 @@ Parsed sync_from(NetworkReader& in) {
   message.rate = in.integer<std::uint64_t>();
   message.round_trip = in.integer<std::uint32_t>();
   const auto count = in.integer<std::uint8_t>();
-  if (count > kMostSlots) return std::nullopt;
+  if (count > kMaxSlots) return std::nullopt;
   for (std::size_t i = 0; i < count; ++i) {
     SlotSync& slot = message.slots.emplace_back();
     slot.slot = in.integer<std::uint8_t>();
     slot.number = in.integer<std::uint32_t>();
     slot.ended = (in.integer<std::uint8_t>() & 1) != 0;
     slot.bytes = in.integer<std::uint64_t>();
-    if (slot.slot >= kMostSlots) return std::nullopt;
+    if (slot.slot >= kMaxSlots) return std::nullopt;
   }
   return message;
 }
@@ -248,7 +248,7 @@ Parsed bye_from(NetworkReader& in) {
   ByeMessage message;
   message.session = in.integer<std::uint64_t>();
   message.text = text_from(in);
-  if (message.text.size() > kMostText) return std::nullopt;
+  if (message.text.size() > kMaxText) return std::nullopt;
   return message;
 }
 
@@ -274,7 +274,7 @@ std::vector<std::byte> encode_contract(const ContractMessage& message) {
   out.integer(static_cast<std::uint8_t>(message.index()));
   std::visit([&](const auto& value) { put(out, value); }, message);
   if (std::holds_alternative<HelloMessage>(message)) bytes.resize(std::max(bytes.size(), kHelloBytes));
-  if (std::holds_alternative<ReportMessage>(message)) bytes.resize(std::max(bytes.size(), kLeastReport));
+  if (std::holds_alternative<ReportMessage>(message)) bytes.resize(std::max(bytes.size(), kMinReport));
   return bytes;
 }
 

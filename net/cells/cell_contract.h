@@ -24,8 +24,8 @@ constexpr std::uint32_t kCellLabel = 1000;
 constexpr std::uint16_t kContractChannel = 0x7ff8;
 /// Minimum length of the messages that a client sends before the server has verified its address.
 constexpr std::size_t kHelloBytes = 256;
-constexpr std::size_t kMostPath = 900, kMostText = 200, kMostSlots = 8, kMostRegions = 8, kMostWishes = 64;
-constexpr std::uint8_t kFewestCells = 4;  // minimum cells of a datagram
+constexpr std::size_t kMaxPath = 900, kMaxText = 200, kMaxSlots = 8, kMaxRegions = 8, kMaxWishes = 64;
+constexpr std::uint8_t kMinCells = 4;  // minimum cells of a datagram
 
 /// Address and port of UDP. IPv4 is mapped into IPv6 (RFC 4291 2.5.5.2).
 struct Endpoint {
@@ -48,14 +48,14 @@ struct CookieMessage {
 /// Request for one slot of a client. Replaces the earlier request of the slot. Repeated until answered.
 struct RequestMessage {
   CookieMessage cookie;
-  std::uint32_t number = 0;         // increases with each new request
-  std::uint8_t slot = 0;            // 0 to 7
-  std::uint8_t weight = 1;          // share of the rate, 1 to 255
-  std::uint8_t cells = kMostCells;  // maximum cells of a datagram, kFewestCells to kMostCells
-  std::uint32_t streams = 0xffff;   // one bit per stream
-  std::uint64_t rate = 0;           // bits per second, for the whole session
-  std::uint64_t budget = 0;         // bytes of chunks; 0 means unlimited
-  std::string path;                 // empty to clear the slot
+  std::uint32_t number = 0;        // increases with each new request
+  std::uint8_t slot = 0;           // 0 to 7
+  std::uint8_t weight = 1;         // share of the rate, 1 to 255
+  std::uint8_t cells = kMaxCells;  // maximum cells of a datagram, kMinCells to kMaxCells
+  std::uint32_t streams = 0xffff;  // one bit per stream
+  std::uint64_t rate = 0;          // bits per second, for the whole session
+  std::uint64_t budget = 0;        // bytes of chunks; 0 means unlimited
+  std::string path;                // empty to clear the slot
 };
 struct StreamGrant {
   bool records = false;
@@ -97,8 +97,8 @@ struct SlotReport {
   std::uint8_t slot = 0;
   std::uint32_t number = 0;  // number of the granted request
   bool base_done = false;
-  std::vector<Region> regions;    // at most kMostRegions
-  std::vector<ChunkName> wishes;  // at most kMostWishes; sent next, even if sent before
+  std::vector<Region> regions;    // at most kMaxRegions
+  std::vector<ChunkName> wishes;  // at most kMaxWishes; sent next, even if sent before
 };
 /// Receiver report. Keeps the session alive and controls the rate.
 struct ReportMessage {

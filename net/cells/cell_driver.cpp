@@ -1,7 +1,7 @@
 #include "net/cells/cell_driver.h"
 
-#include "net/base/bell.h"
 #include "net/base/clock.h"
+#include "net/base/event_fd.h"
 
 #include <algorithm>
 #include <atomic>
@@ -67,7 +67,7 @@ struct CellServerDriver::State {
 
   CellServer server;
   UdpSocket socket;
-  Bell bell;
+  EventFd bell;
   std::atomic<bool> stopping = false;
   mutable std::mutex mutex;
   CellServerStatistics statistics;
@@ -191,7 +191,7 @@ struct CellClientDriver::State {
   std::function<void()> wake;
   UdpSocket socket;
   Endpoint server;
-  Bell bell;
+  EventFd bell;
   std::atomic<bool> stopping = false;
   std::atomic<std::size_t> waiting = 0;  // bytes of waiting events
   mutable std::mutex mutex;              // guards the following members

@@ -10,15 +10,15 @@ namespace gs::net {
 namespace {
 
 bool sound_place(const Place& place) {
-  if (place.stream >= kMostStreams || place.total == 0) return false;
+  if (place.stream >= kMaxStreams || place.total == 0) return false;
   switch (place.kind) {
     case PlaceKind::records:
-      return place.chunk < kMostChunks && place.total <= kMostChunkBody && place.total % kRecordBytes == 0 &&
+      return place.chunk < kMaxChunks && place.total <= kMaxChunkBody && place.total % kRecordBytes == 0 &&
              place.at < cells_of_records(place.total);
     case PlaceKind::piece:
-      return place.chunk < kMostChunks && place.total <= kMostChunkBody && place.at < place.total;
+      return place.chunk < kMaxChunks && place.total <= kMaxChunkBody && place.at < place.total;
     case PlaceKind::base:
-      return place.chunk <= 65535 && place.total <= ErasureLayout::kMostBytes && place.at < ErasureLayout::kMostSymbols;
+      return place.chunk <= 65535 && place.total <= ErasureLayout::kMaxBytes && place.at < ErasureLayout::kMaxSymbols;
     case PlaceKind::parity:
       return false;
   }
@@ -56,13 +56,13 @@ std::optional<Place> decode_place(std::span<const std::byte> bytes, std::span<co
   place.at = in.integer<std::uint32_t>();
   if (!in.good() || !sound_place(place)) return std::nullopt;
   rest = in.rest();
-  if (place.kind == PlaceKind::records && rest.size() > kMostChunkHead) return std::nullopt;
+  if (place.kind == PlaceKind::records && rest.size() > kMaxChunkHead) return std::nullopt;
   if (place.kind == PlaceKind::piece && (rest.empty() || rest.size() > place.total - place.at)) return std::nullopt;
   return place;
 }
 
 bool ChunkCutter::sound(const CellChunk& chunk, bool records) {
-  if (chunk.body.empty() || chunk.body.size() > kMostChunkBody || chunk.head.size() > kMostChunkHead) return false;
+  if (chunk.body.empty() || chunk.body.size() > kMaxChunkBody || chunk.head.size() > kMaxChunkHead) return false;
   return records ? chunk.body.size() % kRecordBytes == 0 : chunk.head.empty();
 }
 

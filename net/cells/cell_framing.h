@@ -57,7 +57,7 @@ class ChunkCutter {
   [[nodiscard]] bool done() const { return at_ >= end_; }
   /// Reports whether the rest of the chunk fits into `cells` cells.
   [[nodiscard]] bool fits(std::size_t cells) const;
-  /// Appends at most `cells` cells (at least kFewestCells) and returns the bytes of the body in them. Ends at the end
+  /// Appends at most `cells` cells (at least kMinCells) and returns the bytes of the body in them. Ends at the end
   /// of a PDU of records if one fits, unless `fill`.
   std::size_t cut(std::size_t cells, bool fill, std::uint32_t time, std::vector<Cell>& out);
 

@@ -10,11 +10,11 @@ namespace {
 
 constexpr double kWindow = 2e6;  // microseconds of reports that count
 constexpr double kFewDatagrams = 8, kEnoughDatagrams = 64;
-constexpr std::uint64_t kMostOfReport = 1'000'000;
+constexpr std::uint64_t kMaxOfReport = 1'000'000;
 constexpr double kWorstLoss = 0.9;
 constexpr double kSpreadSamples = 24, kWildest = 40;  // weight of one sample, and its maximum value
 // Maximum parity datagrams per data datagram, or per small group if that is more.
-constexpr std::size_t kMostTimes = 2, kMostOfFew = 8;
+constexpr std::size_t kMaxTimes = 2, kMaxOfFew = 8;
 constexpr Instant kHeldFor{2'000'000};
 
 std::byte bit_of(std::size_t number) { return static_cast<std::byte>(0x80 >> number % 8); }
@@ -23,7 +23,7 @@ std::byte bit_of(std::size_t number) { return static_cast<std::byte>(0x80 >> num
 std::uint64_t more(std::uint64_t& most, std::uint64_t count) {
   const std::uint64_t before = most;
   most = std::max(most, count);
-  return std::min(most - before, kMostOfReport);
+  return std::min(most - before, kMaxOfReport);
 }
 
 }  // namespace
@@ -62,12 +62,12 @@ std::optional<Parity> decode_parity(std::span<const std::byte> bytes, std::span<
       parity.members.set(i);
       last = i;
     }
-  if (count == 0 || count > kMostMembers || parity.members.count() != count || !parity.members[0]) return std::nullopt;
-  if (parity.symbol < count || parity.symbol >= ErasureLayout::kMostSymbols) return std::nullopt;
+  if (count == 0 || count > kMaxMembers || parity.members.count() != count || !parity.members[0]) return std::nullopt;
+  if (parity.symbol < count || parity.symbol >= ErasureLayout::kMaxSymbols) return std::nullopt;
   // A group is complete before it gets parity.
-  if (parity.back > kMostParityBack || last >= parity.back) return std::nullopt;
+  if (parity.back > kMaxParityBack || last >= parity.back) return std::nullopt;
   rest = in.rest();
-  if (rest.size() < kSymbolHead + kPackedCell || rest.size() > kSymbolHead + kMostCells * kPackedCell ||
+  if (rest.size() < kSymbolHead + kPackedCell || rest.size() > kSymbolHead + kMaxCells * kPackedCell ||
       (rest.size() - kSymbolHead) % kPackedCell != 0)
     return std::nullopt;
   return parity;
@@ -96,7 +96,7 @@ void LossMeter::add(std::uint64_t received, std::uint64_t lost, Instant now) {
   const double past = static_cast<double>(std::max(now - last_, Instant{0}).count());
   last_ = now;
   if (total_ > 0) {
-    const double kept = std::max(std::exp(-past / kWindow), std::min(1.0, kLeast / total_));
+    const double kept = std::max(std::exp(-past / kWindow), std::min(1.0, kMin / total_));
     total_ *= kept;
     lost_ *= kept;
   }
@@ -116,12 +116,12 @@ void LossMeter::add(std::uint64_t received, std::uint64_t lost, Instant now) {
 double LossMeter::likely() const {
   if (total_ <= 0) return 0;
   const double loss = share();
-  return std::min(1.1 * loss + ParitySender::kLeastLoss + std::sqrt(loss * (1 - loss) / total_), kWorstLoss);
+  return std::min(1.1 * loss + ParitySender::kMinLoss + std::sqrt(loss * (1 - loss) / total_), kWorstLoss);
 }
 
 std::size_t ParitySender::wanted(std::size_t source) const {
   if (!known_ || !lossy_) return 0;
-  const std::size_t most = std::min(ErasureLayout::kMostSymbols, source + std::max(kMostTimes * source, kMostOfFew));
+  const std::size_t most = std::min(ErasureLayout::kMaxSymbols, source + std::max(kMaxTimes * source, kMaxOfFew));
   // Treat a burst of r losses as the loss of one symbol.
   const auto few = std::max<std::size_t>(std::lround(static_cast<double>(source) / meter_.runs()), 1);
   const std::size_t symbols = symbols_for(few, meter_.likely(), kFailure);
@@ -145,7 +145,7 @@ void ParitySender::add(std::uint64_t number, std::span<const std::byte> cells, I
   if (open_.empty()) opened_ = now;
   open_.emplace_back(number, symbol_of_cells(cells));
   credit_ = pending() ? credit_ + step_ : 0;
-  if (open_.size() >= kMostMembers || (open_.size() >= kFewMembers && now >= opened_ + kLongestGroup)) close(now);
+  if (open_.size() >= kMaxMembers || (open_.size() >= kFewMembers && now >= opened_ + kLongestGroup)) close(now);
 }
 
 void ParitySender::close(Instant now) {
@@ -163,7 +163,7 @@ void ParitySender::close(Instant now) {
                              static_cast<std::uint8_t>(open_.size())};
   std::size_t bytes = data.size();
   for (const Group& group : held_) bytes += group.bytes();
-  for (; !held_.empty() && (bytes > kMostHeld || held_.size() >= kMostGroups); held_.pop_front())
+  for (; !held_.empty() && (bytes > kMaxHeld || held_.size() >= kMaxGroups); held_.pop_front())
     bytes -= held_.front().bytes();
   const std::uint64_t first = open_.front().first;
   held_.push_back({++closed_, first, members, ErasureEncoder(data, layout), 0, wanted(open_.size()), now});
@@ -180,7 +180,7 @@ void ParitySender::report(std::uint64_t received, std::uint64_t lost, bool quiet
   if (!enabled_) return;
   meter_.add(received, lost, now);
   const double share = meter_.share();
-  lossy_ = share >= (lossy_ ? kLeastLoss / 2 : kLeastLoss) && (meter_.datagrams() >= kFewDatagrams || quiet);
+  lossy_ = share >= (lossy_ ? kMinLoss / 2 : kMinLoss) && (meter_.datagrams() >= kFewDatagrams || quiet);
   known_ = known_ || lossy_ || meter_.datagrams() >= kEnoughDatagrams || quiet;
   if (!on()) {
     open_.clear();
@@ -211,7 +211,7 @@ std::vector<Cell> ParitySender::next(std::uint64_t number, std::uint32_t time) {
   credit_ = std::max(credit_ - 1, 0.0);
   std::vector<Cell> cells;
   for (Group& group : held_) {
-    if (number - group.first > kMostParityBack) group.wanted = group.sent;  // no client still holds its members
+    if (number - group.first > kMaxParityBack) group.wanted = group.sent;  // no client still holds its members
     if (group.sent >= group.wanted) continue;
     Parity parity;
     parity.symbol = static_cast<std::uint8_t>(group.source() + group.sent++);

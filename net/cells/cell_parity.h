@@ -23,21 +23,21 @@ namespace gs::net {
 /// Channel of parity, which belongs to the client and not to a slot.
 constexpr Vc kParityVc{0, 34};
 /// Limits of a group: the number of data datagrams, and the span of their running numbers.
-constexpr std::size_t kMostMembers = 64, kParitySpan = 192;
+constexpr std::size_t kMaxMembers = 64, kParitySpan = 192;
 /// Maximum distance from a parity datagram back to the start of its group.
-constexpr std::uint32_t kMostParityBack = 4096;
+constexpr std::uint32_t kMaxParityBack = 4096;
 /// Bytes before the symbol in a parity PDU, and bytes before the cells in a symbol.
 constexpr std::size_t kParityHead = 12 + kParitySpan / 8, kSymbolHead = 6;
 
 /// Returns the maximum cells of data datagrams with parity, for a client that requests `cells`. A symbol of them then
-/// fits into one datagram of the requested size. Returns at least kFewestCells: for 4 or 5 requested cells, parity
+/// fits into one datagram of the requested size. Returns at least kMinCells: for 4 or 5 requested cells, parity
 /// datagrams have 6.
 [[nodiscard]] constexpr std::size_t protected_cells(std::size_t cells) {
   const std::size_t before = kAal5Trailer + kParityHead + kSymbolHead, all = cells * kCellPayload;
-  return std::max<std::size_t>(kFewestCells, all > before ? (all - before) / kPackedCell : 0);
+  return std::max<std::size_t>(kMinCells, all > before ? (all - before) / kPackedCell : 0);
 }
-static_assert(protected_cells(kMostCells) == 23);
-static_assert(cells_of_pdu(kParityHead + kSymbolHead + protected_cells(kMostCells) * kPackedCell) <= kMostCells);
+static_assert(protected_cells(kMaxCells) == 23);
+static_assert(cells_of_pdu(kParityHead + kSymbolHead + protected_cells(kMaxCells) * kPackedCell) <= kMaxCells);
 
 /// Head of a parity PDU.
 struct Parity {
@@ -59,11 +59,11 @@ struct Parity {
 /// untrusted bytes.
 [[nodiscard]] std::optional<std::span<const std::byte>> cells_of_symbol(std::span<const std::byte> symbol);
 
-/// Measures a client's loss and its burstiness from its reports, over the last two seconds or kLeast datagrams,
+/// Measures a client's loss and its burstiness from its reports, over the last two seconds or kMin datagrams,
 /// whichever is more.
 class LossMeter {
  public:
-  static constexpr double kLeast = 128, kSample = 32, kMostRuns = 8;
+  static constexpr double kMin = 128, kSample = 32, kMaxRuns = 8;
 
   /// Adds a report. Both counts are totals since the start of the session. Ignores impossible counts.
   void add(std::uint64_t received, std::uint64_t lost, Instant now);
@@ -72,9 +72,9 @@ class LossMeter {
   /// Returns the share that parity should withstand. It is higher if few datagrams were counted.
   [[nodiscard]] double likely() const;
   [[nodiscard]] double datagrams() const { return total_; }
-  /// Returns the index of dispersion of losses in samples of kSample datagrams, 1 to kMostRuns. 1 means independent
+  /// Returns the index of dispersion of losses in samples of kSample datagrams, 1 to kMaxRuns. 1 means independent
   /// losses.
-  [[nodiscard]] double runs() const { return std::clamp(spread_, 1.0, kMostRuns); }
+  [[nodiscard]] double runs() const { return std::clamp(spread_, 1.0, kMaxRuns); }
 
  private:
   std::uint64_t last_received_ = 0, last_lost_ = 0;
@@ -85,15 +85,15 @@ class LossMeter {
 
 /// Makes the parity of one client's data datagrams: groups with as many symbols as the losses require. Keeps groups
 /// without parity until the first reports show the loss. Adds parity to a group if the loss increases. Memory:
-/// kMostHeld bytes of closed groups, and one open group of at most kMostMembers datagrams. One thread. No clock.
+/// kMaxHeld bytes of closed groups, and one open group of at most kMaxMembers datagrams. One thread. No clock.
 class ParitySender {
  public:
-  static constexpr std::size_t kMostHeld = std::size_t{512} << 10, kMostGroups = 32, kFewMembers = 8;
+  static constexpr std::size_t kMaxHeld = std::size_t{512} << 10, kMaxGroups = 32, kFewMembers = 8;
   static constexpr Instant kLongestGroup{500'000};
   /// Maximum probability that a group of data is lost.
   static constexpr double kFailure = 0.01;
   /// Share of lost datagrams below which no parity is sent.
-  static constexpr double kLeastLoss = 0.002;
+  static constexpr double kMinLoss = 0.002;
 
   explicit ParitySender(bool enabled) : enabled_(enabled) {}
 

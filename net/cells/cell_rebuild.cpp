@@ -7,7 +7,7 @@ namespace {
 
 /// Returns the single PDU of a parity datagram, or nullopt.
 std::optional<Pdu> pdu_of(std::span<const Cell> cells) {
-  Reassembler reassembler(1, kMostCells * kCellPayload);
+  Reassembler reassembler(1, kMaxCells * kCellPayload);
   std::vector<Pdu> pdus;
   for (const Cell& cell : cells) {
     if (cell.vc != kParityVc || !pdus.empty()) return std::nullopt;
@@ -24,7 +24,7 @@ bool CellRebuilder::is_parity(std::span<const Cell> cells) { return !cells.empty
 void CellRebuilder::keep(std::uint64_t number, std::span<const std::byte> cells) {
   if (!kept_.try_emplace(number, cells.begin(), cells.end()).second) return;
   kept_bytes_ += cells.size();
-  for (; kept_bytes_ > kMostKept; kept_.erase(kept_.begin())) kept_bytes_ -= kept_.begin()->second.size();
+  for (; kept_bytes_ > kMaxKept; kept_.erase(kept_.begin())) kept_bytes_ -= kept_.begin()->second.size();
 }
 
 /// Drops the symbols of a group; the group itself stays known.
@@ -34,7 +34,7 @@ void CellRebuilder::forget(Groups::iterator at) {
 }
 
 void CellRebuilder::add(std::uint64_t number, std::span<const std::byte> cells, std::vector<Rebuilt>& out) {
-  if (cells.size() > kMostCells * kPackedCell) return;
+  if (cells.size() > kMaxCells * kPackedCell) return;
   keep(number, cells);
   // A late datagram may be the missing one.
   for (auto at = groups_.begin(); at != groups_.end() && at->first <= number; ++at)
@@ -58,7 +58,7 @@ std::optional<Parity> CellRebuilder::add_parity(std::uint64_t number, std::span<
   }
   if (group.symbols.try_emplace(parity->symbol, symbol.begin(), symbol.end()).second) parity_bytes_ += group.size;
   look(at, out);
-  while (groups_.size() > kMostGroups || parity_bytes_ > kMostParity) {
+  while (groups_.size() > kMaxGroups || parity_bytes_ > kMaxParity) {
     forget(groups_.begin());
     groups_.erase(groups_.begin());
   }

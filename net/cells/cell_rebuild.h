@@ -11,12 +11,12 @@
 
 namespace gs::net {
 
-/// Restores lost data datagrams from parity. Returns only restored datagrams with the right CRC. Memory: kMostKept
-/// bytes of the newest datagrams, and kMostParity bytes of parity symbols in kMostGroups groups. One thread. Safe for
+/// Restores lost data datagrams from parity. Returns only restored datagrams with the right CRC. Memory: kMaxKept
+/// bytes of the newest datagrams, and kMaxParity bytes of parity symbols in kMaxGroups groups. One thread. Safe for
 /// untrusted datagrams.
 class CellRebuilder {
  public:
-  static constexpr std::size_t kMostKept = std::size_t{640} << 10, kMostGroups = 48, kMostParity = kMostKept;
+  static constexpr std::size_t kMaxKept = std::size_t{640} << 10, kMaxGroups = 48, kMaxParity = kMaxKept;
   /// Restored datagram.
   struct Rebuilt {
     std::uint64_t number = 0;

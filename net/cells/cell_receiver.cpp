@@ -8,9 +8,9 @@ namespace gs::net {
 namespace {
 
 constexpr Instant kReportAtLeastEvery{200'000}, kReportAtMostEvery{20'000}, kLongestBackoff{2'000'000};
-constexpr std::size_t kRepairs = 64;     // chunks per report that are requested again
-constexpr std::size_t kMostNamed = 128;  // chunk names per report, over all slots, so that it fits into one datagram
-constexpr std::size_t kMostEarly = 128;
+constexpr std::size_t kRepairs = 64;    // chunks per report that are requested again
+constexpr std::size_t kMaxNamed = 128;  // chunk names per report, over all slots, so that it fits into one datagram
+constexpr std::size_t kMaxEarly = 128;
 constexpr std::uint64_t kFarAhead = 16384;
 
 Instant backed_off(Instant first, std::size_t tries) {
@@ -50,10 +50,10 @@ void CellClient::fail(std::string text) {
 }
 
 void CellClient::want(std::size_t number, CellWish wish, Instant now) {
-  if (number >= kMostSlots || phase_ == Phase::over) return;
+  if (number >= kMaxSlots || phase_ == Phase::over) return;
   Slot& slot = slots_[number];
   if (wish.path != slot.wish.path) slot.assembly.reset();
-  wish.cells = static_cast<std::uint8_t>(std::clamp<std::size_t>(wish.cells, kFewestCells, kMostCells));
+  wish.cells = static_cast<std::uint8_t>(std::clamp<std::size_t>(wish.cells, kMinCells, kMaxCells));
   slot.wish = std::move(wish);
   slot.number = ++request_number_;
   slot.state = Slot::State::asking;
@@ -64,9 +64,9 @@ void CellClient::want(std::size_t number, CellWish wish, Instant now) {
 }
 
 void CellClient::prefer(std::size_t number, std::vector<Region> regions, std::vector<ChunkName> chunks) {
-  if (number >= kMostSlots) return;
-  regions.resize(std::min(regions.size(), kMostRegions));
-  chunks.resize(std::min(chunks.size(), kMostWishes));
+  if (number >= kMaxSlots) return;
+  regions.resize(std::min(regions.size(), kMaxRegions));
+  chunks.resize(std::min(chunks.size(), kMaxWishes));
   slots_[number].regions = std::move(regions);
   slots_[number].chunks = std::move(chunks);
   report_now_ = true;
@@ -113,7 +113,7 @@ void CellClient::take_datagram(std::span<const std::byte> bytes, Instant now) {
     ++statistics_.foreign;
   else if (session_ != 0)
     take_cells(*datagram, bytes, now);
-  else if (cookie_ && early_.size() < kMostEarly && bytes.size() <= kMostDatagram)
+  else if (cookie_ && early_.size() < kMaxEarly && bytes.size() <= kMaxDatagram)
     early_.push_back({{bytes.begin(), bytes.end()}, now});
 }
 
@@ -246,7 +246,7 @@ void CellClient::take_cells(const CellDatagram& datagram, std::span<const std::b
 
 /// Passes the cells of one datagram to all slots. `gap` means that datagrams before it are missing.
 void CellClient::assemble(std::span<const Cell> cells, bool gap, Instant now) {
-  for (std::size_t i = 0; i < kMostSlots; ++i) {
+  for (std::size_t i = 0; i < kMaxSlots; ++i) {
     CellAssembly* assembly = slots_[i].assembly.get();
     if (!assembly || slots_[i].state != Slot::State::granted) continue;
     std::vector<CellEvent> made;
@@ -287,7 +287,7 @@ std::optional<std::vector<std::byte>> CellClient::next_hello(Instant now) {
 }
 
 std::optional<std::vector<std::byte>> CellClient::next_request(Instant now) {
-  for (std::size_t i = 0; i < kMostSlots; ++i) {
+  for (std::size_t i = 0; i < kMaxSlots; ++i) {
     Slot& slot = slots_[i];
     if (slot.state != Slot::State::asking || now < slot.ask) continue;
     if (slot.tries >= options_.most_tries) {
@@ -327,7 +327,7 @@ std::vector<std::byte> CellClient::report(Instant now) {
   message.held = static_cast<std::uint32_t>((now - echo_at_).count());
   message.rate = options_.rate;
   std::size_t named = 0;
-  for (std::size_t i = 0; i < kMostSlots; ++i) {
+  for (std::size_t i = 0; i < kMaxSlots; ++i) {
     Slot& slot = slots_[i];
     if (slot.state != Slot::State::granted) continue;
     // If no datagrams are received, return the cells of incomplete PDUs.
@@ -344,7 +344,7 @@ std::vector<std::byte> CellClient::report(Instant now) {
     report.wishes = slot.chunks;
     if (slot.ended && slot.wish.repair && report.wishes.empty())
       report.wishes = slot.assembly->missing(slot.wish.streams, kRepairs);
-    report.wishes.resize(std::min(report.wishes.size(), kMostNamed - named));
+    report.wishes.resize(std::min(report.wishes.size(), kMaxNamed - named));
     named += report.wishes.size();
     message.slots.push_back(std::move(report));
   }

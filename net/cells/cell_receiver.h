@@ -32,11 +32,11 @@ struct CellClientOptions {
 /// Request of a client for one of its slots.
 struct CellWish {
   std::string path;
-  std::uint32_t streams = 0xffff;   // one bit per stream
-  std::uint64_t budget = 0;         // bytes; 0 means unlimited
-  std::uint8_t weight = 1;          // share of the rate
-  std::uint8_t cells = kMostCells;  // maximum cells of a datagram
-  bool repair = false;              // requests lost chunks again after everything was sent
+  std::uint32_t streams = 0xffff;  // one bit per stream
+  std::uint64_t budget = 0;        // bytes; 0 means unlimited
+  std::uint8_t weight = 1;         // share of the rate
+  std::uint8_t cells = kMaxCells;  // maximum cells of a datagram
+  bool repair = false;             // requests lost chunks again after everything was sent
 };
 
 struct CellClientStatistics {
@@ -59,7 +59,7 @@ class CellClient {
   /// Requests a source in slot 0 to 7, replacing the slot's earlier request. An empty path clears the slot.
   void want(std::size_t slot, CellWish wish, Instant now);
   /// Sets preferences: regions (of the source's box), or chunks by name, even if sent before. The next report contains
-  /// them, at most kMostRegions and kMostWishes.
+  /// them, at most kMaxRegions and kMaxWishes.
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
   void set_rate(std::uint64_t bits_per_second) { options_.rate = bits_per_second; }
   /// Queues a goodbye message, which `next` returns.
@@ -108,7 +108,7 @@ class CellClient {
   Phase phase_ = Phase::idle;
   std::uint64_t nonce_ = 0, session_ = 0;
   std::optional<CookieMessage> cookie_;
-  std::array<Slot, kMostSlots> slots_;
+  std::array<Slot, kMaxSlots> slots_;
   std::uint32_t request_number_ = 0, report_number_ = 0;
   std::size_t tries_ = 0;
   Instant hello_at_{}, report_at_{}, heard_{}, cells_at_{};

@@ -7,12 +7,12 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kMostAnswers = 1024;
+constexpr std::size_t kMaxAnswers = 1024;
 constexpr Instant kCookieLife{60'000'000};
-constexpr std::uint64_t kOpensPerSecond = 4, kOpensAtOnce = kMostSlots;
-constexpr std::size_t kMostBase = ErasureLayout::kMostBytes;
+constexpr std::uint64_t kOpensPerSecond = 4, kOpensAtOnce = kMaxSlots;
+constexpr std::size_t kMaxBase = ErasureLayout::kMaxBytes;
 
-std::uint64_t server_burst_of(std::uint64_t rate) { return std::max<std::uint64_t>(4 * kMostDatagram, rate / 500); }
+std::uint64_t server_burst_of(std::uint64_t rate) { return std::max<std::uint64_t>(4 * kMaxDatagram, rate / 500); }
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void CellServer::receive(const Endpoint& from, std::span<const std::byte> bytes,
 }
 
 void CellServer::answer(const Endpoint& to, const ContractMessage& message) {
-  if (answers_.size() < kMostAnswers) answers_.push_back({to, encode_contract(message)});
+  if (answers_.size() < kMaxAnswers) answers_.push_back({to, encode_contract(message)});
 }
 
 void CellServer::refuse(const Endpoint& to, const RequestMessage& request, Refusal why, std::string text) {
@@ -108,7 +108,7 @@ void CellServer::open(const Endpoint& from, CellSession& session, const RequestM
   if (auto* text = std::get_if<std::string>(&opened))
     return refuse(from, request, Refusal::not_found, std::move(*text));
   auto source = std::move(std::get<std::shared_ptr<CellSource>>(opened));
-  if (!source || source->base().empty() || source->base().size() > kMostBase)
+  if (!source || source->base().empty() || source->base().size() > kMaxBase)
     return refuse(from, request, Refusal::not_found, "the source has no base to send");
   auto base = encoder(source, request.cells);
   session.set(request, std::move(source), std::move(base));
@@ -160,10 +160,10 @@ std::optional<OutgoingDatagram> CellServer::next(Instant now) {
     if (it->second->sync_due(now) > now) continue;
     result = {it->first, encode_contract(it->second->sync(now))};
     // A grant may be lost, so repeat it with each sync until a report of the client mentions the slot.
-    for (std::size_t slot = 0; slot < kMostSlots; ++slot)
+    for (std::size_t slot = 0; slot < kMaxSlots; ++slot)
       if (it->second->unknown(slot)) answer(it->first, it->second->answer(slot));
   }
-  if (!result && total_.has(kMostDatagram + kPacketHeaders, now)) {
+  if (!result && total_.has(kMaxDatagram + kPacketHeaders, now)) {
     // Serve clients in turn, beginning after the one that was served last.
     auto it = sessions_.upper_bound(turn_);
     for (std::size_t i = 0; i < sessions_.size() && !result; ++i, ++it) {
@@ -190,7 +190,7 @@ Instant CellServer::deadline(Instant now) {
   if (!answers_.empty()) return now;
   forget(now);
   Instant first = Instant::max();
-  const Instant total = total_.when(kMostDatagram + kPacketHeaders, now);
+  const Instant total = total_.when(kMaxDatagram + kPacketHeaders, now);
   for (const auto& [endpoint, session] : sessions_) {
     first = std::min({first, session->sync_due(now), session->last_heard() + options_.forget});
     const Instant ready = session->ready(now);

@@ -8,13 +8,13 @@ namespace {
 
 constexpr Instant kSyncEvery{100'000}, kRegionsAtMostEvery{100'000};
 constexpr std::uint64_t kFirstDatagrams = 10;
-constexpr std::size_t kMostWished = 1024, kMostTried = 16384;
+constexpr std::size_t kMaxWished = 1024, kMaxTried = 16384;
 // Minimum free cells for a second chunk in a protected datagram; its place takes one or two.
 constexpr std::size_t kBegin = 6;
 
 std::uint32_t stamp(Instant now) { return static_cast<std::uint32_t>(now.count()); }
 
-std::uint64_t session_burst_of(std::uint64_t rate) { return std::max<std::uint64_t>(2 * kMostDatagram, rate / 500); }
+std::uint64_t session_burst_of(std::uint64_t rate) { return std::max<std::uint64_t>(2 * kMaxDatagram, rate / 500); }
 
 bool meet(const CellBox& left, const CellBox& right) {
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -38,7 +38,7 @@ void CellSession::grant(std::uint64_t bytes_per_second, Instant now) {
     controller_ =
         RateController(options_.response, static_cast<double>(bytes_per_second), controller_.round_trip(), now);
   // As in TCP (RFC 6928): send the first ten datagrams at once, and no more in the first round trip.
-  if (granted_ == 0) bucket_.allow_debt(std::min<std::uint64_t>(kFirstDatagrams * kMostDatagram, bytes_per_second / 4));
+  if (granted_ == 0) bucket_.allow_debt(std::min<std::uint64_t>(kFirstDatagrams * kMaxDatagram, bytes_per_second / 4));
   granted_ = bytes_per_second;
   controller_.set_grant(static_cast<double>(bytes_per_second));
   update_rate(now);
@@ -70,9 +70,9 @@ void CellSession::set(const RequestMessage& request, std::shared_ptr<CellSource>
   slot.source = std::move(source);
   slot.base = std::move(base);
   if (slot.source) {
-    slot.states.resize(std::min(slot.source->streams(), kMostStreams));
+    slot.states.resize(std::min(slot.source->streams(), kMaxStreams));
     for (std::size_t i = 0; i < slot.states.size(); ++i)
-      slot.states[i].sent.resize(std::min<std::size_t>(slot.source->chunks(i), kMostChunks));
+      slot.states[i].sent.resize(std::min<std::size_t>(slot.source->chunks(i), kMaxChunks));
     const ErasureLayout& layout = slot.base->layout();
     slot.base_first = layout.blocks() * symbols_for(layout.source, options_.base_loss, options_.base_failure);
   }
@@ -145,7 +145,7 @@ void CellSession::take_report(Slot& slot, const SlotReport& report, Instant now)
     std::stable_sort(slot.regions.begin(), slot.regions.end(),
                      [](const Region& left, const Region& right) { return left.weight > right.weight; });
     slot.regions_changed = now;
-    for (StreamState& state : slot.states) std::fill_n(state.cursors.begin(), kMostRegions, 0U);
+    for (StreamState& state : slot.states) std::fill_n(state.cursors.begin(), kMaxRegions, 0U);
   }
   slot.wishes.clear();
   for (const ChunkName& wish : report.wishes) {
@@ -165,9 +165,9 @@ std::optional<ChunkName> CellSession::next_wish(Slot& slot, Instant now) {
     slot.wishes.pop_front();
     const auto last = slot.wished.find(wish);
     if (last != slot.wished.end() && now < last->second + trip) continue;
-    if (slot.wished.size() >= kMostWished)
+    if (slot.wished.size() >= kMaxWished)
       std::erase_if(slot.wished, [&](const auto& entry) { return now >= entry.second + trip; });
-    if (slot.wished.size() >= kMostWished) continue;
+    if (slot.wished.size() >= kMaxWished) continue;
     slot.wished[wish] = now;
     return wish;
   }
@@ -180,12 +180,12 @@ std::optional<ChunkName> CellSession::next_in(Slot& slot, std::size_t region) {
     if ((slot.streams >> stream & 1) == 0) continue;
     StreamState& state = slot.states[stream];
     const bool anywhere = region >= slot.regions.size();
-    std::uint32_t& cursor = state.cursors[anywhere ? kMostRegions : region];
+    std::uint32_t& cursor = state.cursors[anywhere ? kMaxRegions : region];
     for (std::size_t tried = 0; cursor < state.sent.size(); ++cursor) {
       if (state.sent[cursor]) continue;
       // A region with few chunks of a large source must not delay other clients; the next call continues at the next
       // chunk.
-      if (!anywhere && ++tried > kMostTried) return std::nullopt;
+      if (!anywhere && ++tried > kMaxTried) return std::nullopt;
       const auto box = anywhere ? std::nullopt : slot.source->box(stream, cursor);
       if (!box || meet(*box, slot.regions[region].box)) return ChunkName{static_cast<std::uint8_t>(stream), cursor};
     }
@@ -244,7 +244,7 @@ Instant CellSession::ready(Instant now) {
     idle_ = true;
     return first;
   }
-  return std::max(first, bucket_.when(kMostDatagram + kPacketHeaders, now));
+  return std::max(first, bucket_.when(kMaxDatagram + kPacketHeaders, now));
 }
 
 CellSession::Datagram CellSession::encode(const std::vector<Cell>& cells, bool parity, Instant now) {
@@ -288,7 +288,7 @@ void CellSession::put_base(Slot& slot, std::size_t number, Instant now, std::vec
   place.version = slot.source->version();
   place.time = stamp(now);
   place.chunk = static_cast<std::uint32_t>(slot.base_sent % layout.blocks());
-  place.at = static_cast<std::uint32_t>(slot.base_sent / layout.blocks() % ErasureLayout::kMostSymbols);
+  place.at = static_cast<std::uint32_t>(slot.base_sent / layout.blocks() % ErasureLayout::kMaxSymbols);
   place.total = layout.bytes;
   (void)segment(encode_place(place, slot.base->symbol(place.chunk, place.at)), {path_of_slot(number), kBaseVci}, 0,
                 false, cells);

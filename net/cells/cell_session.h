@@ -63,13 +63,13 @@ class CellSession {
  private:
   struct StreamState {
     std::vector<bool> sent;
-    std::array<std::uint32_t, kMostRegions + 1> cursors{};  // by region; the last one is the whole source
+    std::array<std::uint32_t, kMaxRegions + 1> cursors{};  // by region; the last one is the whole source
   };
   struct Slot {
     std::uint32_t number = 0;
     std::shared_ptr<CellSource> source;
     std::shared_ptr<const ErasureEncoder> base;
-    std::uint8_t weight = 1, cells = kMostCells;
+    std::uint8_t weight = 1, cells = kMaxCells;
     std::uint32_t streams = 0;
     std::uint64_t budget = 0, bytes = 0;
     bool known = false, base_done = false, ended = false;
@@ -99,7 +99,7 @@ class CellSession {
 
   Options options_;
   std::uint64_t id_, nonce_;
-  std::array<Slot, kMostSlots> slots_;
+  std::array<Slot, kMaxSlots> slots_;
   RateController controller_;
   TokenBucket bucket_;
   ParitySender parity_;

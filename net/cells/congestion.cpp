@@ -9,10 +9,10 @@ namespace gs::net {
 namespace {
 
 constexpr double kPacket = 1388;  // bytes, with the headers of IP and UDP
-constexpr std::size_t kMostMissing = 1024;
+constexpr std::size_t kMaxMissing = 1024;
 constexpr std::uint64_t kLater = 3;  // number of later datagrams after which a missing one is lost (RFC 5348 5.1)
 constexpr std::array<double, 8> kWeights{1, 1, 1, 1, 0.8, 0.6, 0.4, 0.2};
-constexpr double kLeastQueue = 10'000;  // microseconds; less is noise
+constexpr double kMinQueue = 10'000;  // microseconds; less is noise
 constexpr Instant kShortestTrip{500}, kLongestTrip{5'000'000};
 constexpr std::array<CongestionName, 3> kNames{{
     {"equation", CongestionResponse::equation, "slows down at any loss, like TCP; safe on every network"},
@@ -53,7 +53,7 @@ void QueueDelay::add(std::uint32_t sent, std::uint32_t received) {
   least_ = std::min(least_, delay);
   most_ = std::max(most_, delay);
   const double range = most_ - least_;
-  if (range < kLeastQueue)
+  if (range < kMinQueue)
     queued_ = false;
   else if (delay > least_ + range / 2)
     queued_ = true;
@@ -71,7 +71,7 @@ void LossHistory::arrived(std::uint64_t number, std::uint64_t bytes, Instant now
   }
   const std::uint64_t gap = number - next_;
   // After a long silence, only the newest datagrams are tracked one by one.
-  const std::uint64_t skipped = gap > kMostMissing ? gap - kMostMissing : 0;
+  const std::uint64_t skipped = gap > kMaxMissing ? gap - kMaxMissing : 0;
   if (skipped > 0) {
     lost_ += missing_.size() + skipped;
     missing_.clear();
@@ -80,7 +80,7 @@ void LossHistory::arrived(std::uint64_t number, std::uint64_t bytes, Instant now
   }
   for (std::uint64_t i = next_ + skipped; i < number; ++i) missing_.insert(missing_.end(), i);
   next_ = number + 1;
-  while (!missing_.empty() && (*missing_.begin() + kLater < next_ || missing_.size() > kMostMissing)) {
+  while (!missing_.empty() && (*missing_.begin() + kLater < next_ || missing_.size() > kMaxMissing)) {
     lose(*missing_.begin(), now, round_trip, counts);
     missing_.erase(missing_.begin());
   }

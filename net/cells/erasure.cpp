@@ -12,8 +12,8 @@ constexpr std::size_t kBlockSource = 64;
 
 /// Returns rows of the identity, then of a Cauchy matrix: any k rows are independent.
 std::vector<unsigned char> coding_matrix(std::size_t source) {
-  std::vector<unsigned char> matrix(ErasureLayout::kMostSymbols * source);
-  gf_gen_cauchy1_matrix(matrix.data(), static_cast<int>(ErasureLayout::kMostSymbols), static_cast<int>(source));
+  std::vector<unsigned char> matrix(ErasureLayout::kMaxSymbols * source);
+  gf_gen_cauchy1_matrix(matrix.data(), static_cast<int>(ErasureLayout::kMaxSymbols), static_cast<int>(source));
   return matrix;
 }
 
@@ -22,7 +22,7 @@ unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(b
 }  // namespace
 
 bool ErasureLayout::sound() const {
-  return bytes > 0 && bytes <= kMostBytes && symbol >= 8 && source > 0 && source <= kMostSource && blocks() <= 65535;
+  return bytes > 0 && bytes <= kMaxBytes && symbol >= 8 && source > 0 && source <= kMaxSource && blocks() <= 65535;
 }
 
 std::size_t ErasureLayout::blocks() const {
@@ -40,11 +40,11 @@ ErasureLayout erasure_layout(std::size_t bytes, std::size_t symbol) {
 std::size_t symbols_for(std::size_t source, double loss, double failure) {
   std::size_t symbols = source;
   if (loss <= 0) return symbols;
-  if (loss >= 1) return ErasureLayout::kMostSymbols;
+  if (loss >= 1) return ErasureLayout::kMaxSymbols;
   // With n symbols sent, the last of the k required ones is the n-th with a probability of C(n - 1, k - 1) (1 - loss)^k
   // loss^(n - k).
   double last = std::pow(1 - loss, static_cast<double>(source)), arrived = last;
-  while (symbols < ErasureLayout::kMostSymbols && 1 - arrived >= failure) {
+  while (symbols < ErasureLayout::kMaxSymbols && 1 - arrived >= failure) {
     last *= loss * static_cast<double>(symbols) / static_cast<double>(symbols - source + 1);
     arrived += last;
     ++symbols;
@@ -75,7 +75,7 @@ std::vector<std::byte> ErasureEncoder::symbol(std::size_t block, std::size_t num
 ErasureDecoder::ErasureDecoder(ErasureLayout layout) : layout_(layout), blocks_(layout.blocks()) {}
 
 bool ErasureDecoder::add(std::size_t block, std::size_t number, std::span<const std::byte> symbol) {
-  if (block >= blocks_.size() || number >= ErasureLayout::kMostSymbols || symbol.size() != layout_.symbol) return false;
+  if (block >= blocks_.size() || number >= ErasureLayout::kMaxSymbols || symbol.size() != layout_.symbol) return false;
   Block& at = blocks_[block];
   if (at.done) return false;
   if (!at.symbols.try_emplace(static_cast<std::uint8_t>(number), symbol.begin(), symbol.end()).second) return false;

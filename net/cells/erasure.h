@@ -19,16 +19,16 @@ struct ErasureLayout {
   std::uint16_t symbol = 0;  // bytes of a symbol
   // K: source symbols of each block; the last block is padded with zeros.
   std::uint8_t source = 0;
-  static constexpr std::size_t kMostSymbols = 255;  // n
-  static constexpr std::size_t kMostSource = 128;
-  static constexpr std::size_t kMostBytes = std::size_t{1} << 22;
+  static constexpr std::size_t kMaxSymbols = 255;  // n
+  static constexpr std::size_t kMaxSource = 128;
+  static constexpr std::size_t kMaxBytes = std::size_t{1} << 22;
 
   /// Reports whether an encoder can produce this layout. For untrusted layouts.
   [[nodiscard]] bool sound() const;
   [[nodiscard]] std::size_t blocks() const;
 };
 
-/// Returns a layout for data of 1 to kMostBytes bytes, in symbols of `symbol` bytes and blocks of at most 64 symbols.
+/// Returns a layout for data of 1 to kMaxBytes bytes, in symbols of `symbol` bytes and blocks of at most 64 symbols.
 [[nodiscard]] ErasureLayout erasure_layout(std::size_t bytes, std::size_t symbol);
 
 /// Returns the smallest n, at most 255, for which fewer than `source` of n symbols are received with a probability

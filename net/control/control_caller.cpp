@@ -16,7 +16,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kMostAnswer = std::size_t{1} << 20;
+constexpr std::size_t kMaxAnswer = std::size_t{1} << 20;
 
 ControlCallError call_problem(const std::string& path, const std::string& why) { return {path + ": " + why}; }
 ControlCallError call_failure(const std::string& path) {
@@ -63,7 +63,7 @@ std::variant<std::string, ControlCallError> call_control(const std::string& path
     if (got == 0) return call_problem(path, "it closed the connection without an answer");
     answer.append(buffer.data(), static_cast<std::size_t>(got));
     if (const std::size_t end = answer.find('\n'); end != std::string::npos) return answer.substr(0, end);
-    if (answer.size() > kMostAnswer) return call_problem(path, "its answer is incomplete");
+    if (answer.size() > kMaxAnswer) return call_problem(path, "its answer is incomplete");
   }
 }
 

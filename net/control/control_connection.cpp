@@ -11,8 +11,8 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kMostHead = 8192;         // bytes of a handshake
-constexpr std::size_t kMostFirstMessage = 256;  // bytes of the first message of a client that is not admitted
+constexpr std::size_t kMaxHead = 8192;         // bytes of a handshake
+constexpr std::size_t kMaxFirstMessage = 256;  // bytes of the first message of a client that is not admitted
 constexpr std::size_t kWorthMoving = std::size_t{64} << 10;
 
 const char kWrongToken[] = "wrong token";
@@ -20,7 +20,7 @@ const char kWrongToken[] = "wrong token";
 }  // namespace
 
 ControlConnection::ControlConnection(ControlProtocol protocol, const ControlTerms& terms)
-    : protocol_(protocol), terms_(terms), decoder_(kMostFirstMessage), open_(protocol == ControlProtocol::lines) {}
+    : protocol_(protocol), terms_(terms), decoder_(kMaxFirstMessage), open_(protocol == ControlProtocol::lines) {}
 
 void ControlConnection::receive(std::string_view bytes) {
   if (closing_) return;
@@ -31,14 +31,14 @@ void ControlConnection::receive(std::string_view bytes) {
 
 void ControlConnection::receive_head(std::string_view bytes) {
   const std::size_t before = head_.size();
-  head_.append(bytes.substr(0, kMostHead - before));
+  head_.append(bytes.substr(0, kMaxHead - before));
   const std::size_t end = head_.find("\r\n\r\n", before < 3 ? 0 : before - 3);
   const auto refuse = [&](const WebSocketRefusal& refusal) {
     outgoing_ += websocket_refusal(refusal);
     closing_ = true;
   };
   if (end == std::string::npos) {
-    if (head_.size() == kMostHead) refuse({431, "the request exceeds 8192 bytes"});
+    if (head_.size() == kMaxHead) refuse({431, "the request exceeds 8192 bytes"});
     return;
   }
   const auto parsed = parse_websocket_request(std::string_view(head_).substr(0, end + 2));
@@ -79,7 +79,7 @@ void ControlConnection::receive_frames(std::string_view bytes) {
 
 void ControlConnection::receive_lines(std::string_view bytes) {
   while (!bytes.empty() && !closing_) {
-    const std::size_t most = admitted_ ? terms_.limits.message_bytes : kMostFirstMessage;
+    const std::size_t most = admitted_ ? terms_.limits.message_bytes : kMaxFirstMessage;
     const std::size_t end = bytes.find('\n');
     const std::string_view piece = bytes.substr(0, end);
     if (piece.size() > most || head_.size() > most - piece.size())

@@ -1,8 +1,8 @@
 #include "net/control/control_server.h"
 
-#include "net/base/bell.h"
 #include "net/base/clock.h"
 #include "net/base/descriptor.h"
+#include "net/base/event_fd.h"
 
 #include <algorithm>
 #include <array>
@@ -138,7 +138,7 @@ struct ControlServer::State {
   std::function<void()> wake;
   std::vector<Listener> listeners;
   std::vector<std::uint16_t> ports;
-  Bell bell;
+  EventFd bell;
   std::atomic<bool> stopping = false;
   std::atomic<std::size_t> count = 0;
   std::deque<std::unique_ptr<Peer>> peers;  // oldest first

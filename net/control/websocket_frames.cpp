@@ -8,8 +8,8 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kMostControl = 125;  // bytes of a control frame's payload (RFC 6455 5.5)
-constexpr std::size_t kMostFragments = 10'000;
+constexpr std::size_t kMaxControl = 125;  // bytes of a control frame's payload (RFC 6455 5.5)
+constexpr std::size_t kMaxFragments = 10'000;
 
 std::uint64_t big_endian(std::string_view bytes) {
   std::uint64_t value = 0;
@@ -69,7 +69,7 @@ void WebSocketDecoder::begin_frame() {
   final_ = (first & 0x80) != 0;
   if (is_control(opcode_)) {
     if (!final_) return fail(WebSocketClose::protocol_error, "fragmented control frame");
-    if (short_length > kMostControl) return fail(WebSocketClose::protocol_error, "control frame exceeds 125 bytes");
+    if (short_length > kMaxControl) return fail(WebSocketClose::protocol_error, "control frame exceeds 125 bytes");
   } else if (opcode_ == WebSocketOpcode::binary) {
     return fail(WebSocketClose::unacceptable, "expected messages of text");
   } else if ((opcode_ == WebSocketOpcode::continuation) != in_message_) {
@@ -84,7 +84,7 @@ void WebSocketDecoder::begin_frame() {
   if (!is_control(opcode_)) {
     if (left_ > most_ || message_.size() + left_ > most_)
       return fail(WebSocketClose::too_large, "a message of more than " + std::to_string(most_) + " bytes");
-    if (++fragments_ > kMostFragments) return fail(WebSocketClose::policy, "the message has too many fragments");
+    if (++fragments_ > kMaxFragments) return fail(WebSocketClose::policy, "the message has too many fragments");
     in_message_ = true;
   }
   std::copy_n(rest.end() - 4, 4, mask_);
@@ -130,7 +130,7 @@ std::string websocket_frame(WebSocketOpcode opcode, std::string_view payload) {
 std::string websocket_close_frame(WebSocketClose code, std::string_view why) {
   const auto number = static_cast<unsigned>(code);
   std::string payload = {static_cast<char>(number >> 8), static_cast<char>(number & 0xff)};
-  std::size_t size = std::min(why.size(), kMostControl - 2);
+  std::size_t size = std::min(why.size(), kMaxControl - 2);
   while (size > 0 && size < why.size() && (static_cast<unsigned char>(why[size]) & 0xc0) == 0x80) --size;
   payload += why.substr(0, size);
   return websocket_frame(WebSocketOpcode::close, payload);

@@ -20,8 +20,8 @@ constexpr std::string_view kPrefix = ".ghostspace-";
 
 /// Returns true for a number of up to ten digits without leading zeros.
 bool is_number(std::string_view text) {
-  constexpr std::size_t kMostDigits = 10;
-  return !text.empty() && text.size() <= kMostDigits && (text.front() != '0' || text.size() == 1) &&
+  constexpr std::size_t kMaxDigits = 10;
+  return !text.empty() && text.size() <= kMaxDigits && (text.front() != '0' || text.size() == 1) &&
          std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 

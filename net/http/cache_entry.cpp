@@ -60,9 +60,9 @@ class Reader {
 
 std::uint32_t cache_checksum(std::span<const std::byte> bytes, std::uint32_t before) {
   uLong sum = before;
-  constexpr std::size_t kMost = std::size_t{1} << 30;  // zlib counts in unsigned int
+  constexpr std::size_t kMax = std::size_t{1} << 30;  // zlib counts in unsigned int
   while (!bytes.empty()) {
-    const auto part = bytes.first(std::min(kMost, bytes.size()));
+    const auto part = bytes.first(std::min(kMax, bytes.size()));
     sum = ::crc32(sum, reinterpret_cast<const Bytef*>(part.data()), static_cast<uInt>(part.size()));
     bytes = bytes.subspan(part.size());
   }
@@ -90,7 +90,7 @@ bool CacheEntry::add(CacheExtent extent) {
       return true;
     }
   }
-  if (extents.size() >= kMostExtents) return false;
+  if (extents.size() >= kMaxExtents) return false;
   extents.insert(after, extent);
   return true;
 }
@@ -144,7 +144,7 @@ std::optional<CacheEntry> read_cache_entry(std::span<const std::byte> bytes) {
   entry.head.stored_at = static_cast<std::int64_t>(reader.number(8));
   entry.head.fresh_for = static_cast<std::int64_t>(reader.number(8));
   const std::uint64_t count = reader.number(4);
-  if (reader.failed() || count > CacheEntry::kMostExtents || reader.left() != count * kExtentBytes) return std::nullopt;
+  if (reader.failed() || count > CacheEntry::kMaxExtents || reader.left() != count * kExtentBytes) return std::nullopt;
   // A checksum is not a signature, so the values may be hostile.
   constexpr std::int64_t kSensible = std::int64_t{1} << 40;
   if (entry.head.stored_at < 0 || entry.head.stored_at > kSensible || entry.head.fresh_for < 0 ||

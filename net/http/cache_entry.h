@@ -39,7 +39,7 @@ struct CacheExtent {
 /// grows.
 struct CacheEntry {
   static constexpr std::uint32_t kLargestExtent = 64 << 10;  // bytes to read in order to check one of them
-  static constexpr std::size_t kMostExtents = 1 << 17;
+  static constexpr std::size_t kMaxExtents = 1 << 17;
 
   std::string key;
   std::uint64_t data = 0;

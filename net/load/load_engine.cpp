@@ -7,8 +7,8 @@ namespace gs::net {
 namespace {
 
 /// Maximum number of paused transfers, in addition to the concurrent ones.
-constexpr std::size_t kMostPreempted = 4;
-constexpr std::size_t kMostPreemptedPerHost = 2;
+constexpr std::size_t kMaxPreempted = 4;
+constexpr std::size_t kMaxPreemptedPerHost = 2;
 
 template <class Key>
 std::size_t count_of(const std::map<Key, std::size_t>& counts, const Key& key) {
@@ -150,13 +150,13 @@ bool LoadEngine::fits(const LoadJob& job, const Load& load) const {
 bool LoadEngine::make_room(const LoadJob& job, Load& load) {
   const std::string& host = job.host();
   const bool host_full = !host.empty() && count_of(load.host, host) >= options_.max_transfers_per_host;
-  if (load.all_preempted >= kMostPreempted) return false;
+  if (load.all_preempted >= kMaxPreempted) return false;
   Running* least = nullptr;
   TransferId least_id = 0;
   for (auto& [id, running] : running_) {
     if (running.fetch->preempted || running.job->priority() >= job.priority()) continue;
     if (host_full && running.job->host() != host) continue;
-    if (count_of(load.host_preempted, running.job->host()) >= kMostPreemptedPerHost) continue;
+    if (count_of(load.host_preempted, running.job->host()) >= kMaxPreemptedPerHost) continue;
     // Of the least urgent transfers, the one that started last has the most left to do.
     if (least && std::pair(-least->job->priority(), least_id) >= std::pair(-running.job->priority(), id)) continue;
     least = &running;

@@ -190,8 +190,8 @@ void LoadJob::adopt(const ResponseHead& head, std::optional<std::uint64_t> total
   if (total) total_ = total;
   accepts_ranges_ = head.accepts_ranges && !head.encoded;
   if (accepts_ranges_) {
-    constexpr std::size_t kMost = 1024;
-    if (context_.ranges_known.size() >= kMost) context_.ranges_known.clear();
+    constexpr std::size_t kMax = 1024;
+    if (context_.ranges_known.size() >= kMax) context_.ranges_known.clear();
     context_.ranges_known[url_] = true;
   }
   emit_head({url_, total_, head.content_type, version_, accepts_ranges_, cached_.has_value(), space_});

@@ -23,7 +23,7 @@ namespace gs::net {
 namespace {
 
 /// Maximum bytes of an unneeded body (of a redirect or error) that are read to keep the connection.
-constexpr std::size_t kMostDiscarded = std::size_t{16} << 10;
+constexpr std::size_t kMaxDiscarded = std::size_t{16} << 10;
 /// Maximum number of idle connections.
 constexpr long kIdleConnections = 32;
 /// Block sizes. A block of a compressed body can grow a thousandfold, and curl holds it while the queue is full, so it
@@ -33,7 +33,7 @@ constexpr long kPlainBlock = 64 << 10;
 /// Maximum time for which curl blocks while it waits for an FTP server.
 constexpr Milliseconds kLongestHold{1000};
 /// With a rate limit: bytes that are delivered at once, and bytes that the system may buffer for a connection.
-constexpr std::uint64_t kLeastBlock = 1 << 10, kLeastAhead = 4 << 10, kMostAhead = 1 << 20;
+constexpr std::uint64_t kMinBlock = 1 << 10, kMinAhead = 4 << 10, kMaxAhead = 1 << 20;
 
 std::string environment_variable(const std::string& name) {
   const char* const value = std::getenv(name.c_str());
@@ -116,7 +116,7 @@ class CurlTransport final : public HttpTransport {
     const int socket = ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
     // Limit the system's buffer, because its bytes have already used the line.
     if (const std::uint64_t rate = transfer.transport->rate_.rate(); rate > 0 && socket >= 0) {
-      const int room = static_cast<int>(std::clamp<std::uint64_t>(rate / 2, kLeastAhead, kMostAhead));
+      const int room = static_cast<int>(std::clamp<std::uint64_t>(rate / 2, kMinAhead, kMaxAhead));
       (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
     }
     return socket;
@@ -161,7 +161,7 @@ class CurlTransport final : public HttpTransport {
   [[nodiscard]] long block_size(long most) const {
     const std::uint64_t rate = asked_rate_;
     if (rate == 0) return most;
-    return static_cast<long>(std::clamp<std::uint64_t>(rate / 10, kLeastBlock, static_cast<std::uint64_t>(most)));
+    return static_cast<long>(std::clamp<std::uint64_t>(rate / 10, kMinBlock, static_cast<std::uint64_t>(most)));
   }
   [[nodiscard]] static Instant instant(TimePoint time) {
     return std::chrono::duration_cast<Instant>(time.time_since_epoch());
@@ -359,7 +359,7 @@ std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
   transfer.progress = now_;
   if (transfer.discarding) {
     transfer.discarded += bytes.size();
-    transfer.enough = transfer.discarded > kMostDiscarded;
+    transfer.enough = transfer.discarded > kMaxDiscarded;
     return transfer.enough ? 0 : bytes.size();
   }
   const DataVerdict verdict = sink_->on_data(transfer.id, std::as_bytes(std::span(bytes)));
@@ -384,7 +384,7 @@ void CurlTransport::apply_pauses() {
 void CurlTransport::follow_rate() {
   const std::uint64_t rate = asked_rate_;
   if (rate == std::exchange(followed_rate_, rate)) return;
-  const std::uint64_t burst = std::max(rate / 10, kLeastBlock);
+  const std::uint64_t burst = std::max(rate / 10, kMinBlock);
   const bool was_limited = rate_.rate() > 0;
   rate_.set_rate(rate, burst, instant(now_));
   if (was_limited) return;

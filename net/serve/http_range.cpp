@@ -101,8 +101,8 @@ std::variant<WholeBody, NoSuchRange, std::vector<ServedRange>> parse_ranges(std:
   std::size_t items = 0;
   bool sound = true;
   for_each_item(value.substr(equals + 1), [&](std::string_view item) {
-    if (item.empty() || ++items > kMostServedRanges) {  // RFC 9110 5.6.1: empty elements do not count
-      sound = sound && items <= kMostServedRanges;
+    if (item.empty() || ++items > kMaxServedRanges) {  // RFC 9110 5.6.1: empty elements do not count
+      sound = sound && items <= kMaxServedRanges;
     } else if (!add_range(item, size, ranges)) {
       sound = false;
     }

@@ -20,7 +20,7 @@ struct WholeBody {};
 struct NoSuchRange {};
 
 /// Maximum number of ranges in one request. If there are more, the whole is sent (RFC 9110 14.2 allows it).
-constexpr std::size_t kMostServedRanges = 32;
+constexpr std::size_t kMaxServedRanges = 32;
 
 /// Parses a Range header (RFC 9110 14.1.2) for a body of `size` bytes. Joins overlapping ranges, and ranges with a gap
 /// smaller than the overhead of a part of multipart/byteranges. The others keep the order of the request.

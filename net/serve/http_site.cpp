@@ -13,7 +13,7 @@ namespace gs::net {
 namespace {
 
 // Size limits for gzip on demand. Smaller files gain nothing; larger ones should be stored compressed.
-constexpr std::uint64_t kLeastGzip = 512, kMostGzip = std::uint64_t{64} << 20;
+constexpr std::uint64_t kMinGzip = 512, kMaxGzip = std::uint64_t{64} << 20;
 constexpr std::chrono::milliseconds kGzipWait{5000};
 constexpr const char* kRetrySeconds = "2";
 
@@ -271,7 +271,7 @@ std::optional<WaitForMade> HttpSite::compress(const HttpRequest& request, const 
   auto* packed = std::get_if<ServedFile>(&opened);
   // A compressed file that is older than the file belongs to an earlier version.
   if (packed && (packed->folder || packed->stamp.seconds < stamp.seconds)) packed = nullptr;
-  const bool on_the_fly = made_ && chosen.type.compress && stamp.size >= kLeastGzip && stamp.size <= kMostGzip;
+  const bool on_the_fly = made_ && chosen.type.compress && stamp.size >= kMinGzip && stamp.size <= kMaxGzip;
   chosen.varies = packed || on_the_fly;
   if (!wanted || !chosen.varies) return std::nullopt;
   if (packed) {

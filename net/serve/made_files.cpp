@@ -19,7 +19,7 @@ namespace gs::net {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMostFailures = 256;
+constexpr std::size_t kMaxFailures = 256;
 constexpr const char* kWorkFolders = "making";  // prefix of the folders for unfinished files
 
 std::string made_name_of(const std::string& key) {
@@ -129,7 +129,7 @@ void MadeFiles::work(Lane& lane, const std::stop_token& stop) {
         lane.failures.push_back(
             {job->key, *failure,
              options_.now() + (failure->lasting ? options_.lasting_failure : options_.passing_failure)});
-      if (lane.failures.size() > kMostFailures) lane.failures.pop_front();
+      if (lane.failures.size() > kMaxFailures) lane.failures.pop_front();
       lane.jobs.erase(job);
       arrived_.notify_all();
     }

@@ -18,7 +18,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kMostPathBytes = 4096;
+constexpr std::size_t kMaxPathBytes = 4096;
 // Non-blocking, so that the server does not wait for the other end of a pipe.
 constexpr int kFlags = O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY;
 
@@ -92,7 +92,7 @@ std::string RequestPath::text() const {
 }
 
 std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path) {
-  if (path.size() > kMostPathBytes) return PathRefusal{414, "the path is longer than 4096 bytes"};
+  if (path.size() > kMaxPathBytes) return PathRefusal{414, "the path is longer than 4096 bytes"};
   if (path.empty() || path.front() != '/') return PathRefusal{400, "a path must begin with '/'"};
   path.remove_prefix(1);
   RequestPath result;
@@ -169,7 +169,7 @@ FolderListing ServedFolder::list(const RequestPath& path) const {
   while (const dirent* entry = ::readdir(names.get())) {
     const std::string name = entry->d_name;
     if (refuse_name(name).status != 0) continue;
-    if (listing.entries.size() == FolderListing::kMostEntries) {
+    if (listing.entries.size() == FolderListing::kMaxEntries) {
       listing.complete = false;
       break;
     }

@@ -51,8 +51,8 @@ struct FolderEntry {
 struct FolderListing {
   std::string path;  // decoded, such as "/a/b/"
   std::vector<FolderEntry> entries;
-  bool complete = true;  // false if there are more than kMostEntries
-  static constexpr std::size_t kMostEntries = 10'000;
+  bool complete = true;  // false if there are more than kMaxEntries
+  static constexpr std::size_t kMaxEntries = 10'000;
 };
 
 /// Folder outside of which nothing is opened. Any thread.

@@ -10,7 +10,7 @@ void FoundVectors::append(std::span<std::vector<FoundVector>> parts, unsigned th
   std::vector<std::size_t> starts(parts.size());
   std::size_t end = size_;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    parts[i].resize(std::min(parts[i].size(), kMost - end));
+    parts[i].resize(std::min(parts[i].size(), kMax - end));
     starts[i] = end;
     end += parts[i].size();
   }
@@ -34,7 +34,7 @@ void FoundVectors::append(std::span<std::vector<FoundVector>> parts, unsigned th
 // Radix sort, lowest digit first. Each block of the list is counted and moved separately, so that equal keys keep their
 // order for any assignment of threads.
 std::vector<FoundVectors::Entry> FoundVectors::longest_first(unsigned threads) const {
-  constexpr unsigned kPasses = 3, kMostDigit = 11;
+  constexpr unsigned kPasses = 3, kMaxDigit = 11;
   constexpr std::size_t kBlocks = 16;
   std::vector<Entry> entries(size_), other(size_);
   std::array<std::uint32_t, kBlocks> longest{}, shortest{};
@@ -62,7 +62,7 @@ std::vector<FoundVectors::Entry> FoundVectors::longest_first(unsigned threads) c
     for (std::size_t i = begin; i < end; ++i) entries[i].key = most - entries[i].key;
   });
   const auto width = static_cast<unsigned>(std::bit_width(most - least));
-  const unsigned digit_bits = std::clamp((width + kPasses - 1) / kPasses, 1u, kMostDigit);
+  const unsigned digit_bits = std::clamp((width + kPasses - 1) / kPasses, 1u, kMaxDigit);
   const std::size_t digits = std::size_t{1} << digit_bits;
   std::vector<std::size_t> starts(kBlocks * digits);
   for (unsigned shift = 0; shift < width; shift += digit_bits) {

@@ -29,7 +29,7 @@ static_assert(std::is_trivially_default_constructible_v<FoundVector>);
 class FoundVectors {
  public:
   /// Maximum number of vectors; further ones are rejected.
-  static constexpr std::size_t kMost = 0xffffffffu;
+  static constexpr std::size_t kMax = 0xffffffffu;
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] const FoundVector& operator[](std::size_t i) const { return pages_[i / kPage][i % kPage]; }

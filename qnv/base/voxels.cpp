@@ -47,9 +47,9 @@ namespace {
 // log2 of a block's edge in voxels: small enough that the table stays in the cache, large enough that few triangles
 // cross blocks.
 constexpr int kBlockBits = 5;
-constexpr std::size_t kBatch = std::size_t{1} << 19;         // maximum number of triangles waiting for the threads
-constexpr std::size_t kMostMeetings = std::size_t{1} << 22;  // maximum number of pairs of a triangle and a block in one
-                                                             // batch
+constexpr std::size_t kBatch = std::size_t{1} << 19;        // maximum number of triangles waiting for the threads
+constexpr std::size_t kMaxMeetings = std::size_t{1} << 22;  // maximum number of pairs of a triangle and a block in one
+                                                            // batch
 constexpr std::uint32_t kBlockEdge = 1u << kBlockBits;
 
 // Corner of a clipped triangle: position in voxels from the block's corner, and barycentric coordinates.
@@ -59,8 +59,8 @@ struct ClippedCorner {
 };
 
 struct ClippedPolygon {
-  static constexpr int kMost = 12;  // a triangle clipped by six planes has at most nine
-  std::array<ClippedCorner, kMost> corners;
+  static constexpr int kMax = 12;  // a triangle clipped by six planes has at most nine
+  std::array<ClippedCorner, kMax> corners;
   int size = 0;
   ClippedPolygon() = default;
   // Copy only the used corners, mostly three or four.
@@ -71,7 +71,7 @@ struct ClippedPolygon {
     return *this;
   }
   void push(const ClippedCorner& corner) {
-    if (size < kMost) corners[static_cast<std::size_t>(size++)] = corner;
+    if (size < kMax) corners[static_cast<std::size_t>(size++)] = corner;
   }
 };
 
@@ -323,17 +323,17 @@ struct SurfaceVoxelizer::State {
     waiting.clear();
   }
 
-  // Processes waiting triangles from `begin_at` on, up to kMostMeetings pairs but at least one triangle. Returns the
+  // Processes waiting triangles from `begin_at` on, up to kMaxMeetings pairs but at least one triangle. Returns the
   // next one.
   std::size_t flush_from(std::size_t begin_at) {
     // Pairs of block and triangle, in the order of triangles.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> meetings;
-    meetings.reserve(std::min(kMostMeetings, waiting.size() + waiting.size() / 4));
+    meetings.reserve(std::min(kMaxMeetings, waiting.size() + waiting.size() / 4));
     const int last = (1 << block_level) - 1;
     std::uint64_t recent_key = ~std::uint64_t{0};
     std::uint32_t recent = 0;
     std::size_t t = begin_at;
-    for (; t < waiting.size() && meetings.size() < kMostMeetings; ++t) {
+    for (; t < waiting.size() && meetings.size() < kMaxMeetings; ++t) {
       const auto visit = [&](const std::array<int, 3>& block) {
         const std::uint64_t key =
             morton_encode(static_cast<std::uint32_t>(block[0]), static_cast<std::uint32_t>(block[1]),

@@ -53,7 +53,7 @@ std::variant<Encoding, EncodeError> encode(const EncodeSource& source, EncodeReq
 bool uses_texture(const EncodeRequest& request, std::size_t triangles) {
   const EncodeOptions& options = request.options;
   if (request.payload.value_or(Payload::displaced) != Payload::displaced || options.vectors > 0) return false;
-  return options.exact_bits > 0 || (options.exact_bits != 0 && triangles <= kMostChosenTriangles);
+  return options.exact_bits > 0 || (options.exact_bits != 0 && triangles <= kMaxChosenTriangles);
 }
 
 }  // namespace gs::qnv

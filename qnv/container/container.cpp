@@ -17,8 +17,8 @@ constexpr std::array<unsigned char, 8> kMagic{0x89, 'Q', 'N', 'V', 0x0d, 0x0a, 0
 constexpr std::uint16_t kSync = 0x4351;  // "QC"
 constexpr std::size_t kFixedHeaderBytes = 108;
 constexpr std::size_t kChecksumAt = 16;
-constexpr double kMostOrigin = 1e18;  // maximum coordinate of an origin, as for a volume's farthest position
-constexpr std::uint64_t kMostWasted = std::uint64_t{16} << 20;
+constexpr double kMaxOrigin = 1e18;  // maximum coordinate of an origin, as for a volume's farthest position
+constexpr std::uint64_t kMaxWasted = std::uint64_t{16} << 20;
 enum Tag : std::uint16_t {
   kPalette = 1,
   kTransfer = 2,
@@ -110,7 +110,7 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       for (int i = 0; i < 3; ++i) header.description.origin[i] = section.f64();
       origin = true;
       for (int i = 0; i < 3; ++i)
-        if (!(std::abs(header.description.origin[i]) <= kMostOrigin)) return false;
+        if (!(std::abs(header.description.origin[i]) <= kMaxOrigin)) return false;
     }
     // Skip sections of later versions.
   }
@@ -174,7 +174,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   for (const auto& [key, value] : d.metadata) {
     data.clear();
     for (const char c : key + '\0' + value) data.push_back(static_cast<std::byte>(c));
-    if (out.size() + data.size() + 6 <= kMostHeaderBytes) put_section(out, kMetadata, data);
+    if (out.size() + data.size() + 6 <= kMaxHeaderBytes) put_section(out, kMetadata, data);
   }
   for (std::size_t i = 0; i < 4; ++i) out[12 + i] = static_cast<std::byte>(out.size() >> (8 * i) & 255);
   const std::uint32_t sum = checksum(0, out);
@@ -204,9 +204,9 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
                                 std::to_string(kVersionWithoutOrigin) + " or " + std::to_string(kVersion)};
   const auto kind = read.integer<std::uint8_t>(), payload = read.integer<std::uint8_t>();
   header_bytes = read.integer<std::uint32_t>();
-  if (header_bytes < kFixedHeaderBytes || header_bytes > kMostHeaderBytes)
+  if (header_bytes < kFixedHeaderBytes || header_bytes > kMaxHeaderBytes)
     return StreamProblem{12, "the header states " + std::to_string(header_bytes) + " bytes; expected " +
-                                 std::to_string(kFixedHeaderBytes) + " to " + std::to_string(kMostHeaderBytes)};
+                                 std::to_string(kFixedHeaderBytes) + " to " + std::to_string(kMaxHeaderBytes)};
   if (bytes.size() < header_bytes) {
     need_more = true;
     return StreamProblem{0, "the header is incomplete"};
@@ -297,7 +297,7 @@ std::vector<std::byte> encode_chunk(ChunkType type, std::span<const std::byte> p
 }
 
 std::vector<std::byte> encode_directory(std::span<const DirectoryEntry> entries, const Box& box) {
-  constexpr std::size_t kInOne = kMostChunkBytes / kDirectoryEntryBytes;
+  constexpr std::size_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;
   std::vector<std::byte> out;
   const glm::vec3 size = box.size();
   for (std::size_t first = 0; first < entries.size(); first += kInOne) {
@@ -344,7 +344,7 @@ std::vector<DirectoryEntry> decode_directory(std::span<const std::byte> payload,
 }
 
 void StreamReader::problem(std::uint64_t offset, std::string message) {
-  if (problems_.size() < kMostProblems) problems_.push_back({offset, std::move(message)});
+  if (problems_.size() < kMaxProblems) problems_.push_back({offset, std::move(message)});
 }
 
 bool StreamReader::read_header() {
@@ -402,7 +402,7 @@ bool StreamReader::read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damag
   lost_ = true;
   // Bound the checksum work on bytes crafted to look like chunks everywhere.
   wasted_ += plausible ? length : 0;
-  if (wasted_ > kMostWasted + 16 * (offset_ + at_)) {
+  if (wasted_ > kMaxWasted + 16 * (offset_ + at_)) {
     problem(offset_ + at_, "too much of the stream is damaged; the rest is left out");
     refused_ = true;
     return false;

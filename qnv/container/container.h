@@ -22,11 +22,11 @@ namespace gs::qnv {
 /// Versions for streams with an origin (Description::origin) and without. Both can be read.
 constexpr std::uint16_t kVersion = 2, kVersionWithoutOrigin = 1;
 /// Limits of a header and of a chunk's payload.
-constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20, kMostChunkBytes = 65535;
+constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20, kMaxChunkBytes = 65535;
 constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;
 /// Limits of a reader: further directory chunks are skipped once it has that many entries, and further problems are not
 /// recorded.
-constexpr std::size_t kMostDirectoryEntries = std::size_t{1} << 22, kMostProblems = 100;
+constexpr std::size_t kMaxDirectoryEntries = std::size_t{1} << 22, kMaxProblems = 100;
 
 /// Encoding of a stream's geometry.
 enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, voxels = 4 };
@@ -91,7 +91,7 @@ struct StreamProblem {
 };
 
 [[nodiscard]] std::vector<std::byte> encode_header(const StreamHeader& header);
-/// Returns a chunk with its header. `payload` has at most kMostChunkBytes bytes.
+/// Returns a chunk with its header. `payload` has at most kMaxChunkBytes bytes.
 [[nodiscard]] std::vector<std::byte> encode_chunk(ChunkType type, std::span<const std::byte> payload);
 /// Returns one or more directory chunks.
 [[nodiscard]] std::vector<std::byte> encode_directory(std::span<const DirectoryEntry> entries, const Box& box);

@@ -26,8 +26,8 @@ bool get(ByteReader& read, OutlineLattice<Axes>& lattice) {
   for (std::uint32_t& size : lattice.size) size = read.integer<std::uint32_t>();
   if (lattice.exponent < -149 || lattice.exponent > 127) return false;
   for (std::size_t axis = 0; axis < Axes; ++axis) {
-    if (lattice.origin[axis] < -kMostLatticeOrigin || lattice.origin[axis] > kMostLatticeOrigin) return false;
-    if (lattice.size[axis] >> kMostLatticeBits != 0) return false;
+    if (lattice.origin[axis] < -kMaxLatticeOrigin || lattice.origin[axis] > kMaxLatticeOrigin) return false;
+    if (lattice.size[axis] >> kMaxLatticeBits != 0) return false;
     if (!std::isfinite(lattice.at(axis, 0)) || !std::isfinite(lattice.at(axis, lattice.size[axis]))) return false;
   }
   return true;
@@ -66,7 +66,7 @@ std::vector<std::byte> encode_outline_header(const OutlineHeader& header) {
   write.integer(header.groups);
   write.integer(header.outline_polygons);
   write.integer(header.inner_polygons);
-  const std::size_t count = std::min(header.appearances.size(), kMostOutlineAppearances);
+  const std::size_t count = std::min(header.appearances.size(), kMaxOutlineAppearances);
   write.integer(static_cast<std::uint16_t>(count));
   for (const OutlineAppearance& a : std::span(header.appearances).first(count)) {
     for (const Rgb8& color : {a.diffuse, a.emissive, a.specular}) put(write, color);

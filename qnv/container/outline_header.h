@@ -13,11 +13,11 @@
 
 namespace gs::qnv {
 
-constexpr std::size_t kMostOutlineAppearances = 65535;
+constexpr std::size_t kMaxOutlineAppearances = 65535;
 /// Maximum bits per lattice coordinate: 0..2^30 - 1 per axis.
-constexpr int kMostLatticeBits = 30;
+constexpr int kMaxLatticeBits = 30;
 /// Maximum distance of the lattice's origin from 0, in steps.
-constexpr std::int64_t kMostLatticeOrigin = std::int64_t{1} << 52;
+constexpr std::int64_t kMaxLatticeOrigin = std::int64_t{1} << 52;
 
 /// Appearance of polygons of an outline stream: VRML97's Material and the fields of IndexedFaceSet that affect shading.
 /// Fractions are in 1/255.
@@ -38,7 +38,7 @@ struct OutlineAppearance {
 template <std::size_t Axes>
 struct OutlineLattice {
   int exponent = 0;                         // -149..127
-  std::array<std::int64_t, Axes> origin{};  // within kMostLatticeOrigin of 0
+  std::array<std::int64_t, Axes> origin{};  // within kMaxLatticeOrigin of 0
   std::array<std::uint32_t, Axes> size{};   // largest coordinate
 
   [[nodiscard]] double step() const { return std::ldexp(1.0, exponent); }
@@ -54,7 +54,7 @@ struct OutlineHeader {
   OutlineLattice<2> texture_coordinates;
   std::uint32_t groups = 0;                                // exclusive upper bound of group numbers
   std::uint32_t outline_polygons = 0, inner_polygons = 0;  // of the source; hints
-  std::vector<OutlineAppearance> appearances;              // at most kMostOutlineAppearances
+  std::vector<OutlineAppearance> appearances;              // at most kMaxOutlineAppearances
   friend bool operator==(const OutlineHeader&, const OutlineHeader&) = default;
 };
 

@@ -14,7 +14,7 @@ namespace {
 // Reed-Solomon parity with a Cauchy matrix (J. Bloemer et al., "An XOR-based erasure-resilient coding scheme", 1995).
 // Every square submatrix is invertible, so any pieces suffice.
 
-constexpr std::size_t kPieceHeaderBytes = 7, kMostNumbers = 256;
+constexpr std::size_t kPieceHeaderBytes = 7, kMaxNumbers = 256;
 
 /// Finite field of 256 elements, with the polynomial x^8 + x^4 + x^3 + x^2 + 1.
 struct Field {
@@ -59,7 +59,7 @@ CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads,
     bytes.insert(bytes.end(), payload.begin(), payload.end());
   }
   PieceHeader header{number, bytes.size(), 1, 0};
-  header.needed = std::clamp<std::size_t>((bytes.size() + aimed - 1) / aimed, 1, kMostPieces);
+  header.needed = std::clamp<std::size_t>((bytes.size() + aimed - 1) / aimed, 1, kMaxPieces);
   const std::size_t size = header.size();
   bytes.resize(header.needed * size);
   CutGroup cut;
@@ -78,7 +78,7 @@ CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads,
     payload.insert(payload.end(), data(i).begin(), data(i).end());
   }
   const auto more = static_cast<std::size_t>(std::ceil(parity * static_cast<double>(header.needed))) + besides;
-  while (cut.parity.size() < std::min(more, kMostNumbers - header.needed)) {
+  while (cut.parity.size() < std::min(more, kMaxNumbers - header.needed)) {
     std::vector<std::byte>& payload = begin(cut.parity);
     payload.resize(kPieceHeaderBytes + size);
     for (std::size_t i = 0; i < header.needed; ++i)
@@ -94,8 +94,8 @@ std::optional<PieceHeader> read_piece_header(std::span<const std::byte> payload)
   header.needed = in.integer<std::uint8_t>();
   header.number = in.integer<std::uint8_t>();
   header.length = in.integer<std::uint32_t>();
-  if (!in.good() || header.group > kMostGroup || header.needed < 1 || header.needed > kMostPieces ||
-      header.length < 1 || header.size() > kMostPieceBytes || payload.size() != kPieceHeaderBytes + header.size())
+  if (!in.good() || header.group > kMaxGroup || header.needed < 1 || header.needed > kMaxPieces || header.length < 1 ||
+      header.size() > kMaxPieceBytes || payload.size() != kPieceHeaderBytes + header.size())
     return {};
   return header;
 }

@@ -13,15 +13,15 @@
 namespace gs::qnv {
 
 /// Maximum number of pieces of a group, and bytes of each.
-inline constexpr std::size_t kMostPieces = 128, kMostPieceBytes = 4096, kMostGroupBytes = kMostPieces * kMostPieceBytes;
+inline constexpr std::size_t kMaxPieces = 128, kMaxPieceBytes = 4096, kMaxGroupBytes = kMaxPieces * kMaxPieceBytes;
 
 /// Chunk payloads that depend on each other (a base, and the clusters needed to show it), cut into pieces of at most a
 /// datagram. Any `data.size()` of all the pieces restore the group.
 struct CutGroup {
   std::vector<std::vector<std::byte>> data, parity;  // chunk payloads
 };
-/// Cuts payloads into a group. `number` is 0 to kMostGroup. The payloads with their lengths have at most
-/// kMostGroupBytes bytes. `parity` is the number of parity pieces relative to the data pieces; `besides` are added to
+/// Cuts payloads into a group. `number` is 0 to kMaxGroup. The payloads with their lengths have at most
+/// kMaxGroupBytes bytes. `parity` is the number of parity pieces relative to the data pieces; `besides` are added to
 /// it. `aimed` is the approximate size of a piece.
 inline constexpr std::size_t kAimedPieceBytes = 1150;
 [[nodiscard]] CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads, double parity,
@@ -30,7 +30,7 @@ inline constexpr std::size_t kAimedPieceBytes = 1150;
 /// First numbers of the groups that hold pieces of exact tails, splits, low bits, pictures and normals. Smaller numbers
 /// hold chunks of type `displaced`.
 inline constexpr int kGroupsOfTails = 16, kGroupsOfSplits = 32, kGroupsOfLowBits = 48, kGroupsOfPictures = 64,
-                     kGroupsOfNormals = 80, kMostGroup = 95;
+                     kGroupsOfNormals = 80, kMaxGroup = 95;
 [[nodiscard]] constexpr ChunkType type_of_group(int number) {
   return number < kGroupsOfTails      ? ChunkType::displaced
          : number < kGroupsOfSplits   ? ChunkType::exact

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kSectionBytes = 72;
 // Minimum volume of the unit axes; flatter ones have ambiguous directions.
-constexpr float kLeastVolume = 1e-4f;
+constexpr float kMinVolume = 1e-4f;
 
 }  // namespace
 
@@ -52,7 +52,7 @@ std::optional<std::array<glm::vec3, 3>> VoxelLattice::world_from_axes() const {
   }
   // The columns of the transpose are its rows.
   const glm::mat3 columns(unit_axes[0], unit_axes[1], unit_axes[2]);
-  if (!(std::abs(glm::determinant(columns)) >= kLeastVolume)) return std::nullopt;
+  if (!(std::abs(glm::determinant(columns)) >= kMinVolume)) return std::nullopt;
   const glm::mat3 inverse = glm::inverse(glm::transpose(columns));
   return std::array<glm::vec3, 3>{inverse[0], inverse[1], inverse[2]};
 }

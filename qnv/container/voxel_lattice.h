@@ -12,7 +12,7 @@
 namespace gs::qnv {
 
 /// Magnitudes are powers of two: code m means unit * 2^((m - kMagnitudeOne) / kMagnitudesAnOctave).
-constexpr int kMagnitudeOne = 64, kMagnitudesAnOctave = 4, kMostMagnitude = 127;
+constexpr int kMagnitudeOne = 64, kMagnitudesAnOctave = 4, kMaxMagnitude = 127;
 /// Lengths of axes are relative to the longest, in 1/256.
 constexpr int kLongestAxis = 256;
 

@@ -20,12 +20,12 @@ inline constexpr std::size_t kSparedZeros = 8;
 /// Adaptive probability of a yes, in 1/65536; learns fast at first.
 struct BitModel {
   std::uint16_t one = 32768;  // probability of a 1
-  std::uint8_t seen = 0;      // number of decisions, at most kMostSeen
+  std::uint8_t seen = 0;      // number of decisions, at most kMaxSeen
 
-  static constexpr std::uint8_t kMostSeen = 30;
+  static constexpr std::uint8_t kMaxSeen = 30;
   /// 65536 / (n + 3/2), rounded down.
-  static constexpr std::array<std::uint16_t, kMostSeen + 1> kRates = [] {
-    std::array<std::uint16_t, kMostSeen + 1> rates{};
+  static constexpr std::array<std::uint16_t, kMaxSeen + 1> kRates = [] {
+    std::array<std::uint16_t, kMaxSeen + 1> rates{};
     for (std::size_t n = 0; n < rates.size(); ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
     return rates;
   }();
@@ -33,7 +33,7 @@ struct BitModel {
     const std::int32_t target = bit ? 65535 : 0;
     const std::int32_t change = (target - one) * static_cast<std::int64_t>(kRates[seen]) >> 16;
     one = static_cast<std::uint16_t>(one + change);
-    seen = static_cast<std::uint8_t>(seen + (seen < kMostSeen ? 1 : 0));
+    seen = static_cast<std::uint8_t>(seen + (seen < kMaxSeen ? 1 : 0));
   }
   /// Returns the probability, clamped away from 0 and 65536.
   [[nodiscard]] std::uint32_t probability() const { return std::clamp<std::uint32_t>(one, 64, 65536 - 64); }

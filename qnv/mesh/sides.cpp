@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kVerticesTogether = std::size_t{1} << 15;  // vertices per task
 constexpr std::size_t kSidesTogether = std::size_t{1} << 16;
 // Smaller meshes are counted on one thread; with more threads than the maximum, reading costs more than writing.
-constexpr std::size_t kCountedByOne = 50'000, kMostCounting = 8;
+constexpr std::size_t kCountedByOne = 50'000, kMaxCounting = 8;
 
 std::size_t parts_of(std::size_t count, std::size_t together) { return (count + together - 1) / together; }
 
@@ -30,7 +30,7 @@ std::vector<Side> sorted_sides(std::span<const Corners> triangles) {
   std::vector<Side> sides(triangles.size() * 3);
   const std::size_t threads = triangles.size() < kCountedByOne
                                   ? 1
-                                  : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kMostCounting);
+                                  : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kMaxCounting);
   const auto range = [&](std::size_t part) { return static_cast<std::uint32_t>(vertices * part / threads); };
   parallel_for(threads, [&](std::size_t part) {
     const std::uint32_t first = range(part), count = range(part + 1) - first;

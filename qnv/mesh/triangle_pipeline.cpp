@@ -7,8 +7,8 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kMostWaiting = 32;      // in batches
-constexpr std::size_t kMostTogether = 4'096;  // triangles per batch
+constexpr std::size_t kMaxWaiting = 32;      // in batches
+constexpr std::size_t kMaxTogether = 4'096;  // triangles per batch
 
 }  // namespace
 
@@ -52,12 +52,12 @@ bool TrianglePipeline::put(std::span<const Triangle> triangles) {
     return true;
   }
   while (!triangles.empty()) {
-    const auto some = triangles.first(std::min(triangles.size(), kMostTogether));
+    const auto some = triangles.first(std::min(triangles.size(), kMaxTogether));
     triangles = triangles.subspan(some.size());
     std::vector<Triangle> batch;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [&] { return failed_ || waiting_.size() < kMostWaiting; });
+      changed_.wait(lock, [&] { return failed_ || waiting_.size() < kMaxWaiting; });
       if (failed_) return false;
       if (!used_.empty()) {
         batch = std::move(used_.back());

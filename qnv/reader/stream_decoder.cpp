@@ -27,7 +27,7 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
   if (!missing.empty() && type != ChunkType::records) {
     ++refused_chunks_;
   } else if (type == ChunkType::directory) {
-    if (directory_.size() > kMostDirectoryEntries) return;
+    if (directory_.size() > kMaxDirectoryEntries) return;
     const auto entries = decode_directory(payload, header()->description.box);
     directory_.insert(directory_.end(), entries.begin(), entries.end());
   } else if (!decoder_ || !carries(*row_, type)) {

@@ -14,7 +14,7 @@ namespace gs::render {
 namespace {
 
 // Larger images are drawn in tiles: each pixel takes about 64 bytes for samples, depths and splats.
-constexpr std::size_t kMostPartPixels = std::size_t{1} << 24;
+constexpr std::size_t kMaxPartPixels = std::size_t{1} << 24;
 constexpr int kPictureTile = 2048;
 constexpr int kTileBorder =
     32;  // pixels around each tile that are drawn and cut off: more than lines, points and pinhole closing reach
@@ -169,7 +169,7 @@ std::optional<ContextError> draw_picture(Renderer& renderer, const RenderList& l
                         " pixels cannot be drawn"};
   const int most = std::max(renderer.largest_side() / 2 - 2 * kTileBorder, 16);
   const bool at_once = options.most_side == 0 && width <= most && height <= most &&
-                       static_cast<std::size_t>(width) * static_cast<std::size_t>(height) <= kMostPartPixels;
+                       static_cast<std::size_t>(width) * static_cast<std::size_t>(height) <= kMaxPartPixels;
   const int side =
       at_once ? std::max(width, height) : std::min(options.most_side > 0 ? options.most_side : kPictureTile, most);
   const double screen = options.screen_distance > 0 ? options.screen_distance : distance_to(list, camera);

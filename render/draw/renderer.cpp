@@ -37,10 +37,10 @@ struct FormerPicture {
 namespace {
 
 // Larger off-screen images reduce the sample count first.
-constexpr std::size_t kMostFramebufferBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxFramebufferBytes = std::size_t{1} << 30;
 constexpr std::size_t kBytesPerSample = 8;  // colour and depth
 constexpr int kPixelSide = 2;               // samples per pixel edge if samples are pixels
-constexpr int kMostCoarseness = 16;
+constexpr int kMaxCoarseness = 16;
 constexpr std::size_t kLightsOfManyPixels = 8;  // above, shading the extra pixels costs more than it saves
 
 void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
@@ -96,7 +96,7 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
   for (const DrawItem& item : list.items) {
     const bool layer = item.surface && item.surface->patches && !item.overlay && !by_gl;
     any = any || layer;
-    nothing_else = nothing_else && (layer || !item.seen);
+    nothing_else = nothing_else && (layer || !item.visible);
   }
   for (const SplatItem& item : list.splats)
     nothing_else = nothing_else && item.cloud && item.cloud->description.kind == qnv::Kind::surface;
@@ -213,7 +213,7 @@ bool Renderer::bind_target(int width, int height, int samples) {
   samples = std::clamp(samples, 1, std::max(gl.max_samples, 1));
   const std::size_t bytes =
       std::size_t{1} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * kBytesPerSample;
-  while (samples > 1 && bytes * static_cast<std::size_t>(samples) > kMostFramebufferBytes) samples /= 2;
+  while (samples > 1 && bytes * static_cast<std::size_t>(samples) > kMaxFramebufferBytes) samples /= 2;
   OffscreenTarget& target = state_->target;
   const bool fits = target.framebuffer && target.samples == samples && target.width >= width &&
                     target.height >= height && target.width <= 2 * width && target.height <= 2 * height;
@@ -235,7 +235,7 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   GLint outer = 0, outer_samples = 0;
   gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &outer);
   gl.GetIntegerv(GL_SAMPLES, &outer_samples);
-  const int coarseness = std::clamp(options.coarseness, 1, kMostCoarseness);
+  const int coarseness = std::clamp(options.coarseness, 1, kMaxCoarseness);
   DrawOptions coarse = options;
   coarse.width = (options.width + coarseness - 1) / coarseness;
   coarse.height = (options.height + coarseness - 1) / coarseness;

@@ -27,9 +27,9 @@ void LightTree::build(std::vector<Sphere> spheres) {
 }
 
 void LightTree::divide(std::uint32_t number) {
-  constexpr float kMost = std::numeric_limits<float>::max();
+  constexpr float kMax = std::numeric_limits<float>::max();
   const std::uint32_t first = nodes_[number].first, last = nodes_[number].last;
-  glm::vec3 lower(kMost), upper(-kMost), least(kMost), most(-kMost);
+  glm::vec3 lower(kMax), upper(-kMax), least(kMax), most(-kMax);
   for (std::uint32_t i = first; i < last; ++i) {
     const Sphere& sphere = spheres_[i];
     lower = glm::min(lower, sphere.center - sphere.radius);
@@ -39,7 +39,7 @@ void LightTree::divide(std::uint32_t number) {
   }
   nodes_[number].lower = lower;
   nodes_[number].upper = upper;
-  if (last - first <= kMostOfALeaf) return;
+  if (last - first <= kMaxOfALeaf) return;
   const glm::vec3 size = most - least;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const std::uint32_t middle = first + (last - first) / 2;

@@ -32,7 +32,7 @@ class LightTree {
     std::uint32_t first, last;
     std::uint32_t children;  // first of two consecutive children; 0 means none
   };
-  static constexpr std::uint32_t kMostOfALeaf = 8;
+  static constexpr std::uint32_t kMaxOfALeaf = 8;
 
   [[nodiscard]] static bool meets(const Node& node, const glm::vec3& center, float radius);
   [[nodiscard]] static bool meets(const Sphere& sphere, const glm::vec3& center, float radius);

@@ -151,9 +151,9 @@ class PngChunks {
 PngWriter::PngWriter(std::uint32_t width, std::uint32_t height, std::uint32_t components, double dots_per_inch)
     : width_(width), height_(height), components_(components) {
   // A strip must fit zlib's counters, and a chunk those of PNG.
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
+  constexpr std::uint64_t kMax = std::uint64_t{1} << 31;
   good_ =
-      components >= 1 && components <= 4 && width > 0 && height > 0 && width < kMost / 4 / kStripRows && height < kMost;
+      components >= 1 && components <= 4 && width > 0 && height > 0 && width < kMax / 4 / kStripRows && height < kMax;
   if (!good_) return;
   static constexpr std::array<unsigned char, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   static constexpr std::array<unsigned char, 4> kColorTypes = {0, 4, 2, 6};  // grey, grey with alpha, RGB, RGBA

@@ -5,7 +5,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostAtOnce = std::size_t{1} << 29;  // bytes per allocation
+constexpr std::size_t kMaxAtOnce = std::size_t{1} << 29;  // bytes per allocation
 
 }  // namespace
 
@@ -22,7 +22,7 @@ Libav::Libav() {
 #undef GHOSTSPACE_LIBAV_FIND
   if (!problem.empty()) return;
   av_log_set_level(AV_LOG_QUIET);
-  av_max_alloc(kMostAtOnce);
+  av_max_alloc(kMaxAtOnce);
 }
 
 void* Libav::open(const char* name) {

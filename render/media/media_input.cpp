@@ -183,7 +183,7 @@ AVCodecContext* MediaInput::open_decoder(int stream, std::string& problem,
 
 bool MediaInput::decode(int stream, AVCodecContext& decoder, AVFrame& frame, std::string& problem) {
   const Libav& av = libav();
-  constexpr int kMostPackets = 20'000;  // maximum number of packets without a decoded frame
+  constexpr int kMaxPackets = 20'000;  // maximum number of packets without a decoded frame
   for (int packets = 0;; ++packets) {
     if (stopped()) {
       problem = error("the time limit was reached");
@@ -192,8 +192,8 @@ bool MediaInput::decode(int stream, AVCodecContext& decoder, AVFrame& frame, std
     const int received = av.avcodec_receive_frame(&decoder, &frame);
     if (received >= 0) return true;
     if (received == AVERROR_EOF || (received != AVERROR(EAGAIN) && drained_)) return false;
-    if (packets >= kMostPackets) {
-      problem = error("no picture or sound for " + std::to_string(kMostPackets) + " packets");
+    if (packets >= kMaxPackets) {
+      problem = error("no picture or sound for " + std::to_string(kMaxPackets) + " packets");
       return false;
     }
     if (av.av_read_frame(format_, packet_) < 0) {
@@ -210,8 +210,8 @@ bool MediaInput::seek(int stream, AVCodecContext& decoder, double seconds) {
   const Libav& av = libav();
   const AVStream& chosen = *format_->streams[stream];
   const double base = av_q2d(chosen.time_base), to = seconds + begin_of(stream);
-  constexpr double kMost = 9e15;
-  if (!container_.timed || !(base > 0) || !(std::abs(to / base) < kMost)) return false;
+  constexpr double kMax = 9e15;
+  if (!container_.timed || !(base > 0) || !(std::abs(to / base) < kMax)) return false;
   if (av.av_seek_frame(format_, stream, static_cast<std::int64_t>(to / base), AVSEEK_FLAG_BACKWARD) < 0) return false;
   av.avcodec_flush_buffers(&decoder);
   drained_ = false;
@@ -225,8 +225,8 @@ double MediaInput::begin_of(int stream) const {
 
 double MediaInput::measure(int stream) {
   const Libav& av = libav();
-  constexpr std::size_t kMostBytes = std::size_t{128} << 20;  // maximum bytes to scan
-  constexpr double kLongest = 1e7;                            // seconds; longer durations are invalid
+  constexpr std::size_t kMaxBytes = std::size_t{128} << 20;  // maximum bytes to scan
+  constexpr double kLongest = 1e7;                           // seconds; longer durations are invalid
   const AVStream& chosen = *format_->streams[stream];
   const double base = av_q2d(chosen.time_base);
   const double told = chosen.duration != AV_NOPTS_VALUE     ? static_cast<double>(chosen.duration) * base
@@ -234,7 +234,7 @@ double MediaInput::measure(int stream) {
                                                             : -1;
   double end = -1, sum = 0;
   bool all_timed = container_.timed;
-  if (bytes_.size() <= kMostBytes) {
+  if (bytes_.size() <= kMaxBytes) {
     while (!stopped() && av.av_read_frame(format_, packet_) >= 0) {
       if (packet_->stream_index == stream) {
         const double duration = static_cast<double>(std::max<std::int64_t>(packet_->duration, 0)) * base;

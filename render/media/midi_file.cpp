@@ -94,9 +94,9 @@ bool read_track(std::span<const std::byte> bytes, std::vector<Timed>& events, st
       last = std::max(last, tick);
       events.push_back({tick, static_cast<std::uint32_t>(events.size()), 0, event});
     }
-    if (at.over || events.size() > kMostMidiEvents) break;
+    if (at.over || events.size() > kMaxMidiEvents) break;
   }
-  return events.size() <= kMostMidiEvents;
+  return events.size() <= kMaxMidiEvents;
 }
 
 }  // namespace
@@ -128,7 +128,7 @@ std::variant<MidiSong, MediaError> read_midi(std::span<const std::byte> bytes) {
     if (at.over) break;
     const auto track = at.take(length);
     if (kind == 0x4d54726b && !read_track(track, events, last))  // MTrk
-      return wrong("more than " + std::to_string(kMostMidiEvents) + " events");
+      return wrong("more than " + std::to_string(kMaxMidiEvents) + " events");
   }
   std::sort(events.begin(), events.end(),
             [](const Timed& a, const Timed& b) { return a.tick != b.tick ? a.tick < b.tick : a.order < b.order; });

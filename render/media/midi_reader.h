@@ -25,9 +25,9 @@ struct MidiSong {
 
 /// Reports whether the bytes start like a standard MIDI file.
 [[nodiscard]] bool is_midi(std::span<const std::byte> bytes);
-/// Reads up to kMostMidiEvents events. Accepts untrusted input; a truncated or damaged track ends there.
+/// Reads up to kMaxMidiEvents events. Accepts untrusted input; a truncated or damaged track ends there.
 [[nodiscard]] std::variant<MidiSong, MediaError> read_midi(std::span<const std::byte> bytes);
-inline constexpr std::size_t kMostMidiEvents = 1'000'000;
+inline constexpr std::size_t kMaxMidiEvents = 1'000'000;
 [[nodiscard]] std::variant<double, MediaError> midi_duration(std::span<const std::byte> bytes);
 
 /// Plays a MIDI file with FluidSynth, opened at run time, and the system's General MIDI sound font. The error names the

@@ -195,7 +195,7 @@ std::optional<ImageError> Movie::State::keep() {
   if (auto* wrong = std::get_if<ImageError>(&made)) return std::move(*wrong);
   kept.push_back({std::move(std::get<Image>(made)), frame_time});
   kept_bytes += kept.back().image.pixels.size();
-  while (kept.size() > 1 && kept_bytes > kMostKept) {
+  while (kept.size() > 1 && kept_bytes > kMaxKept) {
     kept_bytes -= kept.front().image.pixels.size();
     kept.pop_front();
     kept_first = false;

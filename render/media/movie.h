@@ -32,10 +32,10 @@ class Movie {
   [[nodiscard]] std::variant<std::optional<Frame>, ImageError> next();
   /// Returns the last frame at or before `seconds`, else the first one; null if there are no frames. Valid until the
   /// next call. The cost is proportional to the distance from the previous call. Going back decodes about one second at
-  /// a time and caches up to kMostKept of it. Do not mix with `next`.
+  /// a time and caches up to kMaxKept of it. Do not mix with `next`.
   [[nodiscard]] std::variant<const Frame*, ImageError> at(double seconds);
 
-  static constexpr std::size_t kMostKept = std::size_t{32} << 20;  // bytes of cached frames
+  static constexpr std::size_t kMaxKept = std::size_t{32} << 20;  // bytes of cached frames
 
  private:
   struct State;

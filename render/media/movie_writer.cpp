@@ -36,7 +36,7 @@ struct MovieFile {
   static int write(void* opaque, std::uint8_t* from, int count) {
     auto& file = *static_cast<MovieFile*>(opaque);
     const auto size = static_cast<std::size_t>(std::max(count, 0));
-    if (file.at + size > MovieWriter::kMostBytes) return AVERROR(ENOSPC);
+    if (file.at + size > MovieWriter::kMaxBytes) return AVERROR(ENOSPC);
     if (file.bytes.size() < file.at + size) file.bytes.resize(file.at + size);
     std::memcpy(file.bytes.data() + file.at, from, size);
     file.at += size;
@@ -47,7 +47,7 @@ struct MovieFile {
     const auto size = static_cast<std::int64_t>(file.bytes.size());
     if ((whence & AVSEEK_SIZE) != 0) return size;
     const std::int64_t base = whence == SEEK_CUR ? static_cast<std::int64_t>(file.at) : whence == SEEK_END ? size : 0;
-    if (base + offset < 0 || base + offset > static_cast<std::int64_t>(MovieWriter::kMostBytes)) return AVERROR(EINVAL);
+    if (base + offset < 0 || base + offset > static_cast<std::int64_t>(MovieWriter::kMaxBytes)) return AVERROR(EINVAL);
     file.at = static_cast<std::size_t>(base + offset);
     return base + offset;
   }
@@ -199,8 +199,8 @@ std::variant<std::unique_ptr<MovieWriter>, ImageError> MovieWriter::open(const M
   auto state = std::make_unique<State>();
   state->width = width;
   state->height = height;
-  constexpr double kLeast = 0.001, kMost = 1000;
-  if (!(rate >= kLeast && rate <= kMost)) return ImageError{"expected 0.001 to 1000 pictures per second"};
+  constexpr double kMin = 0.001, kMax = 1000;
+  if (!(rate >= kMin && rate <= kMax)) return ImageError{"expected 0.001 to 1000 pictures per second"};
   if (auto problem = state->begin(format, rate)) return std::move(*problem);
   return std::unique_ptr<MovieWriter>(new MovieWriter(std::move(state)));
 }

@@ -48,7 +48,7 @@ class MovieWriter {
   /// Returns the encoder's name.
   [[nodiscard]] std::string_view encoder() const;
 
-  static constexpr std::size_t kMostBytes = std::size_t{2} << 30;  // per movie
+  static constexpr std::size_t kMaxBytes = std::size_t{2} << 30;  // per movie
 
  private:
   struct State;

@@ -13,7 +13,7 @@
 namespace gs::render {
 namespace {
 
-constexpr int kMostChannels = 8;
+constexpr int kMaxChannels = 8;
 constexpr int kHighestRate = 768'000;
 
 /// Returns a channel's sample as a number from about -1 to 1.
@@ -48,8 +48,8 @@ float value_of_sample(const AVFrame& frame, bool planar, int channels, int chann
 struct Fold {
   float left, right;
 };
-constexpr Fold kFolds[kMostChannels] = {{1, 0},       {0, 1},       {0.7071f, 0.7071f}, {0, 0},
-                                        {0.7071f, 0}, {0, 0.7071f}, {0.7071f, 0},       {0, 0.7071f}};
+constexpr Fold kFolds[kMaxChannels] = {{1, 0},       {0, 1},       {0.7071f, 0.7071f}, {0, 0},
+                                       {0.7071f, 0}, {0, 0.7071f}, {0.7071f, 0},       {0, 0.7071f}};
 
 /// Sound decoded by FFmpeg.
 class LibavReader final : public SampleReader {
@@ -72,8 +72,8 @@ class LibavReader final : public SampleReader {
     if (chosen.sample_rate <= 0 || chosen.sample_rate > kHighestRate)
       return input_.error("expected 1 to " + std::to_string(kHighestRate) + " samples per second");
     const int channels = chosen.ch_layout.nb_channels;
-    if (channels < 1 || channels > kMostChannels)
-      return input_.error("expected 1 to " + std::to_string(kMostChannels) + " channels");
+    if (channels < 1 || channels > kMaxChannels)
+      return input_.error("expected 1 to " + std::to_string(kMaxChannels) + " channels");
     std::string wrong;
     decoder_ = input_.open_decoder(stream_, wrong);
     if (!decoder_) return wrong;
@@ -141,7 +141,7 @@ class LibavReader final : public SampleReader {
     std::string problem;
     while (decoder_ && input_.decode(stream_, *decoder_, *frame_, problem)) {
       const int channels = frame_->ch_layout.nb_channels;
-      if (channels < 1 || channels > kMostChannels || frame_->nb_samples <= 0) continue;
+      if (channels < 1 || channels > kMaxChannels || frame_->nb_samples <= 0) continue;
       if (seeking_ && !find_place()) {
         if (open()) return false;
         skip_ = static_cast<std::size_t>(wanted_);

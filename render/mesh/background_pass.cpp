@@ -6,8 +6,8 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -15,7 +15,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostRings = 512;  // of sky or ground; both fit the smallest texture that GL 3.3 guarantees
+constexpr std::size_t kMaxRings = 512;  // of sky or ground; both fit the smallest texture that GL 3.3 guarantees
 
 /// View directions for the faces of the panorama (VRML97 6.5).
 struct Way {
@@ -32,7 +32,7 @@ constexpr std::array<Way, Background::kFaces> kWays = {{
 
 void append_rings(const std::vector<glm::vec3>& colors, const std::vector<float>& angles,
                   std::vector<glm::vec4>& rings) {
-  const std::size_t count = std::min({colors.size(), angles.size() + 1, kMostRings});
+  const std::size_t count = std::min({colors.size(), angles.size() + 1, kMaxRings});
   float angle = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0) angle = std::max(angle, angles[i - 1]);

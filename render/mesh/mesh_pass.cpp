@@ -18,9 +18,9 @@ namespace {
 // Bytes of meshes uploaded between two cancellation checks: a large world takes seconds.
 constexpr std::size_t kUploadedBetween = std::size_t{4} << 20;
 constexpr float kPointSize = 2;
-constexpr float kMostDeviation = 0.4f;  // pixels: for a coarser version of a surface
+constexpr float kMaxDeviation = 0.4f;  // pixels: for a coarser version of a surface
 // Transparent triangles per frame that are sorted within their meshes; farther meshes keep their order.
-constexpr std::size_t kMostSorted = std::size_t{1} << 17;
+constexpr std::size_t kMaxSorted = std::size_t{1} << 17;
 constexpr const char* kDefines[] = {"LIT",      "NORMALS",  "TEXTURE", "CUT_OUT",      "LOCAL_LIGHTS",
                                     "SPECULAR", "EMISSIVE", "FOG",     "SMOOTH_EDGES", "MASK"};
 
@@ -150,7 +150,7 @@ bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) 
 }
 
 void MeshPass::prepare_item(const DrawItem& item, const View& view) {
-  if (!item.seen || !item.mesh || item.mesh->empty()) return;
+  if (!item.visible || !item.mesh || item.mesh->empty()) return;
   Prepared prepared{};
   Instance& instance = prepared.instance;
   const glm::vec3 origin = local_origin(item.mesh->bounds);
@@ -167,7 +167,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   }
   if (const float nearest = depth - sphere.radius; item.mesh->coarser && sphere.radius >= 0 && nearest > 0) {
     const float pixels = sphere.radius / nearest * view.pixels;
-    while ((*mesh_seen)->coarser && pixels * (*mesh_seen)->coarser_error <= kMostDeviation)
+    while ((*mesh_seen)->coarser && pixels * (*mesh_seen)->coarser_error <= kMaxDeviation)
       mesh_seen = &(*mesh_seen)->coarser;
   }
   if (mesh_seen->get() != last_mesh_) {
@@ -233,7 +233,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
 /// Returns the drawing layer of an item. Of coincident faces the last one in the file is visible: items that fill the
 /// same sphere and are not batched together are drawn one after the other, and equal depths pass the test.
 std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, std::uint64_t state) {
-  constexpr std::uint32_t kMostLayers = 8;
+  constexpr std::uint32_t kMaxLayers = 8;
   const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
   const std::uint64_t key =
       (bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z)) * 0xC2B2AE3D27D4EB4Fu ^
@@ -243,7 +243,7 @@ std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, std::uin
   for (auto other = first; other != last; ++other)
     if (other->second.center == center && other->second.radius == radius)
       layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
-  layer = std::min(layer, kMostLayers);
+  layer = std::min(layer, kMaxLayers);
   // One entry per layer and state suffices.
   for (auto other = first; other != last; ++other)
     if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
@@ -312,7 +312,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
 // Sorts the triangles of each transparent mesh into blending order.
 void MeshPass::sort_triangles() {
   sorted_indices_.clear();
-  std::size_t left = kMostSorted;
+  std::size_t left = kMaxSorted;
   for (const SortKey& key : transparent_) {
     Prepared& prepared = prepared_[key.prepared];
     const vrml::Mesh& mesh = *prepared.mesh;

@@ -8,7 +8,7 @@ namespace gs::render {
 namespace {
 
 // Maximum number of primitives per frame: USE can request more than any driver draws in a day.
-constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
+constexpr std::size_t kMaxPrimitives = std::size_t{1} << 28;
 
 std::size_t corners_of(GLenum primitive) { return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1; }
 
@@ -69,7 +69,7 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
     const std::size_t corners = corners_of(prepared.slice->primitive);
     const std::size_t primitives =
         std::max<std::size_t>(static_cast<std::size_t>(prepared.slice->index_count) / corners, 1);
-    const std::size_t count = std::min(batch.count, (kMostPrimitives - primitives_) / primitives);
+    const std::size_t count = std::min(batch.count, (kMaxPrimitives - primitives_) / primitives);
     if (count == 0) continue;
     primitives_ += primitives * count;
     apply(prepared.state, projection);
@@ -99,9 +99,7 @@ void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
   gl_.BlendFuncSeparate(GL_ZERO, GL_ONE_MINUS_CONSTANT_ALPHA, GL_ZERO, GL_ONE);
   gl_.DepthMask(GL_FALSE);
   anything_applied_ = false;
-  std::erase_if(batches_, [&](const Batch& one) {
-    return prepared_[one.prepared].slice->primitive != GL_TRIANGLES;
-  });
+  std::erase_if(batches_, [&](const Batch& one) { return prepared_[one.prepared].slice->primitive != GL_TRIANGLES; });
   const std::size_t primitives = std::exchange(primitives_, 0);
   FrameStatistics of_edges;
   draw_batches(projection, of_edges, pacer);

@@ -199,8 +199,8 @@ void MeshStore::point_at_instances(std::size_t first) {
 void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   const std::size_t vertices = mesh.positions.size(), indices = mesh.indices.size();
-  constexpr std::size_t kMost = std::numeric_limits<GLint>::max();
-  if (vertices == 0 || indices == 0 || vertices > kMost || indices > kMost || !indices_in_range(mesh)) return;
+  constexpr std::size_t kMax = std::numeric_limits<GLint>::max();
+  if (vertices == 0 || indices == 0 || vertices > kMax || indices > kMax || !indices_in_range(mesh)) return;
   Slice& slice = entry.slice;
   slice.normals = mesh.normals.size() == vertices;
   slice.colors = mesh.colors.size() == vertices;

@@ -81,14 +81,14 @@ void VisibleItems::make(const RenderList& list, Kept& kept) {
 VisibleItems::Kept& VisibleItems::kept_of(const RenderList& list) {
   for (Kept& kept : kept_)
     if (kept.generation == list.generation) return kept;
-  if (kept_.size() < kMostKept) return kept_.emplace_back();
+  if (kept_.size() < kMaxKept) return kept_.emplace_back();
   return *std::min_element(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.used < b.used; });
 }
 
 const std::vector<std::uint32_t>* VisibleItems::find(const RenderList& list, const Frustum& frustum) {
   ++calls_;
   const std::size_t count = list.items.size();
-  if (list.generation == 0 || count < kFewestItems) return nullptr;
+  if (list.generation == 0 || count < kMinItems) return nullptr;
   Kept& kept = kept_of(list);
   kept.used = calls_;
   if (kept.generation != list.generation) {

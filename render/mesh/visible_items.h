@@ -34,7 +34,7 @@ struct Frustum {
 /// is mostly static; moved items are tested one by one. Caches several lists. Single-threaded.
 class VisibleItems {
  public:
-  static constexpr std::size_t kFewestItems = 1024;  // minimum size of a list for a tree
+  static constexpr std::size_t kMinItems = 1024;  // minimum size of a list for a tree
 
   /// Returns item indices in the order of the list; null means all items. Valid until the next call.
   [[nodiscard]] const std::vector<std::uint32_t>* find(const RenderList& list, const Frustum& frustum);
@@ -49,7 +49,7 @@ class VisibleItems {
     std::vector<std::uint32_t> loose;  // items that are not, or no longer, in the tree
     std::vector<bool> is_loose;
   };
-  static constexpr std::size_t kMostKept = 4, kQuiet = 30;
+  static constexpr std::size_t kMaxKept = 4, kQuiet = 30;
 
   void make(const RenderList& list, Kept& kept);
   Kept& kept_of(const RenderList& list);

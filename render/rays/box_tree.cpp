@@ -55,7 +55,7 @@ std::size_t BoxTree::part(Entry* entries, std::size_t count, bool halves) {
       sum.box.add(bins[i].box);
       sum.count += bins[i].count;
       const double cost = costs[i] + half_area(sum.box) * static_cast<double>(sum.count);
-      if (sum.count >= kFewestThings && count - sum.count >= kFewestThings && cost < least) {
+      if (sum.count >= kMinThings && count - sum.count >= kMinThings && cost < least) {
         least = cost;
         best = i;
       }
@@ -79,7 +79,7 @@ BoxTree::BoxTree(std::vector<Entry> entries) {
   };
   constexpr std::uint32_t kNobody = UINT32_MAX;
   if (entries.empty()) return;
-  nodes_.reserve(entries.size() / kFewestThings * 2 + 1);
+  nodes_.reserve(entries.size() / kMinThings * 2 + 1);
   std::vector<Open> open{{0, entries.size(), kNobody, 0}};
   while (!open.empty()) {
     const Open part_of = open.back();
@@ -89,7 +89,7 @@ BoxTree::BoxTree(std::vector<Entry> entries) {
     Entry* const first = entries.data() + part_of.first;
     Box box;
     for (std::size_t i = 0; i < part_of.count; ++i) box.add(first[i].box);
-    const bool leaf = part_of.count <= kMostThings;
+    const bool leaf = part_of.count <= kMaxThings;
     nodes_.push_back({box.lower, leaf ? static_cast<std::uint32_t>(part_of.first) : 0, box.upper,
                       leaf ? static_cast<std::uint32_t>(part_of.count) : 0});
     if (leaf) continue;

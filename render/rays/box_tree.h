@@ -68,8 +68,8 @@ class BoxTree {
     std::uint32_t count;  // number of things; 0 means that it has children
   };
   static_assert(sizeof(Node) == 32);
-  // Nodes of more than kMostThings are split into parts of at least kFewestThings, which bounds their number.
-  static constexpr std::size_t kMostThings = 6, kFewestThings = 3;
+  // Nodes of more than kMaxThings are split into parts of at least kMinThings, which bounds their number.
+  static constexpr std::size_t kMaxThings = 6, kMinThings = 3;
   // Nodes below depth kBalanced are split in halves, which bounds the depth.
   static constexpr std::uint32_t kBalanced = 48;
   static constexpr std::size_t kDeepest = 96;

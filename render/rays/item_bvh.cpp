@@ -11,8 +11,8 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostRefits = 64;
-constexpr std::size_t kMostTriangles = std::size_t{1} << 24;  // total size of meshes with cached trees
+constexpr std::size_t kMaxRefits = 64;
+constexpr std::size_t kMaxTriangles = std::size_t{1} << 24;  // total size of meshes with cached trees
 
 bool is_finite(const glm::dmat4& m) {
   double sum = 0;
@@ -43,11 +43,11 @@ Box world_box(const DrawItem& item) {
 bool is_sought(const DrawItem& item, Sought sought) {
   switch (sought) {
     case Sought::met:
-      return item.met && !item.overlay;  // overlays move with the viewer and never block
+      return item.collidable && !item.overlay;  // overlays move with the viewer and never block
     case Sought::overlay:
-      return item.seen && item.overlay;
+      return item.visible && item.overlay;
     default:
-      return item.seen;
+      return item.visible;
   }
 }
 
@@ -114,7 +114,7 @@ void ItemBvh::update(const RenderList& list) {
     return true;
   });
   // A list that was collected anew has little in common with the old tree.
-  if (counted && others <= list.items.size() / 8 && ++refits_ <= kMostRefits) {
+  if (counted && others <= list.items.size() / 8 && ++refits_ <= kMaxRefits) {
     tree_.refit(boxes_);
     return;
   }
@@ -172,7 +172,7 @@ void ItemBvh::prepare(const RenderList& list) {
   for (const DrawItem& item : list.items)
     if (item.mesh && item.mesh->primitive == vrml::Mesh::Primitive::triangles &&
         item.mesh->indices.size() / 3 >= MeshTrees::kLargeMesh)
-      (void)tree_of(item.mesh, kMostTriangles);
+      (void)tree_of(item.mesh, kMaxTriangles);
 }
 
 std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLine& line, std::size_t max_triangles,
@@ -233,7 +233,7 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
     if (!is_sought(item, Sought::met) || boxes_[place].empty()) return true;
     const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     if (!is_finite(node_from_world)) return true;
-    const Searched searched = searched_for(place, item, kMostTriangles);
+    const Searched searched = searched_for(place, item, kMaxTriangles);
     if (!searched.mesh) return true;
     const glm::dvec3 center((lower + upper) * 0.5), half((upper - lower) * 0.5);
     const glm::dvec3 inside(node_from_world * glm::dvec4(center, 1));

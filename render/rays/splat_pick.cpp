@@ -19,14 +19,13 @@
 namespace gs::render {
 namespace {
 
-
 constexpr std::size_t kPickedRange = 65536;  // vectors per task
 constexpr std::size_t kPickedBlock = 256;    // vectors tested together
 constexpr float kDiagonal = 1.7321f;         // of a cube with edge 1
 constexpr float kBeam = 4;                   // pixels around the ray in which a cut is as fine as in the image
-constexpr float kLeastOpacity = 0.01f;       // minimum opacity of a hit volume
+constexpr float kMinOpacity = 0.01f;         // minimum opacity of a hit volume
 constexpr float kVolumeReach = 4.5f;         // squared distance, in spacings, beyond which opacity is negligible
-constexpr float kLeastDeterminant = 1e-30f;
+constexpr float kMinDeterminant = 1e-30f;
 
 /// Ray in a point set's space.
 struct NodeRay {
@@ -45,7 +44,7 @@ glm::vec3 any_perpendicular(const glm::vec3& unit) {
 std::optional<NodeRay> in_node(const PickRay& ray, const glm::dmat4& world_from_node) {
   const glm::dmat3 linear(world_from_node);
   const double determinant = glm::determinant(linear);
-  if (!(std::abs(determinant) > static_cast<double>(kLeastDeterminant)) || !std::isfinite(determinant))
+  if (!(std::abs(determinant) > static_cast<double>(kMinDeterminant)) || !std::isfinite(determinant))
     return std::nullopt;
   const glm::dmat3 inverse = glm::inverse(linear);
   NodeRay node;
@@ -84,7 +83,7 @@ class DiscPicker {
     const glm::vec3* positions = cloud_.positions.data();
     const float* weights = cloud_.weights.data();
     const float cover2 = growth_ * (splat::kDiscCover * splat::kDiscCover / splat::kPi),
-                least = ray_.sample * splat::kLeastReach;
+                least = ray_.sample * splat::kMinReach;
     const glm::vec3 origin = ray_.origin, across = ray_.across, up = ray_.up,
                     forward = ray_.direction * (ray_.along * least);
     std::array<float, kPickedBlock> outside;  // > 0: the ray misses
@@ -115,7 +114,7 @@ class DiscPicker {
       const float sample = std::abs(glm::dot(off, forward)) * ray_.sample;
       const float half =
           cells[i].edge > 0 ? cells[i].edge * (0.5f + splat::kCubeMargin) : cover * std::sqrt(weights[i]);
-      const float reach = kDiagonal * (half + splat::kLeastReach * sample) + std::abs(cells[i].offset);
+      const float reach = kDiagonal * (half + splat::kMinReach * sample) + std::abs(cells[i].offset);
       if (x * x + y * y > reach * reach) continue;
       exact(i, nearest);
     }
@@ -133,14 +132,14 @@ class DiscPicker {
     const float radius = std::sqrt(cloud_.weights[i] * growth_ * (1 / splat::kPi));
     const float sample = std::max(glm::dot(place, ray_.direction) * ray_.along, 0.0f) * ray_.sample;
     const bool cell = !cloud_.cells.empty() && cloud_.cells[i].edge > 0;
-    float reach = std::max(radius * splat::kDiscCover, sample * splat::kLeastReach);
+    float reach = std::max(radius * splat::kDiscCover, sample * splat::kMinReach);
     glm::vec3 off = ray_.direction * distance - place;
     if (cell) {
       const qnv::Cell& cube = cloud_.cells[i];
       off += normal * cube.offset;
       const float margin = plane > 0 ? cube.edge * splat::kBackMargin
                                      : std::max(cube.edge * splat::kCubeMargin, sample * splat::kSampleMargin);
-      reach = std::max(cube.edge * 0.5f + margin, sample * splat::kLeastReach);
+      reach = std::max(cube.edge * 0.5f + margin, sample * splat::kMinReach);
     }
     // Splats with a non-finite size are not drawn.
     if (!(radius > 0 && std::isfinite(radius) && std::isfinite(reach))) return;
@@ -192,7 +191,7 @@ class VeilFinder {
       : cloud_(cloud), model_(model), options_(options), pixel_(ray.pixel), farthest_(ray.farthest) {
     const glm::dmat3 linear(world_from_node), transposed = glm::transpose(linear);
     const double determinant = glm::determinant(linear);
-    usable_ = std::abs(determinant) > static_cast<double>(kLeastDeterminant) && std::isfinite(determinant);
+    usable_ = std::abs(determinant) > static_cast<double>(kMinDeterminant) && std::isfinite(determinant);
     scale_ = static_cast<float>(std::cbrt(std::abs(determinant)));
     const glm::vec3 across = any_perpendicular(ray.direction), up = glm::cross(ray.direction, across);
     // Rows that transform a node position to ray-relative world coordinates.
@@ -297,7 +296,7 @@ std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel
   float clear = 1;
   for (const Veil& veil : veils) clear *= 1 - veil.alpha;
   const float opacity = 1 - clear;
-  if (!(opacity >= kLeastOpacity)) return std::nullopt;
+  if (!(opacity >= kMinOpacity)) return std::nullopt;
   return VolumePick{depth_where(veils, opacity >= 0.5f ? 0.5f : 0.5f * opacity), opacity};
 }
 

@@ -10,7 +10,7 @@ namespace gs::render {
 namespace {
 
 constexpr float kDefaultFieldOfView = 0.785398f;
-constexpr float kLeastAngle = 1e-7f;   // of a distant camera
+constexpr float kMinAngle = 1e-7f;     // of a distant camera
 constexpr double kFrameMargin = 1.05;  // margin that orbit_camera leaves around its target
 constexpr double kDepthMargin = 0.01;  // keeps geometry off the clipping planes
 // Maximum far / near: of 24-bit depth, and of reversed float depth, which resolves any ratio.
@@ -24,7 +24,7 @@ struct HalfAngles {
 HalfAngles half_angles(float field_of_view, float width, float height) {
   const float angle =
       field_of_view > 0 && std::isfinite(field_of_view) ? std::min(field_of_view, 3.13f) : kDefaultFieldOfView;
-  const double smaller = std::tan(std::max(angle, kLeastAngle) * 0.5);
+  const double smaller = std::tan(std::max(angle, kMinAngle) * 0.5);
   const double aspect = width > 0 && height > 0 ? static_cast<double>(width) / height : 1.0;
   return aspect >= 1 ? HalfAngles{smaller * aspect, smaller} : HalfAngles{smaller, smaller / aspect};
 }

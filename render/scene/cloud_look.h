@@ -20,14 +20,14 @@ enum class ColorBy : std::uint8_t {
 };
 
 /// User settings for all point sets of an image.
-struct CloudLook {
+struct SplatStyle {
   ColorBy color_by = ColorBy::own;
   // Volumes only.
   float opacity = 2;                         // factor of the optical depth
   float least_magnitude = 0;                 // shorter gradients are hidden
   std::optional<glm::dvec4> clip;            // world space: hides points with clip.xyz . position + clip.w < 0
   std::vector<qnv::TransferPoint> transfer;  // replaces the volumes' own; sorted by value; empty means their own
-  friend bool operator==(const CloudLook&, const CloudLook&) = default;
+  friend bool operator==(const SplatStyle&, const SplatStyle&) = default;
 };
 
 }  // namespace gs::render

@@ -23,13 +23,13 @@ constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bit
 constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxSounds = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
-constexpr std::size_t kMostPlaces = std::size_t{1} << 20;  // also of coordinate systems; further content has no path
-constexpr std::size_t kBetweenLooks = 1024;  // visits without tessellation between two cancellation checks
+constexpr std::size_t kMaxPlaces = std::size_t{1} << 20;  // also of coordinate systems; further content has no path
+constexpr std::size_t kBetweenLooks = 1024;               // visits without tessellation between two cancellation checks
 
 /// Reports whether a PROTO of the node is a stand-in with content fixed to the viewer.
 bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
-  constexpr int kMostSteps = 64;
-  for (int step = 0; step < kMostSteps; ++step) {
+  constexpr int kMaxSteps = 64;
+  for (int step = 0; step < kMaxSteps; ++step) {
     const vrml::Node& node = scene.node(id);
     if (node.type->stands_in && vrml::is_overlay(*node.type)) return true;
     if (node.expansion.empty()) return false;
@@ -103,7 +103,7 @@ std::size_t Collector::content() const {
 }
 
 std::uint32_t Collector::add_place(const Frame& parent, vrml::NodeId id) {
-  if (list_.places.size() >= kMostPlaces || list_.world_from_frame.size() >= kMostPlaces) return kNoPlace;
+  if (list_.places.size() >= kMaxPlaces || list_.world_from_frame.size() >= kMaxPlaces) return kNoPlace;
   list_.places.push_back({parent.scene, id, parent.place, parent.frame});
   return static_cast<std::uint32_t>(list_.places.size() - 1);
 }
@@ -116,7 +116,7 @@ void Collector::enter(Frame frame) {
     (*frame.on_path)[frame.node] = true;
   }
   // A DirectionalLight lights all its siblings in any order (VRML97 6.16).
-  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.seen; ++child) {
+  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible; ++child) {
     const NodeView view = schemas_.view(*frame.scene, *child);
     if (view.kind() == NodeKind::directional_light) add_light(view, frame.world_from_local, frame.frame, true);
   }
@@ -220,7 +220,7 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
   const auto* proxy = collision.find<vrml::SFNode>(CollisionFields::proxy);
   Frame inside = parent;
   if (!collision.get(CollisionFields::collide, true)) {
-    inside.presence.met = false;
+    inside.presence.collidable = false;
     enter_node(inside, id, children);
     return;
   }
@@ -229,10 +229,10 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
     return;
   }
   // The frame entered last is visited first: the children.
-  inside.presence.seen = false;
+  inside.presence.visible = false;
   enter_one(inside, id, *proxy);
   inside.presence = parent.presence;
-  inside.presence.met = false;
+  inside.presence.collidable = false;
   enter_node(inside, id, children);
 }
 
@@ -305,10 +305,10 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       break;
     case NodeKind::point_light:
     case NodeKind::spot_light:
-      if (parent.presence.seen) add_light(view, world, parent.frame, false);
+      if (parent.presence.visible) add_light(view, world, parent.frame, false);
       break;
     case NodeKind::sound:
-      if (parent.presence.seen && list_.sounds.size() < kMaxSounds) {
+      if (parent.presence.visible && list_.sounds.size() < kMaxSounds) {
         ++others_;
         list_.sounds.push_back({parent.scene, id, parent.frame});
       }
@@ -317,7 +317,7 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::navigation_info:
     case NodeKind::background:
     case NodeKind::fog:
-      if (parent.presence.seen) add_bindable(view, id, parent);
+      if (parent.presence.visible) add_bindable(view, id, parent);
       break;
     default:
       break;  // DirectionalLights were handled by enter()

@@ -80,9 +80,9 @@ class Collector {
  private:
   /// Visibility state inherited from the grouping nodes above.
   struct Presence {
-    bool overlay = false;  // fixed to the viewer
-    bool seen = true;      // false inside the proxy of a Collision: collidable but invisible
-    bool met = true;       // false below a Collision with collide FALSE (6.8)
+    bool overlay = false;    // fixed to the viewer
+    bool visible = true;     // false inside the proxy of a Collision: collidable but invisible
+    bool collidable = true;  // false below a Collision with collide FALSE (6.8)
   };
   /// Grouping node on the current path, or the roots of a scene.
   struct Frame {

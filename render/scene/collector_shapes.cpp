@@ -28,7 +28,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   const vrml::NodeId geometry = parent.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
   if (!geometry) return;
   DrawItem item;
-  resources_.dress(item, *parent.scene, shape);
+  resources_.apply_appearance(item, *parent.scene, shape);
   RenderSources::Item source;
   source.geometry = &parent.scene->node(geometry);
   source.appearance = resources_.appearance_nodes(*parent.scene, shape);
@@ -102,12 +102,12 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
     if (sources_) sources_->texts.push_back(static_cast<std::uint32_t>(list_.items.size()));
   }
   item.overlay = parent.presence.overlay;
-  item.seen = parent.presence.seen;
+  item.visible = parent.presence.visible;
   // Text, lines and points do not collide (6.8, 6.47).
-  item.met = parent.presence.met && !item.overlay && item.mesh->font_size == 0 &&
-             item.mesh->primitive == vrml::Mesh::Primitive::triangles;
+  item.collidable = parent.presence.collidable && !item.overlay && item.mesh->font_size == 0 &&
+                    item.mesh->primitive == vrml::Mesh::Primitive::triangles;
   list_.overlays = list_.overlays || item.overlay;
-  if (item.seen && !item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);
+  if (item.visible && !item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);
   list_.items.push_back(std::move(item));
   if (sources_) sources_->items.push_back(source);
 }

@@ -21,10 +21,10 @@ enum class SplatPath : std::uint8_t { automatic, gl, cpu };
 enum class DisplayMode : std::uint8_t { surface, edges, wireframe, points };
 
 /// Cancellation check that is polled during drawing; null means never cancelled.
-struct GoOn : std::function<bool()> {
+struct CancellationCheck : std::function<bool()> {
   using std::function<bool()>::function;
   /// The check does not affect the image, so any two are equal.
-  friend bool operator==(const GoOn&, const GoOn&) { return true; }
+  friend bool operator==(const CancellationCheck&, const CancellationCheck&) { return true; }
 };
 
 /// Options of a frame. Equal options give the same image of the same list, unless drawing is cancelled.
@@ -43,10 +43,10 @@ struct DrawOptions {
   SplatPath splats = SplatPath::automatic;
   /// Helper lines, drawn with the same depth test, unlit and without fog. Null means none.
   std::shared_ptr<const RenderList> guides;
-  CloudLook clouds;
+  SplatStyle clouds;
   std::uint32_t viewport = 0;    // number of the viewport; each keeps its own level of detail
   std::size_t most_decoded = 0;  // splats that may be decoded for this frame; 0 means unlimited
-  GoOn go_on;                    // polled several times per second; false cancels the rest. Null means never
+  CancellationCheck go_on;       // polled several times per second; false cancels the rest. Null means never
   int target_samples = 64;       // maximum for OpenGL drawing; CPU rasterizers use their own sampling
   friend bool operator==(const DrawOptions&, const DrawOptions&) = default;
 };

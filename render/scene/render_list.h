@@ -71,8 +71,8 @@ struct DrawItem {
   TextureUse texture;
   LightList directional_lights;               // of the enclosing groups (6.16)
   std::uint32_t place = kNoPlace;             // path of the Shape
-  bool seen = true;                           // visible; false for the proxy of a Collision (6.8)
-  bool met = true;                            // collidable
+  bool visible = true;                        // visible; false for the proxy of a Collision (6.8)
+  bool collidable = true;                     // collidable
   bool overlay = false;                       // fixed to the viewer: drawn over all other items
   std::shared_ptr<const qnv::Cloud> surface;  // QNV node: its vectors are the mesh's vertices; else null
   float detail = 1;                           // > 0: detail factor of the QNV node

@@ -93,13 +93,13 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
             mark_frame(use.index, transform_matrix({&node, &resources_.schemas().of(*node.type)}));
         }
         break;
-      case Effect::dress:
+      case Effect::apply_appearance:
       case Effect::geometry:
         for (const Use& use : uses_of(item_uses(), &node)) {
           whole = whole || use.index == kUnshown || (effect == Effect::geometry && (use.index & kSplat) != 0) ||
                   (effect == Effect::geometry && !renew_geometry(use.index));
           if (whole) break;
-          if (effect == Effect::dress) dress_item(use.index);
+          if (effect == Effect::apply_appearance) apply_item_appearance(use.index);
           any = true;
         }
         break;
@@ -172,7 +172,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::pixel_texture:
     case NodeKind::image_texture:
     case NodeKind::movie_texture:
-      return Effect::dress;
+      return Effect::apply_appearance;
     case NodeKind::directional_light:
     case NodeKind::point_light:
     case NodeKind::spot_light:
@@ -356,7 +356,7 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   return true;
 }
 
-void RenderScene::dress_item(std::uint32_t index) {
+void RenderScene::apply_item_appearance(std::uint32_t index) {
   const bool splat = (index & kSplat) != 0;
   const std::uint32_t place_index = splat ? list_->splats[index & ~kSplat].place : list_->items[index].place;
   if (place_index == kNoPlace) return;
@@ -364,7 +364,7 @@ void RenderScene::dress_item(std::uint32_t index) {
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   if (!splat) {
     DrawItem& item = list_->items[index];
-    resources_.dress(item, *place.scene, shape);
+    resources_.apply_appearance(item, *place.scene, shape);
     dress_surface(item);
     if (item.surface && !item.mesh->texture_coordinates.empty())
       item.texture = resources_.surface_texture(*sources_.items[index].geometry, *item.surface);
@@ -372,7 +372,7 @@ void RenderScene::dress_item(std::uint32_t index) {
     return;
   }
   DrawItem dressed;
-  resources_.dress(dressed, *place.scene, shape);
+  resources_.apply_appearance(dressed, *place.scene, shape);
   SplatItem& item = list_->splats[index & ~kSplat];
   item.own_color = !dressed.material.lit;
   item.material = item.own_color ? Material{} : dressed.material;
@@ -432,7 +432,7 @@ void RenderScene::item_moved(std::uint32_t item) {
 
 bool RenderScene::fills_bounds(std::size_t item) const {
   const DrawItem& drawn = list_->items[item];
-  return drawn.seen && !drawn.overlay && !sources_.items[item].bounds.empty();
+  return drawn.visible && !drawn.overlay && !sources_.items[item].bounds.empty();
 }
 
 void RenderScene::sum_bounds() {

@@ -54,7 +54,7 @@ class RenderScene {
     }
   };
   using Uses = std::vector<Use>;
-  enum class Effect : std::uint8_t { none, frame, dress, geometry, light, viewpoint, bindable, everything };
+  enum class Effect : std::uint8_t { none, frame, apply_appearance, geometry, light, viewpoint, bindable, everything };
 
   [[nodiscard]] Effect effect_of(const vrml::NodeChange& change, const vrml::Node& node);
   [[nodiscard]] static std::span<const Use> uses_of(const Uses& uses, const vrml::Node* node);
@@ -67,7 +67,7 @@ class RenderScene {
   void place_item(std::uint32_t item);
   void place_splat(std::uint32_t splat);
   bool renew_geometry(std::uint32_t item);
-  void dress_item(std::uint32_t item);
+  void apply_item_appearance(std::uint32_t item);
   void renew_light(std::uint32_t light);
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();

@@ -53,7 +53,7 @@ ShapeResources::AppearanceNodes ShapeResources::appearance_nodes(const vrml::Sce
   return nodes;
 }
 
-void ShapeResources::dress(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape) {
+void ShapeResources::apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape) {
   item.material = {};
   item.texture = {};
   item.material.lit = false;
@@ -234,19 +234,19 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
-  constexpr double kMostPixels = 0.4;  // maximum deviation of outlines
-  constexpr double kLeastLetters = 4;  // pixels per em; small letters take half and are unreadable below
+  constexpr double kMaxPixels = 0.4;  // maximum deviation of outlines
+  constexpr double kMinLetters = 4;   // pixels per em; small letters take half and are unreadable below
   const glm::dmat3 matrix(world_from_node);
   const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
   const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])
                                             : glm::clamp(viewer, glm::dvec3(bounds.lower), glm::dvec3(bounds.upper));
   const double distance = glm::length(viewer - nearest), pixels = size * pixels_per_radian;
-  if (pixels <= kLeastLetters * distance) return vrml::kTextBars;
+  if (pixels <= kMinLetters * distance) return vrml::kTextBars;
   // An atlas pixel is then at most as large as the pixels that serve as samples.
-  constexpr double kMostOfPictures = GlyphSheet::kPixelsPerEm / 2.0;
-  if (pictures && pixels <= kMostOfPictures * distance) return vrml::kTextPictures;
+  constexpr double kMaxOfPictures = GlyphSheet::kPixelsPerEm / 2.0;
+  if (pictures && pixels <= kMaxOfPictures * distance) return vrml::kTextPictures;
   std::size_t level = vrml::kTextPictures - 1;
-  while (level > 0 && !(pixels * vrml::kTextTolerances[level] <= kMostPixels * distance)) --level;
+  while (level > 0 && !(pixels * vrml::kTextTolerances[level] <= kMaxPixels * distance)) --level;
   return level;
 }
 

@@ -39,7 +39,7 @@ class ShapeResources {
   };
   [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
   /// Sets material and texture of the item.
-  void dress(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape);
+  void apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape);
   /// Returns the mesh of a geometry node and makes it if needed. While another thread makes it (MeshCache::late),
   /// returns the previous one. Null or empty means that nothing is shown.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,

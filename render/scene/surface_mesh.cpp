@@ -16,7 +16,7 @@ namespace gs::render {
 namespace {
 
 // Maximum size of a mesh for collision detection.
-constexpr std::size_t kMostMetTriangles = 16384;
+constexpr std::size_t kMaxMetTriangles = 16384;
 
 vrml::Color color_of(const qnv::Rgb8& c) {
   return {static_cast<float>(c.r) / 255, static_cast<float>(c.g) / 255, static_cast<float>(c.b) / 255};
@@ -26,7 +26,7 @@ vrml::Color color_of(const qnv::Rgb8& c) {
 
 std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud, bool pictured) {
   if (cloud.patches)
-    return mesh_of_cut(*cloud.patches, qnv::even_cut(*cloud.patches, kMostMetTriangles), cloud.description.two_sided,
+    return mesh_of_cut(*cloud.patches, qnv::even_cut(*cloud.patches, kMaxMetTriangles), cloud.description.two_sided,
                        cloud.color);
   // Textured vertices come last.
   const std::size_t border = cloud.first_textured(), first = pictured ? border : 0,

@@ -15,14 +15,14 @@ namespace {
 // Fraction of the budget that is shared evenly, so that small point sets do not vanish.
 constexpr double kEvenPart = 0.125;
 // Voxels per pixel of a cut at full detail: edges are a quarter to one pixel (levels are integers), on two sides.
-constexpr double kMostAPixel = 8;
+constexpr double kMaxAPixel = 8;
 
 /// Returns an upper bound on the useful vectors, not far above the actual number.
 double demand_of(const SplatItem& item, double pixels) {
   const qnv::Cloud& cloud = *item.cloud;
   if (!cloud.levels) return static_cast<double>(cloud.size());
   const auto all = static_cast<double>(cloud.levels->header().vectors);
-  const double useful = pixels * kMostAPixel * static_cast<double>(item.detail) * static_cast<double>(item.detail);
+  const double useful = pixels * kMaxAPixel * static_cast<double>(item.detail) * static_cast<double>(item.detail);
   return std::max(1.0, all > 0 ? std::min(all, useful) : useful);
 }
 

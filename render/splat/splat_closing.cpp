@@ -14,9 +14,9 @@
 namespace gs::render {
 namespace {
 
-constexpr int kLeastClosing = 2, kMostClosing = 12;  // pixels
-constexpr std::size_t kClosingSurvey = 2048;         // splats
-constexpr int kTaskRows = 16;                        // rows per task
+constexpr int kMinClosing = 2, kMaxClosing = 12;  // pixels
+constexpr std::size_t kClosingSurvey = 2048;      // splats
+constexpr int kTaskRows = 16;                     // rows per task
 constexpr std::uint16_t kWhole = 65535;
 
 /// New value of a pixel.
@@ -107,15 +107,15 @@ void apply(const Closed& closed, SplatLayer& layer) {
 }  // namespace
 
 int closing_for(std::span<const SharedSplatPiece> shared, const SplatView& view) {
-  if (shared.empty() || shared.front().cloud->cells.empty()) return kLeastClosing;
+  if (shared.empty() || shared.front().cloud->cells.empty()) return kMinClosing;
   std::vector<SplatPiece> pieces;
   for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
-  const SplatSurvey survey = survey_surface(pieces, view, kClosingSurvey);
-  if (survey.discs == 0) return kLeastClosing;
+  const SurfaceMeasure survey = measure_surface(pieces, view, kClosingSurvey);
+  if (survey.discs == 0) return kMinClosing;
   // The bounds of a splat are about 2.7 voxel edges wide.
   const double edge = std::sqrt(survey.samples / static_cast<double>(survey.discs)) / 2.7 / view.supersample;
   // The pixels at both ends of a hole count as part of its width.
-  return static_cast<int>(std::clamp(std::ceil(edge / 2), double{kLeastClosing}, double{kMostClosing}));
+  return static_cast<int>(std::clamp(std::ceil(edge / 2), double{kMinClosing}, double{kMaxClosing}));
 }
 
 void close_pinholes(SplatLayer& layer, const SplatView& view, int closing) {

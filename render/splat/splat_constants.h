@@ -11,8 +11,8 @@ inline constexpr float kBackMargin = -0.1f, kCubeMargin = 0.1f, kCubeBell = 1.2f
 inline constexpr float kSampleMargin = 0.35f;
 // Other splats cover and blend within these multiples of their radius; neighbours overlap, which leaves no pinholes.
 inline constexpr float kDiscCover = 1.7f, kDiscBell = 1.4f;
-inline constexpr float kLeastReach = 0.6f;  // samples: minimum size, so that small splats are not missed
-inline constexpr float kGrazing = 0.02f;    // splats seen edge-on up to this cosine are skipped
+inline constexpr float kMinReach = 0.6f;  // samples: minimum size, so that small splats are not missed
+inline constexpr float kGrazing = 0.02f;  // splats seen edge-on up to this cosine are skipped
 // Mean splat size, in samples, above which normals follow the surface between splats.
 inline constexpr float kSmoothFrom = 2.5f;
 // Weight of the blended surface's slope in its normal, besides the blended normals.

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kSurveyedDiscs = 8192;  // number of sampled splats
 // Maximum number of covered samples, counted per splat; larger point sets are thinned, since a driver that is busy for
 // seconds is considered hung. Typical point sets cover a thousandth.
-constexpr double kMostCoveredSamples = 2e10;
+constexpr double kMaxCoveredSamples = 2e10;
 constexpr float kMargin = 0.05f;  // samples: margin of the rectangles for rounding of their corners
 
 /// Returns the pixels that a box, enlarged by `around`, can cover; nullopt if it is out of view.
@@ -59,8 +59,8 @@ void unite(Rectangle& all, const Rectangle& other) {
 
 float largest_radius(float weight) { return std::sqrt(weight * (1 / splat::kPi)); }
 
-std::size_t step_for(const SplatSurvey& survey) {
-  return static_cast<std::size_t>(std::clamp(survey.samples / kMostCoveredSamples, 0.0, 1e6)) + 1;
+std::size_t step_for(const SurfaceMeasure& survey) {
+  return static_cast<std::size_t>(std::clamp(survey.samples / kMaxCoveredSamples, 0.0, 1e6)) + 1;
 }
 
 glm::vec3 linear_row_of(const glm::mat4& matrix, int row) { return {matrix[0][row], matrix[1][row], matrix[2][row]}; }
@@ -134,7 +134,7 @@ std::optional<SplatTextures> SplatGl::draw(std::span<const SharedSplatPiece> pie
     surface.kind.colored = surface.kind.colored || piece.tint || !piece.cloud->colors.empty();
     surface.kind.sides = surface.kind.sides || piece.cloud->description.two_sided;
   }
-  const SplatSurvey survey = survey_surface(in_view, view, kSurveyedDiscs);
+  const SurfaceMeasure survey = measure_surface(in_view, view, kSurveyedDiscs);
   surface.step = step_for(survey);
   std::vector<std::vector<Instance>> by_slab(store_.slabs());
   for (std::size_t i = 0; i < in_view.size(); ++i) {
@@ -181,7 +181,7 @@ std::optional<SplatTextures> SplatGl::draw(const SplatRecords& records, const Sp
     sampled += chunk.sample->size();
     all += chunk.records;
   }
-  SplatSurvey survey = survey_surface(samples, view, kSurveyedDiscs);
+  SurfaceMeasure survey = measure_surface(samples, view, kSurveyedDiscs);
   const double share = static_cast<double>(all) / static_cast<double>(std::max<std::size_t>(sampled, 1));
   survey.discs = static_cast<std::size_t>(static_cast<double>(survey.discs) * share);
   survey.samples *= share;
@@ -212,7 +212,7 @@ bool SplatGl::upload(const Surface& surface) {
   return !take_errors(gl_);
 }
 
-std::optional<SplatTextures> SplatGl::draw(Surface& surface, const SplatSurvey& survey, SplatView view) {
+std::optional<SplatTextures> SplatGl::draw(Surface& surface, const SurfaceMeasure& survey, SplatView view) {
   SplatTextures result;
   if (surface.batches.empty() || surface.rectangle.x1 <= surface.rectangle.x0 ||
       surface.rectangle.y1 <= surface.rectangle.y0)

@@ -137,7 +137,7 @@ class SplatGl {
   bool fits(const SplatView& view, const Kind& kind) const;
   static void add_instances(std::vector<Instance>& to, std::size_t piece, std::size_t first, std::size_t count,
                             std::size_t step);
-  std::optional<SplatTextures> draw(Surface& surface, const SplatSurvey& survey, SplatView view);
+  std::optional<SplatTextures> draw(Surface& surface, const SurfaceMeasure& survey, SplatView view);
   bool upload(const Surface& surface);
   void depth_pass(const Shader& shader, const Surface& surface, const SplatCamera& camera);
   void blend_pass(const Shader& shader, const Surface& surface, const SplatCamera& camera);

@@ -14,7 +14,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostTargetBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxTargetBytes = std::size_t{1} << 30;
 
 std::string constants(std::size_t pieces_a_row) {
   std::string text;
@@ -24,7 +24,7 @@ std::string constants(std::size_t pieces_a_row) {
                                     {"CUBE_BELL", splat::kCubeBell},
                                     {"DISC_COVER", splat::kDiscCover},
                                     {"DISC_BELL", splat::kDiscBell},
-                                    {"LEAST_REACH", splat::kLeastReach},
+                                    {"LEAST_REACH", splat::kMinReach},
                                     {"GRAZING", splat::kGrazing},
                                     {"SMOOTHING", splat::kSmoothing},
                                     {"OFFSET_RANGE", SplatCoding::kOffsetRange},
@@ -83,7 +83,7 @@ bool SplatGl::fits(const SplatView& view, const Kind& kind) const {
   const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
   const auto samples = pixels * static_cast<std::size_t>(view.supersample * view.supersample);
   const std::size_t a_sample = 8 + 16 + (kind.colored ? 16 : 0) + (kind.smooth ? 32 : 0);
-  return samples * a_sample + pixels * 16 <= kMostTargetBytes;
+  return samples * a_sample + pixels * 16 <= kMaxTargetBytes;
 }
 
 bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {

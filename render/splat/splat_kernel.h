@@ -53,6 +53,6 @@ struct SplatKernel {
 
 /// Rasterizes with a given kernel and sample limit.
 [[nodiscard]] SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView& view,
-                                           const SplatKernel& kernel, std::uint64_t most_samples = kMostSplatSamples);
+                                           const SplatKernel& kernel, std::uint64_t most_samples = kMaxSplatSamples);
 
 }  // namespace gs::render

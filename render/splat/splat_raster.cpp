@@ -17,9 +17,9 @@ namespace gs::render {
 namespace {
 
 // Splats per preparation task: few enough to stay in the second-level cache until they are sorted; more if there would
-// be more than kMostTasks tasks.
-constexpr std::size_t kTaskRange = 16384, kMostTasks = 256;
-constexpr int kMostSamples = 65535;  // along an edge of the viewport
+// be more than kMaxTasks tasks.
+constexpr std::size_t kTaskRange = 16384, kMaxTasks = 256;
+constexpr int kMaxSamples = 65535;  // along an edge of the viewport
 
 SplatSource source_of(const SplatPiece& piece, const SplatView& view) {
   const qnv::Cloud& cloud = *piece.cloud;
@@ -62,7 +62,7 @@ struct Segment {
 std::vector<Segment> segments_of(std::span<const SplatPiece> pieces) {
   std::size_t all = 0;
   for (const SplatPiece& piece : pieces) all += piece.count;
-  const std::size_t range = std::max(kTaskRange, all / kMostTasks);
+  const std::size_t range = std::max(kTaskRange, all / kMaxTasks);
   std::vector<Segment> segments(1);
   std::size_t in_task = 0, first = 0;
   for (const SplatPiece& piece : pieces)
@@ -162,7 +162,7 @@ bool is_smooth(double width, double discs) { return width > 4.0 * splat::kSmooth
 /// Returns a power of two at which the samples of an edge stay countable.
 int supersample_of(const SplatView& view) {
   int s = static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(view.supersample, 1, 8))));
-  while (s > 1 && std::max(view.width, view.height) > kMostSamples / s) s /= 2;
+  while (s > 1 && std::max(view.width, view.height) > kMaxSamples / s) s /= 2;
   return s;
 }
 
@@ -215,7 +215,7 @@ SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView
   SplatLayer layer;
   SplatView view = wanted;
   view.supersample = supersample_of(wanted);
-  if (pieces.empty() || view.width < 1 || view.height < 1 || std::max(view.width, view.height) > kMostSamples)
+  if (pieces.empty() || view.width < 1 || view.height < 1 || std::max(view.width, view.height) > kMaxSamples)
     return layer;
   const auto camera = splat_camera(view);
   if (!camera) return layer;
@@ -263,11 +263,11 @@ SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView
   return layer;
 }
 
-SplatSurvey survey_surface(std::span<const SplatPiece> pieces, const SplatView& wanted, std::size_t most) {
-  SplatSurvey survey;
+SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatView& wanted, std::size_t most) {
+  SurfaceMeasure survey;
   SplatView view = wanted;
   view.supersample = supersample_of(wanted);
-  if (view.width < 1 || view.height < 1 || std::max(view.width, view.height) > kMostSamples) return survey;
+  if (view.width < 1 || view.height < 1 || std::max(view.width, view.height) > kMaxSamples) return survey;
   const auto camera = splat_camera(view);
   std::size_t all = 0;
   for (const SplatPiece& piece : pieces) all += piece.count;

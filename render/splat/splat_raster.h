@@ -58,7 +58,7 @@ struct SplatLayer {
   // 4 per pixel: RGB and unused; empty if the point set has one colour.
   std::vector<std::uint8_t, SplatAllocator<std::uint8_t>> colors;
   std::size_t discs = 0;  // splats in view
-  std::size_t drawn = 0;  // splats drawn; fewer if all would cover more than kMostSplatSamples
+  std::size_t drawn = 0;  // splats drawn; fewer if all would cover more than kMaxSplatSamples
 
   [[nodiscard]] bool empty() const { return depth.empty(); }
 };
@@ -80,17 +80,18 @@ struct SplatPiece {
 
 /// Maximum number of blended samples, counted per splat. Larger point sets would take seconds and are thinned evenly;
 /// typical point sets need a hundredth.
-inline constexpr std::uint64_t kMostSplatSamples = 2'000'000'000;
+inline constexpr std::uint64_t kMaxSplatSamples = 2'000'000'000;
 
 /// Estimates for pieces of point sets in a view, from a sample of their splats.
-struct SplatSurvey {
+struct SurfaceMeasure {
   std::size_t discs = 0;  // in view
   bool smooth = false;    // rasterize_surface lets the normals follow the surface between the splats
   double samples = 0;     // covered in total by the bounds of all splats in view
 };
 
 /// Examines about `most` splats, evenly spread over the pieces; exact if they have no more.
-[[nodiscard]] SplatSurvey survey_surface(std::span<const SplatPiece> pieces, const SplatView& view, std::size_t most);
+[[nodiscard]] SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatView& view,
+                                             std::size_t most);
 
 /// Returns the vector instruction set in use: "AVX-512", "AVX2" or "SSE2".
 [[nodiscard]] std::string_view splat_instructions();

@@ -13,11 +13,10 @@
 namespace gs::render {
 namespace {
 
-
 constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // maximum codes
 constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // splats encoded at a time
 constexpr std::uint32_t kTaskDiscs = 16384;
-constexpr std::size_t kLeastRange = 1024;      // splats: larger point sets are not split into smaller ranges
+constexpr std::size_t kMinRange = 1024;        // splats: larger point sets are not split into smaller ranges
 constexpr std::size_t kSampledRecords = 1024;  // per chunk
 
 bool can_be_drawn(const glm::vec3& position, const glm::vec3& normal, float weight) {
@@ -196,7 +195,7 @@ bool SplatStore::place(Entry& entry) {
     if (const auto range = take(want, entry.cells)) {
       entry.ranges.push_back(*range);
       left -= range->count;
-    } else if (want > kLeastRange) {
+    } else if (want > kMinRange) {
       want /= 2;  // smaller pieces may fit
     } else {
       give_back(entry);

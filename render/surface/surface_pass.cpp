@@ -17,7 +17,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
   on_processor_.clear();
   std::erase_if(kept_, [](const auto& each) { return each.second.surface.expired(); });
   std::size_t surfaces = 0;
-  for (const DrawItem& item : list.items) surfaces += item.surface && item.surface->patches && item.seen ? 1 : 0;
+  for (const DrawItem& item : list.items) surfaces += item.surface && item.surface->patches && item.visible ? 1 : 0;
   if (surfaces == 0) return;
   const PhaseScope phase(gl_.phases, Phase::cut);
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
@@ -25,7 +25,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
   const bool software = options.display == DisplayMode::surface &&
                         (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && gl_.software));
   for (const DrawItem& item : list.items) {
-    if (!item.surface || !item.surface->patches || !item.seen) continue;
+    if (!item.surface || !item.surface->patches || !item.visible) continue;
     SplatView view;
     view.tangents = projection.tangents();
     view.center = projection.center();

@@ -9,7 +9,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostFonts = 64;  // maximum number of fallback fonts
+constexpr std::size_t kMaxFonts = 64;  // maximum number of fallback fonts
 
 struct DestroyPattern {
   void operator()(FcPattern* pattern) const { FcPatternDestroy(pattern); }
@@ -96,7 +96,7 @@ std::vector<FontFile> FontCatalogue::find(const vrml::FontRequest& request) cons
     const std::unique_ptr<FcFontSet, DestroySet> set(FcFontSort(config, pattern.get(), FcTrue, nullptr, &result));
     if (!set) continue;
     std::vector<FontFile> files;
-    for (int i = 0; i < set->nfont && files.size() < kMostFonts; ++i) {
+    for (int i = 0; i < set->nfont && files.size() < kMaxFonts; ++i) {
       const FcPattern* font = set->fonts[i];
       FcChar8* path = nullptr;
       if (!usable(font) || FcPatternGetString(font, FC_FILE, 0, &path) != FcResultMatch) continue;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kSlant = 0.2;             // horizontal shear of synthetic italics
 constexpr double kBoldStroke = 1.0 / 24;   // ems; added stroke width of synthetic bold
-constexpr int kMostSegments = 64;          // of one curve
+constexpr int kMaxSegments = 64;           // of one curve
 constexpr std::size_t kContextLength = 5;  // characters next to a run that HarfBuzz may examine
 
 /// FreeType's library, one per process; it has no locks, so callers hold one.
@@ -40,7 +40,7 @@ struct Flattener {
   }
   /// Returns the number of segments for a curve with this second difference of control points.
   [[nodiscard]] int segments(double bend) const {
-    return std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / tolerance))), 1, kMostSegments);
+    return std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / tolerance))), 1, kMaxSegments);
   }
   static int move(const FT_Vector* to, void* self) {
     auto& all = *static_cast<Flattener*>(self);

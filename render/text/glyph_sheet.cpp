@@ -11,7 +11,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::uint32_t kMostOfGlyph = 160;  // maximum size in pixels: five ems
+constexpr std::uint32_t kMaxOfGlyph = 160;  // maximum size in pixels: five ems
 // Grey patterns are in the first corner, one below the other, at eight pixels per em, as fine as text of that size.
 constexpr std::uint32_t kGreys = 16, kGreyWidth = 256, kGreyHeight = 8, kGreyPixelsPerEm = 8;
 constexpr int kLines = 8;  // sample lines per row of pixels
@@ -79,7 +79,7 @@ std::uint8_t* GlyphSheet::place(std::uint32_t width, std::uint32_t height) {
     x_ = kGreyWidth;
     row_ = kGreys * kGreyHeight;
   }
-  if (width > kMostOfGlyph || height > kMostOfGlyph) return nullptr;
+  if (width > kMaxOfGlyph || height > kMaxOfGlyph) return nullptr;
   if (x_ + width > kSide) {
     x_ = 0;
     y_ += row_;
@@ -102,7 +102,7 @@ std::optional<vrml::GlyphShape> GlyphSheet::add(const Contours& contours) {
   if (!(least.x < greatest.x) || !(least.y < greatest.y)) return vrml::GlyphShape{};
   // An empty border, so that the filter takes nothing from neighbours.
   const glm::dvec2 lower = glm::floor(least) - 1.0, size = glm::ceil(greatest) + 1.0 - lower;
-  if (!(size.x <= kMostOfGlyph) || !(size.y <= kMostOfGlyph)) return std::nullopt;
+  if (!(size.x <= kMaxOfGlyph) || !(size.y <= kMaxOfGlyph)) return std::nullopt;
   const auto width = static_cast<std::uint32_t>(size.x), height = static_cast<std::uint32_t>(size.y);
   std::uint8_t* to = place(width, height);
   if (!to) return std::nullopt;

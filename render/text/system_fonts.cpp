@@ -8,10 +8,10 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostChoices = 512;  // of font requests; untrusted FontStyles determine them
-constexpr std::size_t kMostLanguages = 256;
-constexpr std::size_t kMostFaces = 256;  // open at a time
-constexpr std::size_t kMostOutlineBytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxChoices = 512;  // of font requests; untrusted FontStyles determine them
+constexpr std::size_t kMaxLanguages = 256;
+constexpr std::size_t kMaxFaces = 256;  // open at a time
+constexpr std::size_t kMaxOutlineBytes = std::size_t{64} << 20;
 
 std::string key_of(const vrml::FontRequest& font) {
   std::string key{font.bold ? 'B' : 'b', font.italic ? 'I' : 'i'};
@@ -31,7 +31,7 @@ SystemFonts::Choice& SystemFonts::choice(const vrml::FontRequest& font) {
   if (const auto known = choices_.find(key_of(font)); known != choices_.end()) return known->second;
   // Each search takes some milliseconds, and a world can request any number.
   vrml::FontRequest wanted = font;
-  if (choices_.size() >= kMostChoices) wanted = {{}, font.bold, font.italic, {}};
+  if (choices_.size() >= kMaxChoices) wanted = {{}, font.bold, font.italic, {}};
   const auto [found, fresh] = choices_.try_emplace(key_of(wanted));
   if (fresh) {
     if (!catalogue_) catalogue_ = std::make_unique<FontCatalogue>();
@@ -53,7 +53,7 @@ FontFace* SystemFonts::face(Choice& choice, std::size_t place) {
   const FaceKey key{file, synthetic.slanted, synthetic.bold};
   auto found = faces_.find(key);
   if (found == faces_.end()) {
-    if (faces_.size() >= kMostFaces) return nullptr;
+    if (faces_.size() >= kMaxFaces) return nullptr;
     found = faces_.emplace(key, FontFace::open(file.path, file.index, synthetic, &sheet_)).first;
   }
   return choice.faces[place] = found->second.get();
@@ -74,7 +74,7 @@ FontFace* SystemFonts::face_for(Choice& choice, char32_t character, FontFace* la
 void SystemFonts::bound_outlines() {
   std::size_t kept = 0;
   for (const auto& [key, face] : faces_) kept += face ? face->kept() : 0;
-  if (kept <= kMostOutlineBytes) return;
+  if (kept <= kMaxOutlineBytes) return;
   for (const auto& [key, face] : faces_)
     if (face) face->forget_outlines();
 }
@@ -99,7 +99,7 @@ vrml::ShapedText SystemFonts::shape(const vrml::FontRequest& font, std::string_v
   style.language = language_tag(font.language);
   // HarfBuzz keeps every language permanently in a list with linear search.
   if (!languages_.contains(style.language)) {
-    if (languages_.size() < kMostLanguages)
+    if (languages_.size() < kMaxLanguages)
       languages_.insert(style.language);
     else
       style.language.clear();

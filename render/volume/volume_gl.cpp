@@ -17,13 +17,13 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostShaderLights = 8, kTransferAt = 19 + 5 * kMostShaderLights, kItemTexels = kTransferAt + 256;
-constexpr std::size_t kMostVectors = std::size_t{1} << 28;
-constexpr std::size_t kMostViewports = 16;
+constexpr std::size_t kMaxShaderLights = 8, kTransferAt = 19 + 5 * kMaxShaderLights, kItemTexels = kTransferAt + 256;
+constexpr std::size_t kMaxVectors = std::size_t{1} << 28;
+constexpr std::size_t kMaxViewports = 16;
 constexpr std::size_t kSurveyedVectors = 8192;  // number of sampled vectors
 // Images that would blend more samples are left to the CPU, which stops at opaque pixels: a driver that is busy for
 // seconds is considered hung.
-constexpr double kMostBlendedSamples = 2e10;
+constexpr double kMaxBlendedSamples = 2e10;
 constexpr float kOwnColor = 5, kVectorColor = 6;  // besides the values of ColorBy; same numbers in volume_shaders.h
 
 std::string defines() {
@@ -42,7 +42,7 @@ std::string defines() {
     const std::string digits = std::to_string(billionths % 1'000'000'000 + 1'000'000'000).substr(1);
     define(name, std::to_string(billionths / 1'000'000'000) + "." + digits);
   }
-  define("MOST_LIGHTS", std::to_string(kMostShaderLights));
+  define("MOST_LIGHTS", std::to_string(kMaxShaderLights));
   define("ITEM_TEXELS", std::to_string(kItemTexels));
   define("FIRST_OCTAVE", std::to_string(kFirstOctave));
   define("BLOCK_VECTORS", std::to_string(kBlockVectors));
@@ -81,7 +81,7 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
     out.back().w = options.fog.color[i];
   }
   out.emplace_back(!options.fog.on ? 0 : options.fog.exponential ? 2 : 1, options.fog.back, 0, 0);
-  for (std::size_t i = 0; i < kMostShaderLights; ++i) {
+  for (std::size_t i = 0; i < kMaxShaderLights; ++i) {
     const VolumeLight light = i < lights.size() ? lights[i] : VolumeLight{};
     out.emplace_back(light.place, light.directional ? 1 : 0);
     out.emplace_back(light.color, light.ambient);
@@ -141,7 +141,7 @@ bool VolumeGl::upload_items(const Visible& visible, const SplatView& lens) {
 }
 
 VolumeGl::Viewport& VolumeGl::viewport(std::uint32_t number) {
-  if (!viewports_.contains(number) && viewports_.size() >= kMostViewports)
+  if (!viewports_.contains(number) && viewports_.size() >= kMaxViewports)
     viewports_.erase(std::min_element(viewports_.begin(), viewports_.end(),
                                       [](const auto& a, const auto& b) { return a.second.used < b.second.used; }));
   Viewport& found = viewports_[number];
@@ -246,17 +246,17 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
     VolumeItem item = items[i];
     item.count = std::min({item.count, item.cloud->size(), item.model->spacing.size()});
     if (item.count == 0 || !volume_lens(view.lens, item.camera_from_node)) continue;
-    if (item.options.lights.size() > kMostShaderLights) return std::nullopt;
+    if (item.options.lights.size() > kMaxShaderLights) return std::nullopt;
     visible.held.push_back(held[i]);
     visible.items.push_back(item);
     visible.total += item.count;
   }
   if (visible.items.empty()) return Drawn{};
-  if (visible.total > kMostVectors || !make_program_once()) return std::nullopt;
+  if (visible.total > kMaxVectors || !make_program_once()) return std::nullopt;
   GLint samples = 0;
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   const VolumeSurvey survey = survey_volumes(visible.items, view.lens, kSurveyedVectors);
-  if (survey.pixels * std::max(samples, 1) > kMostBlendedSamples) return std::nullopt;
+  if (survey.pixels * std::max(samples, 1) > kMaxBlendedSamples) return std::nullopt;
   Drawn drawn{survey.vectors, false};
   if (survey.vectors == 0 && visible.total <= kSurveyedVectors) return drawn;
   take_errors(gl_);

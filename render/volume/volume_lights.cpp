@@ -11,7 +11,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostVolumeLights = 4;
+constexpr std::size_t kMaxVolumeLights = 4;
 
 /// Returns a unit vector, or zero.
 glm::vec3 unit(const glm::vec3& v) {
@@ -57,7 +57,7 @@ std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& 
     return strength_at(a, center) > strength_at(b, center);
   });
   lights.insert(lights.end(), local.begin(), local.end());
-  if (lights.size() > kMostVolumeLights) lights.resize(kMostVolumeLights);
+  if (lights.size() > kMaxVolumeLights) lights.resize(kMaxVolumeLights);
   if (headlight) lights.push_back(volume_headlight().front());
   // An empty list would mean a light at the viewer.
   if (lights.empty()) lights.push_back({.color = glm::vec3(0)});

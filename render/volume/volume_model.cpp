@@ -14,12 +14,11 @@
 namespace gs::render {
 namespace {
 
-
 constexpr std::size_t kModelRange = 16384;  // vectors per task
 constexpr float kFinestCells = 128;         // along the longest edge of the box
 constexpr float kEnough = 6;                // minimum vectors in a cube for a reliable count
 constexpr float kBoundaryLayers = 3;        // voxels across a boundary
-constexpr float kMostSpacing = 2;           // times the 90th percentile
+constexpr float kMaxSpacing = 2;            // times the 90th percentile
 constexpr std::size_t kSample = 65536;      // vectors with sorted weights
 constexpr float kGloss = 16;                // exponent
 constexpr double kRootOfTwo = 1.41421356237309505;
@@ -253,7 +252,7 @@ VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads, std::size_t 
                    model.spacing[i] = counts.spacing(cloud.positions[i], h);
                },
                threads);
-  const float most = kMostSpacing * quantile(model.spacing, 0.9f);
+  const float most = kMaxSpacing * quantile(model.spacing, 0.9f);
   for (float& s : model.spacing) s = std::min(s, most);
   // A vector with a cell reaches no farther than the cell, unless it represents others too.
   if (cloud.cells.size() == size && counted == size)

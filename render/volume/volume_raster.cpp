@@ -15,8 +15,8 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kPreparedRange = 16384;               // vectors per preparation task
-constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // tile entries copied at a time
+constexpr std::size_t kPreparedRange = 16384;              // vectors per preparation task
+constexpr std::size_t kMaxEntries = std::size_t{1} << 22;  // tile entries copied at a time
 constexpr unsigned kDepthDigitBits = 11, kDepthDigits = 1u << kDepthDigitBits;
 
 /// Prepares the vectors of a volume that are in view.
@@ -163,7 +163,7 @@ class Painter {
       std::size_t last = first, entries = 0;
       for (; last < tiles_; ++last) {
         const std::size_t more = in_tile(last);
-        if (last > first && entries + more > kMostEntries) break;
+        if (last > first && entries + more > kMaxEntries) break;
         entries += more;
       }
       if (entries > 0) some(first, last, entries);

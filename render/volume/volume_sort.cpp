@@ -96,7 +96,7 @@ VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::s
     same = false;
     const glm::vec3 a(seen[i].row), b(part.row);
     const float lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
-    if (!(lengths > 0 && glm::dot(a, b) >= std::cos(kMostTurn) * lengths)) return Likeness::far;
+    if (!(lengths > 0 && glm::dot(a, b) >= std::cos(kMaxTurn) * lengths)) return Likeness::far;
   }
   return same ? Likeness::same : Likeness::near;
 }

@@ -47,11 +47,11 @@ class VolumeSorter {
   VolumeSorter& operator=(const VolumeSorter&) = delete;
 
   /// Returns the newest available order while the one for `parts` is being made. Waits if that order is older than the
-  /// previous request, contains other vectors, or differs in direction by more than kMostTurn. Repeated requests for
+  /// previous request, contains other vectors, or differs in direction by more than kMaxTurn. Repeated requests for
   /// the same view eventually return the exact order.
   Order order(std::span<const VolumeSortPart> parts);
 
-  static constexpr float kMostTurn = 0.1f;  // radians
+  static constexpr float kMaxTurn = 0.1f;  // radians
 
  private:
   struct Seen {

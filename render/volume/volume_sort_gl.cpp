@@ -10,7 +10,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kSortBlock = 4096, kMostGroups = 65535;  // guaranteed minimum of OpenGL 4.3
+constexpr std::size_t kSortBlock = 4096, kMaxGroups = 65535;  // guaranteed minimum of OpenGL 4.3
 constexpr unsigned kShaderDigitBits = 4, kShaderDigits = 1u << kShaderDigitBits, kShaderPasses = 32 / kShaderDigitBits;
 static_assert(kShaderPasses % 2 == 0);  // the result is in the original buffer
 
@@ -70,7 +70,7 @@ bool VolumeGlSort::make_room(std::size_t total) {
 
 bool VolumeGlSort::sort(const Data& data, std::size_t total, const Buffer& order) {
   const std::size_t groups = (total + kSortBlock - 1) / kSortBlock;
-  if (total == 0 || groups > kMostGroups) return false;
+  if (total == 0 || groups > kMaxGroups) return false;
   take_errors(gl_);
   if (!make_room(total) || !fill(order, total * sizeof(std::uint32_t))) return false;
   const auto use = [&](const Program& program) {

@@ -196,9 +196,9 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
 
 /// Whole and in pieces: the same bytes, and the same said of them.
 bool run_gzip(std::span<const std::byte> bytes) {
-  constexpr std::size_t kMost = std::size_t{1} << 20;
+  constexpr std::size_t kMax = std::size_t{1} << 20;
   std::string whole, pieces;
-  const Limits limits{.memory = kMost};
+  const Limits limits{.memory = kMax};
   const auto problem = gunzip(bytes, std::make_shared<Budget>(limits), [&](std::string_view piece) {
     whole += piece;
     return true;
@@ -211,7 +211,7 @@ bool run_gzip(std::span<const std::byte> bytes) {
     });
   });
   const auto other = unpacking.finish();
-  require(whole.size() <= kMost && whole == pieces && problem.has_value() == other.has_value());
+  require(whole.size() <= kMax && whole == pieces && problem.has_value() == other.has_value());
   (void)content_type_of("fuzz", first_bytes(bytes));
   return !problem && !whole.empty();
 }
@@ -255,24 +255,24 @@ bool run_program(std::span<const std::byte> bytes) {
 }  // namespace
 
 std::vector<FuzzTarget> fuzz_targets() {
-  constexpr std::size_t kMostBytes = 8192;
+  constexpr std::size_t kMaxBytes = 8192;
   std::vector<FuzzTarget> targets = {
       {"gzip", run_gzip}, {"programs", run_program}, {"control_messages", run_control_messages}};
-  constexpr std::size_t kMostWorld = 65536;
-  targets.push_back({"script_worlds", run_script_world, kMostWorld});
+  constexpr std::size_t kMaxWorld = 65536;
+  targets.push_back({"script_worlds", run_script_world, kMaxWorld});
   using Bytes = std::span<const std::byte>;
   for (const ContentType& type : content_types()) {
     const std::string name = target_name(type.name);
     switch (type.content) {
       case ContentClass::vrml:
-        targets.push_back({name, run_vrml, kMostBytes});
+        targets.push_back({name, run_vrml, kMaxBytes});
         break;
       case ContentClass::mesh:
-        targets.push_back({name, [&type](Bytes bytes) { return run_mesh(type, bytes); }, kMostBytes});
+        targets.push_back({name, [&type](Bytes bytes) { return run_mesh(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::stream:
       case ContentClass::cloud:
-        targets.push_back({name, [&type](Bytes bytes) { return run_cloud(type, bytes); }, kMostBytes});
+        targets.push_back({name, [&type](Bytes bytes) { return run_cloud(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::volume:
         break;  // they have a table of their own
@@ -280,7 +280,7 @@ std::vector<FuzzTarget> fuzz_targets() {
   }
   for (const VolumeFormat& format : volume_formats())
     targets.push_back(
-        {target_name(format.name.name), [&format](Bytes bytes) { return run_volume(format, bytes); }, kMostBytes});
+        {target_name(format.name.name), [&format](Bytes bytes) { return run_volume(format, bytes); }, kMaxBytes});
   return targets;
 }
 

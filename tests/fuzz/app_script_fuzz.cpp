@@ -29,7 +29,7 @@ namespace {
 
 constexpr char kFirst[] = "memory://a/world.wrl";
 constexpr double kSeconds = 1, kPiece = 0.25;  // of simulated time
-constexpr std::clock_t kMostProcessor = 4;     // of the processor, of a trace or a session
+constexpr std::clock_t kMaxProcessor = 4;      // of the processor, of a trace or a session
 constexpr glm::ivec2 kSize(64, 64);
 
 std::vector<std::byte> bytes_of(std::string_view text) {
@@ -63,7 +63,7 @@ LoadOptions site_of(const std::vector<WorldPart>& parts) {
 
 /// Reports whether a world has had its time. Programs may reach their limits again and again: a call that exceeds the
 /// memory costs two collections of garbage.
-bool is_long(std::clock_t began) { return std::clock() - began > kMostProcessor * CLOCKS_PER_SEC; }
+bool is_long(std::clock_t began) { return std::clock() - began > kMaxProcessor * CLOCKS_PER_SEC; }
 
 void collect_garbage(const ScriptMessage& message) {
   if (!message.printed || message.diagnostic.message != "gc") return;

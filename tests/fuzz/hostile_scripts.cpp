@@ -29,8 +29,8 @@ namespace gs::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr rlim_t kMostSeconds = 60;  // of the processor, for one world
-constexpr unsigned kMostWait = 600;  // seconds by the clock, on a busy machine
+constexpr rlim_t kMaxSeconds = 60;  // of the processor, for one world
+constexpr unsigned kMaxWait = 600;  // seconds by the clock, on a busy machine
 
 std::string read_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -82,9 +82,9 @@ Outcome play_in_child(const std::string& text, const fs::path& log) {
   if (child == 0) {
     const int file = open(log.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
     if (file < 0 || dup2(file, STDERR_FILENO) < 0) _exit(3);
-    const rlimit limit{kMostSeconds, kMostSeconds + 2};
+    const rlimit limit{kMaxSeconds, kMaxSeconds + 2};
     (void)setrlimit(RLIMIT_CPU, &limit);
-    (void)alarm(kMostWait);
+    (void)alarm(kMaxWait);
     (void)play_script_world(text, false);
     std::exit(0);  // LeakSanitizer looks now
   }
@@ -117,9 +117,9 @@ std::string joined(const std::vector<std::string>& lines) {
 
 /// Returns the line behind the block that `first` opens, or first + 1 if it opens none.
 std::size_t end_of_block(const std::vector<std::string>& lines, std::size_t first) {
-  constexpr std::size_t kMostLines = 400;
+  constexpr std::size_t kMaxLines = 400;
   int open = 0;
-  for (std::size_t i = first; i < std::min(lines.size(), first + kMostLines); ++i) {
+  for (std::size_t i = first; i < std::min(lines.size(), first + kMaxLines); ++i) {
     for (const char c : lines[i]) open += (c == '{' || c == '(') ? 1 : (c == '}' || c == ')') ? -1 : 0;
     if (open < 0) break;
     if (open == 0) return i + 1;

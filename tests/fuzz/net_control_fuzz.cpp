@@ -12,7 +12,7 @@ using namespace gs::net;
 namespace gs::fuzz {
 namespace {
 
-constexpr std::size_t kMostMessage = 2048;
+constexpr std::size_t kMaxMessage = 2048;
 
 struct Outcome {
   std::vector<std::string> messages;
@@ -29,7 +29,7 @@ Outcome outcome(ControlProtocol protocol, const ControlTerms& terms, Feed&& feed
     connection.receive(text_of(piece));
     for (std::string& message : connection.take_messages()) {
       require(connection.is_admitted());
-      require(message.size() <= kMostMessage);
+      require(message.size() <= kMaxMessage);
       require(is_utf8(message));
       result.messages.push_back(std::move(message));
     }
@@ -48,7 +48,7 @@ bool run_control_client(std::span<const std::byte> bytes) {
   static const ControlTerms terms = [] {
     ControlTerms made;
     made.token = "token";
-    made.limits.message_bytes = kMostMessage;
+    made.limits.message_bytes = kMaxMessage;
     made.farewell = [](const std::string& why) { return why; };
     return made;
   }();

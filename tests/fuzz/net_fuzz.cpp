@@ -89,7 +89,7 @@ bool run_http_range(std::span<const std::byte> bytes) {
   const auto ranges = parse_ranges(line(), size);
   const auto* some = std::get_if<std::vector<ServedRange>>(&ranges);
   if (some) {
-    require(!some->empty() && some->size() <= kMostServedRanges);
+    require(!some->empty() && some->size() <= kMaxServedRanges);
     std::uint64_t all = 0;
     for (const ServedRange& range : *some) {
       require(range.begin < range.end && range.end <= size);
@@ -150,7 +150,7 @@ bool run_cells(std::span<const std::byte> bytes) {
   assembler.lost_anywhere(units);
   bool whole = false;
   for (const Pdu& unit : units) {
-    require(unit.whole ? unit.parts.empty() && unit.bytes.size() <= kMostPdu : unit.bytes.empty());
+    require(unit.whole ? unit.parts.empty() && unit.bytes.size() <= kMaxPdu : unit.bytes.empty());
     whole = whole || unit.whole;
     std::span<const std::byte> rest;
     if (const auto place = decode_place(unit.bytes, rest)) require(encode_place(*place, rest) == unit.bytes);

@@ -17,7 +17,7 @@ using namespace gs::qnv;
 namespace gs::fuzz {
 namespace {
 
-constexpr std::size_t kMostVectors = 1 << 18;
+constexpr std::size_t kMaxVectors = 1 << 18;
 
 std::vector<std::uint8_t> with_checksums(std::span<const std::byte> bytes) {
   std::vector<std::uint8_t> mended(bytes.size());
@@ -48,11 +48,11 @@ void read(std::span<const std::byte> bytes, Decoder& whole, Decoder& pieces) {
 }
 
 void decode(std::span<const std::byte> bytes) {
-  StreamDecoder whole(kMostVectors), pieces(kMostVectors);
+  StreamDecoder whole(kMaxVectors), pieces(kMaxVectors);
   read(bytes, whole, pieces);
   const Cloud cloud = whole.cloud(), other = pieces.cloud();
   check_sound(cloud);
-  require(cloud.size() == whole.vectors() && cloud.size() <= kMostVectors);
+  require(cloud.size() == whole.vectors() && cloud.size() <= kMaxVectors);
   require(cloud.positions == other.positions && cloud.weights == other.weights);
   require(whole.problems().size() == pieces.problems().size());
 }
@@ -77,7 +77,7 @@ std::vector<glm::vec3> corners_of(OutlineDecoder& decoder, std::size_t& polygons
 }
 
 void decode_outlines(std::span<const std::byte> bytes) {
-  OutlineDecoder whole(kMostVectors), pieces(kMostVectors);
+  OutlineDecoder whole(kMaxVectors), pieces(kMaxVectors);
   read(bytes, whole, pieces);
   std::size_t polygons = 0, others = 0;
   require(corners_of(whole, polygons) == corners_of(pieces, others) && polygons == others);
@@ -92,7 +92,7 @@ bool run_stream(std::span<const std::byte> bytes) {
     decode(std::as_bytes(std::span(mended)));
     decode_outlines(std::as_bytes(std::span(mended)));
   }
-  StreamDecoder decoder(kMostVectors);
+  StreamDecoder decoder(kMaxVectors);
   (void)decoder.push(bytes);
   return decoder.header() != nullptr;
 }
@@ -110,7 +110,7 @@ void look_at(LodStream& stream) {
     }
     (void)stream.wanted_by_all();
   }
-  if (stream.count() <= kMostVectors) check_sound(stream.whole());
+  if (stream.count() <= kMaxVectors) check_sound(stream.whole());
 }
 
 /// A stream of which views decode what they show: in memory as a whole, growing, and of its chunks only some.
@@ -135,7 +135,7 @@ bool run_levels(std::span<const std::byte> bytes) {
   }
   const std::uint64_t seed = bytes.empty() ? 0 : std::to_integer<std::uint64_t>(bytes.back());
   const std::vector<std::byte> lossy = drop_packets(sound, 0.3, seed);
-  StreamDecoder decoder(kMostVectors);
+  StreamDecoder decoder(kMaxVectors);
   (void)decoder.push(lossy);
   decoder.finish();
   check_sound(decoder.cloud());
@@ -170,7 +170,7 @@ void look_at(const SurfacePatches& patches) {
 bool run_drawn(std::span<const std::byte> bytes) {
   const std::vector<std::uint8_t> mended = with_checksums(bytes);
   const std::span<const std::byte> sound = std::as_bytes(std::span(mended));
-  StreamDecoder decoder(kMostVectors);
+  StreamDecoder decoder(kMaxVectors);
   bool patches = false;
   const auto look = [&] {
     const Cloud cloud = decoder.cloud_to_draw();

@@ -31,17 +31,17 @@ std::vector<std::byte> mended(std::span<const std::byte> bytes) {
 
 bool run_image(const ImageFormat& format, std::span<const std::byte> input) {
   const std::vector<std::byte> bytes = mended(input);
-  constexpr std::size_t kMostPixels = std::size_t{1} << 22;
-  const DecodedImage decoded = format.decode(bytes, {.file_pixels = kMostPixels});
+  constexpr std::size_t kMaxPixels = std::size_t{1} << 22;
+  const DecodedImage decoded = format.decode(bytes, {.file_pixels = kMaxPixels});
   const auto* image = std::get_if<Image>(&decoded);
   if (!image) {
     require(!std::get<ImageError>(decoded).message.empty());
     return false;
   }
   require(image->components >= 1 && image->components <= 4);
-  require(std::uint64_t{image->width} * image->height <= kMostPixels);
+  require(std::uint64_t{image->width} * image->height <= kMaxPixels);
   require(image->pixels.size() == std::size_t{image->width} * image->height * image->components);
-  if (text_of(bytes).starts_with(format.magic)) require(decode_image(bytes, {.file_pixels = kMostPixels}).index() == 0);
+  if (text_of(bytes).starts_with(format.magic)) require(decode_image(bytes, {.file_pixels = kMaxPixels}).index() == 0);
   return text_of(bytes).starts_with(format.magic);
 }
 
@@ -86,8 +86,8 @@ bool run_sound(std::span<const std::byte> bytes) {
 
 /// Plays a movie forwards, backwards, and with jumps.
 bool run_movie(std::span<const std::byte> bytes) {
-  constexpr std::size_t kMostPixels = std::size_t{1} << 18;
-  auto opened = Movie::open(bytes, {.file_pixels = kMostPixels});
+  constexpr std::size_t kMaxPixels = std::size_t{1} << 18;
+  auto opened = Movie::open(bytes, {.file_pixels = kMaxPixels});
   if (auto* wrong = std::get_if<ImageError>(&opened)) {
     require(!wrong->message.empty());
     return false;

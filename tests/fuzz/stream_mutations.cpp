@@ -1,9 +1,10 @@
-// stream_mutations COUNT SEED FIRST KEPT NUMBER FOLDER...: makes mutations FIRST to COUNT - 1 of the streams (*.qnv) in the
-// folders and gives each to the targets of qnv. Mutation N of a seed is the same every time. Unlike libFuzzer it knows
-// the container (FORMAT.md): it changes, inserts, deletes and repeats bytes of one section or payload, repeats, moves, loses
-// and swaps chunks, takes chunks and halves of payloads from other streams, forges lengths, and, but for every eighth,
-// makes the checksums right again. Before an input is read it is written to the file KEPT, and its number to the file
-// NUMBER: where the program ends there, that is what ended it. Prints a line every thousand, and a table at the end.
+// stream_mutations COUNT SEED FIRST KEPT NUMBER FOLDER...: makes mutations FIRST to COUNT - 1 of the streams (*.qnv) in
+// the folders and gives each to the targets of qnv. Mutation N of a seed is the same every time. Unlike libFuzzer it
+// knows the container (FORMAT.md): it changes, inserts, deletes and repeats bytes of one section or payload, repeats,
+// moves, loses and swaps chunks, takes chunks and halves of payloads from other streams, forges lengths, and, but for
+// every eighth, makes the checksums right again. Before an input is read it is written to the file KEPT, and its number
+// to the file NUMBER: where the program ends there, that is what ended it. Prints a line every thousand, and a table at
+// the end.
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/stream_bytes.h"
 
@@ -32,9 +33,9 @@ namespace fs = std::filesystem;
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t kMostBytes = 24576;  // of a mutation: longer ones are slower and reach no more
-constexpr int kMostSeconds = 10;           // of the processor, for one input
-constexpr double kLongSeconds = 1;         // one that takes longer is told of
+constexpr std::size_t kMaxBytes = 24576;  // of a mutation: longer ones are slower and reach no more
+constexpr int kMaxSeconds = 10;           // of the processor, for one input
+constexpr double kLongSeconds = 1;        // one that takes longer is told of
 // Of streams smaller than this there are several mutations for one of the others, each of which takes as long as five.
 constexpr std::size_t kSmallBytes = 7168, kSmallTurns = 6;
 
@@ -89,7 +90,7 @@ class Mutator {
     if (below(8) == 0) bytes.resize(below(bytes.size() + 1));
     if (below(8) != 0) mend_checksums(bytes);
     if (below(16) == 0) change_bytes(bytes);
-    bytes.resize(std::min(bytes.size(), kMostBytes));
+    bytes.resize(std::min(bytes.size(), kMaxBytes));
     return bytes;
   }
 
@@ -98,8 +99,8 @@ class Mutator {
 
   /// A number at which readers are most often wrong.
   std::uint32_t telling_number() {
-    constexpr std::array<std::uint32_t, 14> kNumbers{0,      1,      2,      0x7f,       0x80,       0xff,       0x100,
-                                                     0x7fff, 0x8000, 0xffff, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000};
+    constexpr std::array<std::uint32_t, 14> kNumbers{
+        0, 1, 2, 0x7f, 0x80, 0xff, 0x100, 0x7fff, 0x8000, 0xffff, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000};
     return below(3) == 0 ? static_cast<std::uint32_t>(random_()) : kNumbers[below(kNumbers.size())];
   }
 
@@ -112,23 +113,35 @@ class Mutator {
     const auto here = bytes.begin() + static_cast<std::ptrdiff_t>(at);
     const std::size_t count = 1 + below(std::min<std::size_t>(below(4) == 0 ? 200 : 8, bytes.size() - at));
     switch (below(8)) {
-      case 0: bytes[at] ^= static_cast<std::uint8_t>(1u << below(8)); break;
-      case 1: bytes[at] = static_cast<std::uint8_t>(random_()); break;
-      case 2: put_number(bytes, at, telling_number(), std::size_t{1} << below(3)); break;
-      case 3: bytes[at] = static_cast<std::uint8_t>(bytes[at] + (below(2) == 0 ? 1 : 255)); break;
+      case 0:
+        bytes[at] ^= static_cast<std::uint8_t>(1u << below(8));
+        break;
+      case 1:
+        bytes[at] = static_cast<std::uint8_t>(random_());
+        break;
+      case 2:
+        put_number(bytes, at, telling_number(), std::size_t{1} << below(3));
+        break;
+      case 3:
+        bytes[at] = static_cast<std::uint8_t>(bytes[at] + (below(2) == 0 ? 1 : 255));
+        break;
       case 4: {
         Bytes more(count);
         for (std::uint8_t& b : more) b = static_cast<std::uint8_t>(random_());
         bytes.insert(here, more.begin(), more.end());
         break;
       }
-      case 5: bytes.erase(here, here + static_cast<std::ptrdiff_t>(count)); break;
+      case 5:
+        bytes.erase(here, here + static_cast<std::ptrdiff_t>(count));
+        break;
       case 6: {
         const Bytes again(here, here + static_cast<std::ptrdiff_t>(count));
         bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(below(bytes.size() + 1)), again.begin(), again.end());
         break;
       }
-      default: std::fill_n(here, count, below(2) == 0 ? std::uint8_t{0} : std::uint8_t{255}); break;
+      default:
+        std::fill_n(here, count, below(2) == 0 ? std::uint8_t{0} : std::uint8_t{255});
+        break;
     }
   }
 
@@ -154,18 +167,30 @@ class Mutator {
         chunks.insert(anywhere(), again);
         break;
       }
-      case 1: chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(at)); break;
-      case 2: std::swap(chunks[at], chunks[below(chunks.size())]); break;
-      case 3: std::shuffle(chunks.begin(), chunks.end(), random_); break;
-      case 4: chunks[at].type = static_cast<std::uint16_t>(below(12)); break;
+      case 1:
+        chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(at));
+        break;
+      case 2:
+        std::swap(chunks[at], chunks[below(chunks.size())]);
+        break;
+      case 3:
+        std::shuffle(chunks.begin(), chunks.end(), random_);
+        break;
+      case 4:
+        chunks[at].type = static_cast<std::uint16_t>(below(12));
+        break;
       case 5:
         if (!others.empty()) chunks.insert(anywhere(), others[below(others.size())]);
         break;
       case 6:
         if (!others.empty()) chunks[at].bytes = spliced(chunks[at].bytes, others[below(others.size())].bytes);
         break;
-      case 7: chunks[at].bytes = spliced(chunks[at].bytes, chunks[below(chunks.size())].bytes); break;
-      default: chunks[at].bytes.resize(below(chunks[at].bytes.size() + 1)); break;
+      case 7:
+        chunks[at].bytes = spliced(chunks[at].bytes, chunks[below(chunks.size())].bytes);
+        break;
+      default:
+        chunks[at].bytes.resize(below(chunks[at].bytes.size() + 1));
+        break;
     }
   }
 
@@ -232,7 +257,7 @@ std::vector<SeedStream> streams_in(const std::vector<fs::path>& folders) {
   std::vector<fs::path> files;
   for (const fs::path& folder : folders)
     for (const auto& entry : fs::recursive_directory_iterator(folder))
-      if (entry.is_regular_file() && entry.path().extension() == ".qnv" && entry.file_size() <= kMostBytes)
+      if (entry.is_regular_file() && entry.path().extension() == ".qnv" && entry.file_size() <= kMaxBytes)
         files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::vector<SeedStream> streams;
@@ -241,7 +266,8 @@ std::vector<SeedStream> streams_in(const std::vector<fs::path>& folders) {
     SeedStream stream = parts_of(Bytes(std::istreambuf_iterator<char>(file), {}), path.filename().string());
     // The corpora of several targets have the same file; what is no stream has nothing to mutate.
     const auto same = [&](const SeedStream& other) { return other.name == stream.name; };
-    if (!stream.chunks.empty() && std::none_of(streams.begin(), streams.end(), same)) streams.push_back(std::move(stream));
+    if (!stream.chunks.empty() && std::none_of(streams.begin(), streams.end(), same))
+      streams.push_back(std::move(stream));
   }
   return streams;
 }
@@ -274,7 +300,8 @@ int run(std::size_t count, std::uint64_t seed, std::size_t first, const char* ke
     return 2;
   }
   std::vector<std::size_t> turns;
-  for (std::size_t i = 0; i < streams.size(); ++i) turns.insert(turns.end(), streams[i].size < kSmallBytes ? kSmallTurns : 1, i);
+  for (std::size_t i = 0; i < streams.size(); ++i)
+    turns.insert(turns.end(), streams[i].size < kSmallBytes ? kSmallTurns : 1, i);
   std::map<std::string, Count> counts;
   for (std::size_t i = first; i < count; ++i) {
     Mutator mutator(streams, seed * 1'000'000'007 + i);
@@ -285,7 +312,7 @@ int run(std::size_t count, std::uint64_t seed, std::size_t first, const char* ke
     const std::string which = std::to_string(i);
     keep(number, Bytes(which.begin(), which.end()));
     // SIGPROF ends a process that takes longer.
-    const itimerval limit{{0, 0}, {kMostSeconds, 0}};
+    const itimerval limit{{0, 0}, {kMaxSeconds, 0}};
     setitimer(ITIMER_PROF, &limit, nullptr);
     const double before = processor_seconds();
     // The first one decodes all; of the others, which draw parts of it, one.

@@ -100,8 +100,8 @@ bool set_fraction_of_curve(Execution& execution, EventNode node, int event, cons
   return false;
 }
 
-constexpr std::array<std::string_view, Behaviour::kMostEvents> kInterpolatorEvents = {"set_fraction", "keyValue",
-                                                                                      "value_changed", "key"};
+constexpr std::array<std::string_view, Behaviour::kMaxEvents> kInterpolatorEvents = {"set_fraction", "keyValue",
+                                                                                     "value_changed", "key"};
 
 }  // namespace
 

@@ -48,7 +48,7 @@ void script_own_event(Execution& execution, EventNode node, std::uint32_t interf
     if (state.owes_processed) execution.timers().look_again(node);
     return;
   }
-  if (state.kept.size() >= ScriptState::kMostKept || !execution.budget().spend(ScriptState::kKeptCost)) return;
+  if (state.kept.size() >= ScriptState::kMaxKept || !execution.budget().spend(ScriptState::kKeptCost)) return;
   state.kept.push_back({interface, value, execution.now()});
   execution.timers().look_again(node);
 }

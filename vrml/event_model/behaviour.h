@@ -22,9 +22,9 @@ using EventNode = std::uint32_t;
 /// default meaning: an exposedField takes the value and sends it (VRML97 4.7); `set_x` of a plain field x replaces its
 /// value (6.17, 6.18, 6.23, 6.24).
 struct Behaviour {
-  static constexpr std::size_t kMostEvents = 12;
+  static constexpr std::size_t kMaxEvents = 12;
   /// Names of the interfaces that the functions handle, read or send; padded with "". Functions refer to them by index.
-  std::array<std::string_view, kMostEvents> events{};
+  std::array<std::string_view, kMaxEvents> events{};
   /// Called once when the node is found in the world. If null, the node takes part only once it has a ROUTE.
   void (*initialize)(Execution& execution, EventNode node) = nullptr;
   /// Handles an event for events[event]. Returns true to also apply the default meaning.

@@ -31,7 +31,7 @@ struct EventSchema {
   bool instance = false;              // the type is a PROTO: events pass on to nodes of the body
   std::vector<Interface> interfaces;  // in the order of the type's declarations
   std::vector<FieldType> outs;        // types of the eventOut values
-  std::array<std::uint32_t, Behaviour::kMostEvents> events{};  // indices in `interfaces` of Behaviour::events, or kNone
+  std::array<std::uint32_t, Behaviour::kMaxEvents> events{};  // indices in `interfaces` of Behaviour::events, or kNone
 
  private:
   // Index by declaration; used only for large interfaces.

@@ -61,7 +61,7 @@ void Placement::search() {
     const NodeId id = scene.resolve((*children)[top.child++]);
     if (!id || (*top.on_path)[id.index] || path.size() >= kDeepest) continue;
     const Node& node = scene.node(id);
-    if (const auto wanted = paths_.find(&node); wanted != paths_.end() && wanted->second.size() < kMostPlaces)
+    if (const auto wanted = paths_.find(&node); wanted != paths_.end() && wanted->second.size() < kMaxPlaces)
       wanted->second.push_back(movers);
     if (!has(node.type->role, Role::grouping)) continue;
     const Behaviour* behaviour = node.type->behaviour;

@@ -28,7 +28,7 @@ class Placement {
 
   /// Invalidates the search result after a change of the hierarchy.
   void forget() { known_ = false; }
-  /// Returns world_from_local of each instance of the node, one per USE path, at most kMostPlaces; empty if the node is
+  /// Returns world_from_local of each instance of the node, one per USE path, at most kMaxPlaces; empty if the node is
   /// not in the hierarchy. Billboards above it face `viewer` (world_from_viewer, 6.6), or do not turn if there is none.
   /// Valid until the next call.
   [[nodiscard]] std::span<const glm::dmat4> places_of(const SceneGraph& scene, NodeId node,
@@ -47,7 +47,7 @@ class Placement {
   /// Returns the number of nodes that the last search visited.
   [[nodiscard]] std::size_t visits() const { return visits_; }
 
-  static constexpr std::size_t kMostPlaces = 64;
+  static constexpr std::size_t kMaxPlaces = 64;
 
  private:
   using Path = std::vector<NodePlace>;  // the transforming ancestors, outermost first

@@ -67,7 +67,7 @@ struct PointingState {
 
 /// State of a Script (6.40).
 struct ScriptState {
-  static constexpr std::size_t kMostKept = 10'000;
+  static constexpr std::size_t kMaxKept = 10'000;
   static constexpr std::size_t kKeptCost = 16;
   struct Kept {
     std::uint32_t interface = 0;

@@ -10,8 +10,8 @@ namespace gs::vrml {
 namespace {
 
 constexpr std::size_t kLongList = 64;  // length from which a list of children gets a cache of its sensors
-constexpr std::size_t kMostLists = 256;
-constexpr std::size_t kMostWaiting = 64;
+constexpr std::size_t kMaxLists = 256;
+constexpr std::size_t kMaxWaiting = 64;
 
 const PointingSensor* pointing_sensor_of(const Node& node) {
   return node.type->behaviour ? node.type->behaviour->pointing : nullptr;
@@ -58,7 +58,7 @@ void Pointing::add_sensors(const SceneGraph& scene, const MFNode& children, cons
   if (children.size() < kLongList) {
     find(found);
   } else {
-    if (siblings_.size() >= kMostLists) siblings_.clear();
+    if (siblings_.size() >= kMaxLists) siblings_.clear();
     Siblings& known = siblings_[children.data()];
     if (!known.children.shares_with(children)) {
       known = {children, {}};
@@ -105,7 +105,7 @@ void Pointing::point(const Pointer& pointer) {
   if (!waiting_.empty() || !change(look)) {
     if (!waiting_.empty() && waiting_.back().down == look.down) {
       waiting_.back() = std::move(look);
-    } else if (waiting_.size() < kMostWaiting) {
+    } else if (waiting_.size() < kMaxWaiting) {
       waiting_.push_back(std::move(look));
     } else {
       waiting_.pop_back();  // drops a press and release that could not be sent
@@ -115,7 +115,7 @@ void Pointing::point(const Pointer& pointer) {
 }
 
 void Pointing::request(EventNode anchor) {
-  if (requests_.size() >= kMostRequests) requests_.erase(requests_.begin());
+  if (requests_.size() >= kMaxRequests) requests_.erase(requests_.begin());
   requests_.push_back(execution_.nodes().place_of(anchor));
 }
 

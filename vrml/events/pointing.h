@@ -75,7 +75,7 @@ class Pointing {
  public:
   explicit Pointing(Execution& execution) : execution_(execution) {}
 
-  static constexpr std::size_t kMostRequests = 64;
+  static constexpr std::size_t kMaxRequests = 64;
 
   /// Handles a move, press or release of the pointing device: sends sensor events (4.6.7.3) with the present timestamp.
   void point(const Pointer& pointer);
@@ -92,7 +92,7 @@ class Pointing {
   [[nodiscard]] PointedAt pointed_at() const;
   /// Returns the enabled sensors that act if the bearing hits the Shape at the end of the path.
   [[nodiscard]] std::vector<NodePlace> sensors_of(std::span<const PathStep> path);
-  /// Returns and clears the Anchors activated since the last call (6.2), at most kMostRequests. The caller opens their
+  /// Returns and clears the Anchors activated since the last call (6.2), at most kMaxRequests. The caller opens their
   /// URLs.
   [[nodiscard]] std::vector<NodePlace> take_requests() { return std::exchange(requests_, {}); }
 

@@ -13,10 +13,10 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kMostPairs = 256;    // faces around a vertex that are compared pairwise
-constexpr std::size_t kMostSearched = 32;  // existing values of a vertex that a new one is compared with
-constexpr glm::vec3 kNoNormal{0, 0, 1};    // fallback
-constexpr int kGroupsAcross = 16;          // directions are grouped on a 16 x 16 octahedron map
+constexpr std::size_t kMaxPairs = 256;    // faces around a vertex that are compared pairwise
+constexpr std::size_t kMaxSearched = 32;  // existing values of a vertex that a new one is compared with
+constexpr glm::vec3 kNoNormal{0, 0, 1};   // fallback
+constexpr int kGroupsAcross = 16;         // directions are grouped on a 16 x 16 octahedron map
 
 /// Normal of a face; a face without area has weight 0.
 struct FaceNormal {
@@ -206,7 +206,7 @@ void CreaseSmoother::smooth(std::uint32_t vertex, std::span<const FaceCorner> ar
   if (smooth_all(vertex, around)) return;
   near_.resize(around.size());
   for (std::size_t i = 0; i < around.size(); ++i) near_.set(i, faces_[around[i].face]);
-  if (around.size() <= kMostPairs)
+  if (around.size() <= kMaxPairs)
     smooth_pairs(vertex, around);
   else
     smooth_groups(vertex, around);
@@ -237,7 +237,7 @@ void CreaseSmoother::smooth_pairs(std::uint32_t vertex, std::span<const FaceCorn
 
 /// Returns an existing equal value, or adds one. Faces with the same neighbours get the same sum.
 std::uint32_t CreaseSmoother::find_or_add(std::uint32_t vertex, const glm::vec3& normal) {
-  const std::size_t start = own_.size() > kMostSearched ? own_.size() - kMostSearched : 0;
+  const std::size_t start = own_.size() > kMaxSearched ? own_.size() - kMaxSearched : 0;
   for (std::size_t i = start; i < own_.size(); ++i) {
     const glm::vec3 difference = own_[i].normal - normal;
     if (glm::dot(difference, difference) < 1e-11f) return own_[i].place;

@@ -188,11 +188,11 @@ NurbsAxis::Weights NurbsAxis::at(double place) const {
 }
 
 std::size_t NurbsAxis::steps(std::int32_t tessellation) const {
-  constexpr std::size_t kMost = 2048, kFewest = 16;
+  constexpr std::size_t kMax = 2048, kMin = 16;
   const auto size = static_cast<std::size_t>(std::abs(static_cast<std::int64_t>(tessellation)));
-  const std::size_t points = std::min(points_, kMost);
-  if (tessellation == 0) return std::clamp(2 * points, kFewest, kMost);
-  return std::min(tessellation > 0 ? size : std::min(size, kMost) * points, kMost);
+  const std::size_t points = std::min(points_, kMax);
+  if (tessellation == 0) return std::clamp(2 * points, kMin, kMax);
+  return std::min(tessellation > 0 ? size : std::min(size, kMax) * points, kMax);
 }
 
 // One quadrilateral with normals per interval.

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t kStepsPerCorner = 512;
 constexpr std::size_t kStepsAtLeast = 16384;
-constexpr std::size_t kMostSteps = std::size_t{1} << 27;  // per polygon: one second at most
-constexpr int kMostExceptions = 24;    // ears cut with relaxed checks; only self-intersecting polygons need more
+constexpr std::size_t kMaxSteps = std::size_t{1} << 27;  // per polygon: one second at most
+constexpr int kMaxExceptions = 24;     // ears cut with relaxed checks; only self-intersecting polygons need more
 constexpr std::size_t kGridFrom = 48;  // number of reflex corners from which a grid pays
 constexpr std::size_t kMaximumColumns = 4096;
 
@@ -87,7 +87,7 @@ void PolygonTriangulator::link() {
   columns_ = 0;
   first_ = 0;
   remaining_ = count;
-  steps_left_ = std::min(count * kStepsPerCorner + kStepsAtLeast, kMostSteps);
+  steps_left_ = std::min(count * kStepsPerCorner + kStepsAtLeast, kMaxSteps);
   changed_.clear();
   for (std::uint32_t i = 0; i < count; ++i) {
     previous_[i] = i == 0 ? count - 1 : i - 1;
@@ -271,7 +271,7 @@ void PolygonTriangulator::enqueue_all() {
 void PolygonTriangulator::clip() {
   Strictness strictness = Strictness::clear;
   int exceptions = 0;
-  while (remaining_ > 3 && steps_left_ > 0 && exceptions < kMostExceptions) {
+  while (remaining_ > 3 && steps_left_ > 0 && exceptions < kMaxExceptions) {
     if (queue_head_ == queue_.size()) {
       if (strictness == Strictness::any_convex) break;
       strictness = strictness == Strictness::clear ? Strictness::interior_clear : Strictness::any_convex;

@@ -33,19 +33,19 @@ Alignment alignment(const MFString& justify, std::size_t place, Alignment otherw
 }
 
 // Limits of families tried and of bytes per name; USE could multiply long names.
-constexpr std::size_t kMostFamilies = 16, kMostName = 256;
+constexpr std::size_t kMaxFamilies = 16, kMaxName = 256;
 
 FontStyle font_style_of(const SceneGraph& scene, NodeId geometry) {
   FontStyle style;
   const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "fontStyle"), NodeKind::font_style);
   if (!node) return style;
   const MFString& families = scene.get<MFString>(node, "family");
-  for (std::size_t i = 0; i < std::min(families.size(), kMostFamilies); ++i)
-    style.font.families.emplace_back(families[i].view().substr(0, kMostName));
+  for (std::size_t i = 0; i < std::min(families.size(), kMaxFamilies); ++i)
+    style.font.families.emplace_back(families[i].view().substr(0, kMaxName));
   const std::string_view name = scene.get<SFString>(node, "style").view();
   style.font.bold = name == "BOLD" || name == "BOLDITALIC";
   style.font.italic = name == "ITALIC" || name == "BOLDITALIC";
-  style.font.language = scene.get<SFString>(node, "language").view().substr(0, kMostName);
+  style.font.language = scene.get<SFString>(node, "language").view().substr(0, kMaxName);
   style.horizontal = scene.get<SFBool>(node, "horizontal");
   style.left_to_right = scene.get<SFBool>(node, "leftToRight");
   style.top_to_bottom = scene.get<SFBool>(node, "topToBottom");

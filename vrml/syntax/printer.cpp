@@ -14,14 +14,14 @@ namespace {
 constexpr std::size_t kLineWidth = 100;
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 // Maximum indentation: a thousand levels would turn most of the text into blanks.
-constexpr std::size_t kMostIndent = 80;
+constexpr std::size_t kMaxIndent = 80;
 // Deeper than the parser permits; only graphs with unusual USEs get there.
 constexpr int kMaxDepth = 8000;
 
 /// Writes out the text collected so far once it is large; null to collect it all.
 using Drain = std::function<void(std::string& out)>;
 
-std::string deeper(const std::string& indent) { return indent.size() < kMostIndent ? indent + "  " : indent; }
+std::string deeper(const std::string& indent) { return indent.size() < kMaxIndent ? indent + "  " : indent; }
 
 template <class Number>
 void print_number(std::string& out, Number number) {

@@ -22,8 +22,8 @@ Problem set_exact(ConversionOptions& options, const std::string& value) {
   constexpr int kUsualBits = 11;
   options.exact_bits = value == "none" ? 0 : kUsualBits;
   const bool good = value.empty() || value == "none" ||
-                    (read(value, options.exact_bits) && options.exact_bits >= qnv::exact::kLeastBits &&
-                     options.exact_bits <= qnv::exact::kMostBits);
+                    (read(value, options.exact_bits) && options.exact_bits >= qnv::exact::kMinBits &&
+                     options.exact_bits <= qnv::exact::kMaxBits);
   return good ? Problem{} : "expected a number of bits from 8 to 20, or none";
 }
 

@@ -26,8 +26,8 @@ Problem set_size(SizeOptions& options, const std::string& value) {
   options.paper = read_paper(value);
   if (options.paper) return {};
   double size[2];
-  if (!read_list(value, 'x', size) || size[0] < 1 || size[1] < 1 || size[0] > kMostPictureSide ||
-      size[1] > kMostPictureSide)
+  if (!read_list(value, 'x', size) || size[0] < 1 || size[1] < 1 || size[0] > kMaxPictureSide ||
+      size[1] > kMaxPictureSide)
     return "expected WIDTHxHEIGHT in pixels, each from 1 to 65536, or with mm, cm or in: 210x297mm";
   options.size_given = true;
   options.width = static_cast<int>(size[0]);
@@ -129,9 +129,9 @@ Problem set_timeout(LoadingOptions& options, const std::string& value) {
 }
 
 Problem set_memory(LoadOptions& options, const std::string& value) {
-  constexpr std::uint64_t kLeast = std::uint64_t{16} << 20, kMost = std::uint64_t{1} << 46;
+  constexpr std::uint64_t kMin = std::uint64_t{16} << 20, kMax = std::uint64_t{1} << 46;
   std::uint64_t bytes = 0;
-  if (!read_bytes(value, bytes) || bytes > kMost || bytes < kLeast)
+  if (!read_bytes(value, bytes) || bytes > kMax || bytes < kMin)
     return "expected a number of bytes, optionally with K, M or G, of at least 16M";
   options.limits.memory = bytes;
   return {};

@@ -13,7 +13,7 @@
 namespace gs::app {
 namespace {
 
-constexpr double kMostDots = 20000;
+constexpr double kMaxDots = 20000;
 
 struct PaperUnit {
   std::string_view name;
@@ -63,7 +63,7 @@ std::optional<std::string> read_eye_distance(std::string_view text, PictureReque
 }
 
 std::optional<std::string> read_dots(std::string_view text, PictureRequest& request) {
-  if (read(text, request.dots_per_inch) && request.dots_per_inch >= 1 && request.dots_per_inch <= kMostDots)
+  if (read(text, request.dots_per_inch) && request.dots_per_inch >= 1 && request.dots_per_inch <= kMaxDots)
     return std::nullopt;
   return "expected dots per inch, from 1 to 20000";
 }

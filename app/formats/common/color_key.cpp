@@ -14,7 +14,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::string_view kColorKeyMark = "color key:";
-constexpr std::size_t kMostKeyColors = 64, kLongestKeyTitle = 200;
+constexpr std::size_t kMaxKeyColors = 64, kLongestKeyTitle = 200;
 
 std::string_view next_key_word(std::string_view& text) {
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
@@ -134,7 +134,7 @@ std::optional<ColorKey> read_color_key(std::string_view text) {
     std::string_view rest = text;
     const auto color = read_key_color(next_key_word(rest));
     if (!color) break;
-    if (key.colors.size() >= kMostKeyColors) return std::nullopt;
+    if (key.colors.size() >= kMaxKeyColors) return std::nullopt;
     key.colors.push_back(*color);
     text = rest;
   }

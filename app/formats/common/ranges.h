@@ -7,7 +7,7 @@
 namespace gs::app {
 
 /// Max coordinate, so that squared differences stay finite in float.
-inline constexpr double kMostCoordinate = 1e18;
+inline constexpr double kMaxCoordinate = 1e18;
 
 /// Converts 0..1 to 0..255, rounded to nearest.
 [[nodiscard]] inline std::uint8_t byte_of(float value) {

@@ -68,8 +68,8 @@ class Appender {
   }
   void grow() {
     flush();
-    constexpr std::size_t kFirst = 256, kMost = std::size_t{1} << 18;  // values between two budget checks
-    const std::size_t more = std::clamp(array_.size(), kFirst, kMost);
+    constexpr std::size_t kFirst = 256, kMax = std::size_t{1} << 18;  // values between two budget checks
+    const std::size_t more = std::clamp(array_.size(), kFirst, kMax);
     draw(*scene_, more * sizeof(T));
     first_ = next_ = array_.prepare(more);
     end_ = next_ + more;

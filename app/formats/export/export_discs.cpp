@@ -10,7 +10,6 @@
 namespace gs::app {
 namespace {
 
-
 /// Returns the shortest rotation from +Z to a unit vector.
 glm::vec4 rotation_to(const glm::vec3& n) {
   const double w = 1.0 + static_cast<double>(n.z);
@@ -73,7 +72,7 @@ std::vector<ExportDisc> visible_discs(const ExportDiscs& discs) {
   for (std::size_t i = 0; i < discs.size(); ++i) {
     const ExportDisc disc = discs[i];
     if (finite(disc.position) && finite(disc.normal) && std::isnormal(disc.area) && disc.area > 0 &&
-        disc.opacity >= kLeastOpacity)
+        disc.opacity >= kMinOpacity)
       visible.push_back(disc);
   }
   return visible;

@@ -37,7 +37,7 @@ class ExportDiscs {
   float ball_area_ = 1, most_weight_ = 1;
 };
 
-/// Returns the visible vectors: finite, with an area, and opacity of at least kLeastOpacity.
+/// Returns the visible vectors: finite, with an area, and opacity of at least kMinOpacity.
 [[nodiscard]] std::vector<ExportDisc> visible_discs(const ExportDiscs& discs);
 
 /// Gaussian splat with standard deviations `scale` along the axes of `rotation`.

@@ -21,9 +21,9 @@ using namespace spz;
 using PlaneBytes = std::vector<std::byte>;
 
 constexpr int kZstdLevel = 12;  // level of the reference writer
-constexpr int kMostFractionBits = 23;
-constexpr float kFewestSteps = 4096;  // min quantisation steps across content far from 0, to keep it recognisable
-constexpr std::int32_t kMostFixed = (1 << 23) - 1;
+constexpr int kMaxFractionBits = 23;
+constexpr float kMinSteps = 4096;  // min quantisation steps across content far from 0, to keep it recognisable
+constexpr std::int32_t kMaxFixed = (1 << 23) - 1;
 
 std::byte quantized(float value) { return static_cast<std::byte>(std::lround(std::clamp(value, 0.0f, 255.0f))); }
 
@@ -32,8 +32,8 @@ int fraction_bits_for(const std::vector<ExportSplat>& splats) {
   float most = 0;
   for (const ExportSplat& splat : splats)
     for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(splat.position[k]));
-  int bits = kMostFractionBits;
-  while (bits > 0 && std::ldexp(most, bits) > static_cast<float>(kMostFixed)) --bits;
+  int bits = kMaxFractionBits;
+  while (bits > 0 && std::ldexp(most, bits) > static_cast<float>(kMaxFixed)) --bits;
   return bits;
 }
 
@@ -61,11 +61,11 @@ std::array<PlaneBytes, plane_count> planes_of(const std::vector<ExportSplat>& sp
     for (int k = 0; k < 3; ++k) {
       const double scaled = std::ldexp(static_cast<double>(splat.position[k]), fraction_bits);
       const auto fixed = static_cast<std::int32_t>(
-          std::lround(std::clamp(scaled, -static_cast<double>(kMostFixed), static_cast<double>(kMostFixed))));
+          std::lround(std::clamp(scaled, -static_cast<double>(kMaxFixed), static_cast<double>(kMaxFixed))));
       for (int shift = 0; shift < 24; shift += 8)
         planes[positions].push_back(static_cast<std::byte>(static_cast<std::uint32_t>(fixed) >> shift & 255));
       planes[colors].push_back(quantized((splat.dc[k] * kColorScale + 0.5f) * 255));
-      planes[scales].push_back(quantized((std::log(splat.scale[k]) - kLeastLogScale) * kLogScaleSteps));
+      planes[scales].push_back(quantized((std::log(splat.scale[k]) - kMinLogScale) * kLogScaleSteps));
     }
     planes[alphas].push_back(quantized(splat.opacity * 255));
     put_little(planes[rotations], packed_rotation(splat.rotation));
@@ -117,14 +117,14 @@ std::optional<std::vector<std::byte>> zstd_packed(const std::vector<std::byte>& 
 Exported checked(const qnv::Cloud& cloud, std::vector<ExportSplat>& splats) {
   splats = splats_of(cloud, kFromRightUpBack);
   if (splats.empty()) return "SPZ needs at least one visible vector";
-  if (splats.size() > kMostSplats)
+  if (splats.size() > kMaxSplats)
     return "too many vectors for SPZ (" + std::to_string(splats.size()) + "); expected at most " +
-           std::to_string(kMostSplats);
+           std::to_string(kMaxSplats);
   const glm::dvec3& origin = cloud.description.origin;
   const glm::vec3 size = cloud.description.box.size();
   for (ExportSplat& splat : splats) splat.position = glm::vec3(origin + glm::dvec3(splat.position));
   const float step = std::ldexp(1.0f, -fraction_bits_for(splats));
-  if (origin != glm::dvec3(0) && step * kFewestSteps > std::max({size.x, size.y, size.z}))
+  if (origin != glm::dvec3(0) && step * kMinSteps > std::max({size.x, size.y, size.z}))
     return "SPZ has 24 bits per coordinate; at this distance from 0, steps are " + std::to_string(step) +
            "; expected .ply, .3dgs.ply or .glb, which keep the positions";
   return std::vector<std::byte>();

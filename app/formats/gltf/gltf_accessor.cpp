@@ -9,7 +9,7 @@ namespace gs::app {
 namespace {
 
 // A typical asset reads each byte about once, and a byte becomes at most one float or index.
-constexpr std::size_t kMostUses = 64;
+constexpr std::size_t kMaxUses = 64;
 constexpr std::size_t kSmallBudget = std::size_t{64} << 20;
 
 std::size_t size_of(int component_type) {
@@ -68,8 +68,8 @@ template <class T>
 std::uint32_t as_unsigned(const unsigned char* from) {
   const T value = raw<T>(from);
   // Map invalid values to an index that is always out of range.
-  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
-  if (!(static_cast<double>(value) >= 0 && static_cast<double>(value) < kMost))
+  constexpr double kMax = std::numeric_limits<std::uint32_t>::max();
+  if (!(static_cast<double>(value) >= 0 && static_cast<double>(value) < kMax))
     return std::numeric_limits<std::uint32_t>::max();
   return static_cast<std::uint32_t>(value);
 }
@@ -115,7 +115,7 @@ struct GltfAccessors::Source {
 GltfAccessors::GltfAccessors(const tinygltf::Model& model, vrml::SceneGraph& scene) : model_(model), scene_(scene) {
   std::size_t total = 0;
   for (const tinygltf::Buffer& buffer : model.buffers) total += buffer.data.size();
-  budget_ = kSmallBudget + kMostUses * total;
+  budget_ = kSmallBudget + kMaxUses * total;
 }
 
 bool GltfAccessors::charge(std::size_t bytes) {

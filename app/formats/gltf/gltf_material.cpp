@@ -73,8 +73,8 @@ std::string_view mime_type(std::span<const unsigned char> bytes) {
 }  // namespace
 
 float finite_float(double value) {
-  constexpr double kMost = std::numeric_limits<float>::max();
-  return std::isnan(value) ? 0.0f : static_cast<float>(std::clamp(value, -kMost, kMost));
+  constexpr double kMax = std::numeric_limits<float>::max();
+  return std::isnan(value) ? 0.0f : static_cast<float>(std::clamp(value, -kMax, kMax));
 }
 
 glm::vec2 GltfTextureTransform::apply(glm::vec2 uv) const {

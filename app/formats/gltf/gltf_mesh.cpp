@@ -15,7 +15,7 @@
 namespace gs::app {
 namespace {
 
-constexpr int kMostHarmonics = 3;  // of KHR_gaussian_splatting
+constexpr int kMaxHarmonics = 3;  // of KHR_gaussian_splatting
 
 int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
   const auto found = primitive.attributes.find(name);
@@ -134,7 +134,7 @@ void GltfMeshes::report_splats(const tinygltf::Primitive& primitive) {
       if (std::any_of(opacities->begin(), opacities->end(), [](float opacity) { return opacity < kOpaque; }))
         lost = "opacity";
   int degree = 0;
-  while (degree < kMostHarmonics &&
+  while (degree < kMaxHarmonics &&
          attribute(primitive, prefix + "SH_DEGREE_" + std::to_string(degree + 1) + "_COEF_0") >= 0)
     ++degree;
   if (degree > 0)

@@ -16,7 +16,7 @@
 namespace gs::app {
 namespace {
 
-constexpr double kMostCount = 2e9;
+constexpr double kMaxCount = 2e9;
 
 /// Data of each corner, by the letters before OFF.
 struct OffKind {
@@ -80,7 +80,7 @@ class OffImporter {
   /// Reads a non-negative integer.
   bool count_of(std::int64_t& value) {
     double read = 0;
-    if (!number(read) || !(read >= 0 && read <= kMostCount)) return false;
+    if (!number(read) || !(read >= 0 && read <= kMaxCount)) return false;
     value = static_cast<std::int64_t>(read);
     return static_cast<double>(value) == read;
   }

@@ -177,8 +177,8 @@ class PlyImporter {
       return false;
     }
     // Allocate for the rows that the file can hold, not for the number in the header.
-    constexpr std::uint64_t kMostVertices = std::numeric_limits<std::int32_t>::max() - 1;
-    const auto rows = static_cast<std::size_t>(std::min({element.count, source_.most_rows(element), kMostVertices}));
+    constexpr std::uint64_t kMaxVertices = std::numeric_limits<std::int32_t>::max() - 1;
+    const auto rows = static_cast<std::size_t>(std::min({element.count, source_.most_rows(element), kMaxVertices}));
     std::vector<Column> columns(element.properties.size());
     connect(element, kPosition, rows, positions_, columns, builder_.scene());
     connect(element, kNormal, rows, normals_, columns, builder_.scene());

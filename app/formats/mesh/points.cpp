@@ -84,7 +84,7 @@ class Gatherer {
     const glm::vec3 n = points_.normals[i];
     const float length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
     const bool placed =
-        std::abs(p.x) <= kMostCoordinate && std::abs(p.y) <= kMostCoordinate && std::abs(p.z) <= kMostCoordinate;
+        std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate && std::abs(p.z) <= kMaxCoordinate;
     if (!placed || !std::isnormal(length) ||
         (!points_.areas.empty() &&
          !(points_.areas[i] > 0 && points_.areas[i] <= 1e36f && std::isnormal(points_.areas[i])))) {

@@ -98,8 +98,8 @@ vrml::Color color_at(const ColorKey& key, std::span<const float> values, std::si
 }
 
 void build(const UcdMesh& mesh, SceneBuilder& builder) {
-  constexpr std::uint64_t kMostFaces = 6;
-  draw(builder.scene(), mesh.cells.size() * kMostFaces * sizeof(Face));
+  constexpr std::uint64_t kMaxFaces = 6;
+  draw(builder.scene(), mesh.cells.size() * kMaxFaces * sizeof(Face));
   std::vector<Face> faces = collect(mesh, builder.scene());
   mark_inner(faces, builder.scene());
   Geometry geometry;

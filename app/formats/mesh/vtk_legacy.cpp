@@ -17,7 +17,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::string_view kLegacyMark = "# vtk DataFile Version";
-constexpr double kMostLegacy = 2e9;  // max points, cells or numbers of an array
+constexpr double kMaxLegacy = 2e9;  // max points, cells or numbers of an array
 
 std::optional<StoredType> legacy_type_of(std::string_view name) {
   static constexpr std::pair<std::string_view, StoredType> kNames[] = {
@@ -83,7 +83,7 @@ class LegacyImporter {
     const std::string text = name();
     TextCursor number(text.data(), text.data() + text.size());
     double value = 0;
-    if (number.number(value) && value >= 0 && value <= kMostLegacy) return static_cast<std::uint64_t>(value);
+    if (number.number(value) && value >= 0 && value <= kMaxLegacy) return static_cast<std::uint64_t>(value);
     problem_ = "expected a whole number from 0 to 2 000 000 000";
     return std::nullopt;
   }
@@ -204,7 +204,7 @@ class LegacyImporter {
     bool in_cell = false;
     (void)numbers("int", *all, [&](double value) {
       if (!in_cell) {
-        left = value >= 0 && value <= kMostLegacy ? static_cast<std::uint64_t>(value) : 0;
+        left = value >= 0 && value <= kMaxLegacy ? static_cast<std::uint64_t>(value) : 0;
         in_cell = true;
       } else {
         cells.corners.push_back(corner_of(value));
@@ -295,9 +295,9 @@ class LegacyImporter {
   }
 
   void values(const std::string& title, const std::string& type, std::uint64_t components, Rank rank, bool colors) {
-    constexpr std::uint64_t kMostComponents = 64;
-    if (components == 0 || components > kMostComponents) {
-      problem_ = std::to_string(components) + " components; expected 1 to " + std::to_string(kMostComponents);
+    constexpr std::uint64_t kMaxComponents = 64;
+    if (components == 0 || components > kMaxComponents) {
+      problem_ = std::to_string(components) + " components; expected 1 to " + std::to_string(kMaxComponents);
       return;
     }
     Rank& shown = of_points_ ? points_rank_ : cells_rank_;
@@ -305,7 +305,7 @@ class LegacyImporter {
     PolyData::Data data;
     data.title = title.substr(0, 80) + (components > 1 && !colors ? " (length)" : "");
     if (better) draw_for(*rows_, colors ? sizeof(vrml::Color) : sizeof(float));
-    std::array<double, kMostComponents> parts{};
+    std::array<double, kMaxComponents> parts{};
     std::size_t part = 0;
     const double most = binary_ ? 255 : 1;
     const bool whole = numbers(type, *rows_ * components, [&](double value) {

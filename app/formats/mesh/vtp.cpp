@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::uint64_t kMostPolyPoints = static_cast<std::uint64_t>(kBadIndex);
+constexpr std::uint64_t kMaxPolyPoints = static_cast<std::uint64_t>(kBadIndex);
 
 class VtpImporter {
  public:
@@ -72,7 +72,7 @@ class VtpImporter {
     const VtkPiece& piece = header_.pieces[number];
     if (piece.points == 0) return;
     const std::size_t first = data_.points.size();
-    if (piece.points > kMostPolyPoints - first)
+    if (piece.points > kMaxPolyPoints - first)
       return builder_.fail("a piece of " + std::to_string(piece.points) + " points; expected less than 2^31 in all");
     const VtkArray* const places = array_of(number, VtkSection::points, {});
     if (!places || places->components != 3) return builder_.fail("a piece has no Points with three components");
@@ -122,8 +122,8 @@ class VtpImporter {
   void read_data(std::size_t piece, const VtkArray& shown, std::size_t first, std::uint64_t count,
                  PolyData::Data& data) {
     const VtkArray* const array = array_of(piece, shown.section, shown.name);
-    constexpr std::uint64_t kMostComponents = 64;
-    if (!array || array->components == 0 || array->components > kMostComponents || count > kMostPolyPoints) return;
+    constexpr std::uint64_t kMaxComponents = 64;
+    if (!array || array->components == 0 || array->components > kMaxComponents || count > kMaxPolyPoints) return;
     const auto values = numbers(*array, count * array->components);
     if (!values) return;
     const bool colors = array->type == "uint8" && (array->components == 3 || array->components == 4);
@@ -135,7 +135,7 @@ class VtpImporter {
       data.colors.resize(first, {0.5f, 0.5f, 0.5f});
     else
       data.values.resize(first, NAN);
-    std::array<double, kMostComponents> parts{};
+    std::array<double, kMaxComponents> parts{};
     std::size_t part = 0;
     each_number(*values, count * array->components, [&](double value) {
       parts[part] = value;
@@ -165,7 +165,7 @@ class VtpImporter {
   bool read_grid(std::size_t piece, std::uint64_t count, std::size_t first) {
     if (count == 0) return true;
     const VtkArray* const types = array_of(piece, VtkSection::cells, "types");
-    if (!types || count > kMostPolyPoints) {
+    if (!types || count > kMaxPolyPoints) {
       builder_.fail("cells without 'types'");
       return false;
     }
@@ -224,7 +224,7 @@ class VtpImporter {
     if (count == 0) return true;
     const VtkArray* const ends = array_of(piece, section, "offsets");
     const VtkArray* const corners = array_of(piece, section, "connectivity");
-    if (!ends || !corners || count > kMostPolyPoints) {
+    if (!ends || !corners || count > kMaxPolyPoints) {
       builder_.fail("cells without 'connectivity' and 'offsets'");
       return false;
     }
@@ -236,7 +236,7 @@ class VtpImporter {
     bool rising = true;
     std::vector<std::size_t> read;
     each_number(*end_values, count, [&](double end) {
-      rising = rising && end >= static_cast<double>(last) && end < static_cast<double>(kMostPolyPoints);
+      rising = rising && end >= static_cast<double>(last) && end < static_cast<double>(kMaxPolyPoints);
       if (!rising) return;
       last = static_cast<std::uint64_t>(end);
       read.push_back(before + static_cast<std::size_t>(last));

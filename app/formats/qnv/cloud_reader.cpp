@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 // Max vectors of a volume opened for viewing only.
-constexpr std::uint64_t kMostGradients = std::uint64_t{1} << 24;
+constexpr std::uint64_t kMaxGradients = std::uint64_t{1} << 24;
 // Bytes per vector: stored and drawn; in cuts and caches of a packed stream; while sorting gradients.
 constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
@@ -163,7 +163,7 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
     return std::nullopt;
   }
   qnv::GradientOptions options;
-  options.vectors = std::min(kMostGradients, most_gradients(*budget_));
+  options.vectors = std::min(kMaxGradients, most_gradients(*budget_));
   Share share(budget_, Resource::vectors);
   if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread has taken the memory
   Deadline deadline(limit_);
@@ -212,8 +212,8 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
     Share share, arrived;
   };
   // A small stream gets what its header requires; any other gets half of the remaining budget.
-  constexpr std::uint64_t kAtLeast = std::uint64_t{1} << 20, kMostCounted = std::uint64_t{1} << 40;
-  const std::uint64_t wanted = kAtLeast + kLevelBytes * std::min(stream->header().vectors, kMostCounted);
+  constexpr std::uint64_t kAtLeast = std::uint64_t{1} << 20, kMaxCounted = std::uint64_t{1} << 40;
+  const std::uint64_t wanted = kAtLeast + kLevelBytes * std::min(stream->header().vectors, kMaxCounted);
   const std::uint64_t bytes = std::min(wanted, budget->left(Resource::vectors) / 2);
   auto held = std::make_shared<Held>(Held{std::move(stream), Share(budget, Resource::vectors), {}});
   (void)held->share.grow(bytes);

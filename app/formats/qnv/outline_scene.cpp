@@ -11,7 +11,7 @@ namespace gs::app {
 namespace {
 
 // Max corners of a node: indices have 32 bits.
-constexpr std::size_t kMostCorners = std::size_t{1} << 30;
+constexpr std::size_t kMaxCorners = std::size_t{1} << 30;
 
 vrml::Color color_of(const qnv::Rgb8& c) {
   return {static_cast<float>(c.r) / 255, static_cast<float>(c.g) / 255, static_cast<float>(c.b) / 255};
@@ -110,7 +110,7 @@ void OutlineScene::add(Target& target, const qnv::OutlineBatch& batch) {
                        field("outlineGroup", static_cast<vrml::MFInt32*>(nullptr))};
   for (std::size_t i = 0; i < batch.polygons.size(); ++i) {
     const qnv::OutlinePolygon polygon = batch.polygons[i];
-    if (stays.points.size() + outline.points.size() + polygon.positions.size() > kMostCorners) return;
+    if (stays.points.size() + outline.points.size() + polygon.positions.size() > kMaxCorners) return;
     // Memory for corners, their indices, and the polygon's numbers.
     constexpr std::size_t kCornerBytes = sizeof(glm::vec3) + 2 * sizeof(std::int32_t), kPolygonBytes = 32;
     const std::size_t bytes = polygon.positions.size() * kCornerBytes +

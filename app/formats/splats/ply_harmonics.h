@@ -10,14 +10,14 @@ namespace gs::app {
 /// Returns the degree of the spherical harmonics in `f_rest_0`, `f_rest_1`, ... of an element: (degree + 1)^2 - 1
 /// coefficients for each of three colours; 0 if there are none.
 [[nodiscard]] inline int harmonics_degree(const PlyElement& element) {
-  constexpr int kMostDegree = 4;
+  constexpr int kMaxDegree = 4;
   const auto has = [&](int number) {
     const std::string name = "f_rest_" + std::to_string(number);
     return std::any_of(element.properties.begin(), element.properties.end(),
                        [&](const PlyProperty& p) { return !p.is_list && p.name == name; });
   };
   int degree = 0;
-  while (degree < kMostDegree && has(3 * degree * (degree + 2))) ++degree;
+  while (degree < kMaxDegree && has(3 * degree * (degree + 2))) ++degree;
   return degree;
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr float kFlatDisc = 1.0f / 50;
 
 bool usable(const glm::dvec3& v) {
-  return std::abs(v.x) <= kMostCoordinate && std::abs(v.y) <= kMostCoordinate && std::abs(v.z) <= kMostCoordinate;
+  return std::abs(v.x) <= kMaxCoordinate && std::abs(v.y) <= kMaxCoordinate && std::abs(v.z) <= kMaxCoordinate;
 }
 
 /// Which of the three axes is the smallest, the middle and the largest; among equals z is the smallest.
@@ -56,7 +56,7 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   if (!usable(model.positions[i]) || !usable(glm::dvec3(scale)) || !(scale.x >= 0 && scale.y >= 0 && scale.z >= 0))
     return disc;
   if (!(length > 0) || !std::isfinite(length) || !std::isfinite(model.opacities[i])) return disc;
-  if (model.opacities[i] < kLeastOpacity) {
+  if (model.opacities[i] < kMinOpacity) {
     disc.fate = Disc::Fate::faint;
     return disc;
   }
@@ -67,7 +67,7 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   if (!std::isnormal(disc.area) || !(normal_length > 0.5f)) return disc;
   disc.place = model.positions[i] * glm::dvec3(model.axes);
   disc.normal = normal * model.axes / normal_length;
-  disc.thick = scale[least] > kMostDiscThickness * scale[middle];
+  disc.thick = scale[least] > kMaxDiscThickness * scale[middle];
   disc.flat_across_z = least == 2 && scale[least] <= kFlatDisc * scale[middle];
   disc.fate = Disc::Fate::kept;
   return disc;
@@ -89,8 +89,8 @@ void add_count(qnv::Description& description, const char* name, std::size_t coun
 
 std::optional<std::string> SplatModel::draw(const WorldBudget& budget, std::uint64_t count) {
   if (share.amount() == 0) share = Share(budget, Resource::vectors);
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
-  const std::uint64_t bytes = std::min(count, kMost) * kSplatMemory;
+  constexpr std::uint64_t kMax = std::uint64_t{1} << 48;
+  const std::uint64_t bytes = std::min(count, kMax) * kSplatMemory;
   if (share.grow(bytes)) return std::nullopt;
   return std::to_string(count) + " splats take " + budget->refusal(Resource::vectors);
 }

@@ -29,9 +29,9 @@ inline constexpr float kOpaque = 0.988f;
 /// Key of the metadata that say how splats are drawn, and which properties of the file are discarded.
 inline constexpr char kSplatsDrawnAs[] = "splats drawn as";
 /// Splats fainter than this show nowhere on an 8-bit display; they are left out.
-inline constexpr float kLeastOpacity = 1.0f / 255;
+inline constexpr float kMinOpacity = 1.0f / 255;
 /// A splat is a disc while its smallest standard deviation is no larger than this part of the middle one.
-inline constexpr float kMostDiscThickness = 0.3f;
+inline constexpr float kMaxDiscThickness = 0.3f;
 /// Memory that a splat takes on its way into a cloud.
 inline constexpr std::size_t kSplatMemory = 146;
 
@@ -62,9 +62,9 @@ struct SplatModel {
 
 /// The cloud of a model: kind surface, two-sided, with origin, box and total. Each splat becomes the disc across its
 /// smallest axis, with area pi * s1 * s2 / kSigmaOfRadius^2 of the two larger standard deviations s1, s2. Left out:
-/// splats fainter than kLeastOpacity, and broken ones. The normal's sign: that of `normals`; else, where every
+/// splats fainter than kMinOpacity, and broken ones. The normal's sign: that of `normals`; else, where every
 /// splat is flat across its own z axis, that axis (our exports; 2DGS); else away from the middle of the box.
-/// Metadata: "source", and as counts where not 0: "splats not discs" (kept, yet thicker than kMostDiscThickness),
+/// Metadata: "source", and as counts where not 0: "splats not discs" (kept, yet thicker than kMaxDiscThickness),
 /// "splats too faint", "splats broken", "splats missing" (announced, not in the file). If a splat is translucent, or
 /// the file has spherical harmonics, kSplatsDrawnAs says that they are discarded.
 [[nodiscard]] qnv::Cloud cloud_of_splats(const SplatModel& model);

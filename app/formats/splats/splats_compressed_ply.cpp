@@ -15,7 +15,7 @@ constexpr std::size_t kChunkSplats = 256;
 constexpr std::array<const char*, 4> kPacked = {"packed_position", "packed_rotation", "packed_scale", "packed_color"};
 constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr const char* kColors[] = {"r", "g", "b"};
-constexpr float kMostLogScale = 20;  // limit of the format's own writer
+constexpr float kMaxLogScale = 20;  // limit of the format's own writer
 
 /// The ranges that the packed numbers of a chunk lie in.
 struct Chunk {
@@ -99,7 +99,7 @@ void unpack(const Chunk& chunk, const std::array<std::uint32_t, 4>& packed, Spla
   const glm::vec3 rgb =
       between(chunk.least_color, chunk.most_color, {unit(color, 24, 8), unit(color, 16, 8), unit(color, 8, 8)});
   for (int k = 0; k < 3; ++k) {
-    model.scales[i][k] = std::exp(std::clamp(log_scale[k], -kMostLogScale, kMostLogScale));
+    model.scales[i][k] = std::exp(std::clamp(log_scale[k], -kMaxLogScale, kMaxLogScale));
     model.dc[i][k] = (rgb[k] - 0.5f) / kSphericalHarmonic0;
   }
   model.opacities[i] = unit(color, 0, 8);

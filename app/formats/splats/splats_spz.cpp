@@ -21,9 +21,9 @@ using namespace spz;
 using Bytes = std::span<const std::byte>;
 
 constexpr std::array<std::size_t, 5> kHarmonicBytes = {0, 9, 24, 45, 72};  // a splat, by degree
-constexpr std::size_t kMostSplatBytes = 20 + kHarmonicBytes.back();
-constexpr std::size_t kMostExtensionBytes = std::size_t{64} << 10;  // limit of the bytes that are searched after the
-                                                                    // planes
+constexpr std::size_t kMaxSplatBytes = 20 + kHarmonicBytes.back();
+constexpr std::size_t kMaxExtensionBytes = std::size_t{64} << 10;  // limit of the bytes that are searched after the
+                                                                   // planes
 
 struct Header {
   std::uint32_t version = 0, count = 0;
@@ -111,7 +111,7 @@ void unpack(const Header& header, const std::array<Bytes, plane_count>& planes, 
     for (std::size_t k = 0; k < 3; ++k) {
       const int axis = static_cast<int>(k);
       model.positions[i][axis] = unpack_position(planes[positions].data() + (3 * i + k) * coordinate, header);
-      model.scales[i][axis] = std::exp(value(planes[scales][3 * i + k]) / kLogScaleSteps + kLeastLogScale);
+      model.scales[i][axis] = std::exp(value(planes[scales][3 * i + k]) / kLogScaleSteps + kMinLogScale);
       model.dc[i][axis] = (value(planes[colors][3 * i + k]) / 255 - 0.5f) / kColorScale;
     }
     model.opacities[i] = value(planes[alphas][i]) / 255;
@@ -154,7 +154,7 @@ std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model, const World
       problem = read_header(data.data(), bytes.size(), header);
       if (!problem && header.version > 3) problem = "SPZ version 4 within gzip; expected 1 to 3";
       if (!problem) problem = model.draw(budget, header.count);
-      wanted = kSpzHeaderBytes + header.count * kMostSplatBytes + kMostExtensionBytes;
+      wanted = kSpzHeaderBytes + header.count * kMaxSplatBytes + kMaxExtensionBytes;
     }
     return !problem && (!known || data.size() < wanted);
   });

@@ -14,7 +14,7 @@ inline constexpr std::uint8_t kHasExtensions = 2;       // in the flags
 inline constexpr std::uint32_t kCoordinateSystem = 0xadbe0003;
 
 /// So many splats are written at most; other readers take no more.
-inline constexpr std::size_t kMostSplats = std::size_t{1} << 26;
+inline constexpr std::size_t kMaxSplats = std::size_t{1} << 26;
 
 /// The planes that are read, in their order. (Behind them: harmonics.)
 enum Plane : std::size_t { positions, alphas, colors, scales, rotations, plane_count };
@@ -25,7 +25,7 @@ enum Plane : std::size_t { positions, alphas, colors, scales, rotations, plane_c
 
 inline constexpr float kColorScale = 0.15f;     // of dc
 inline constexpr float kLogScaleSteps = 16;     // a unit of ln(scale)
-inline constexpr float kLeastLogScale = -10;    // value of byte 0
+inline constexpr float kMinLogScale = -10;      // value of byte 0
 inline constexpr float kQuaternionSteps = 511;  // of nine bits and a sign, for 0..1/sqrt(2)
 
 }  // namespace gs::app::spz

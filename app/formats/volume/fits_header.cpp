@@ -14,7 +14,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kFitsKeyword = 8;
-constexpr std::uint64_t kMostFitsBytes = std::numeric_limits<std::int64_t>::max();
+constexpr std::uint64_t kMaxFitsBytes = std::numeric_limits<std::int64_t>::max();
 
 std::string_view without_blanks(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
@@ -63,7 +63,7 @@ std::optional<std::int64_t> fits_integer(std::string_view text) {
 
 /// Returns a * b, or nullopt if it exceeds the maximum file size.
 std::optional<std::uint64_t> fits_product(std::uint64_t a, std::uint64_t b) {
-  if (a != 0 && b > kMostFitsBytes / a) return std::nullopt;
+  if (a != 0 && b > kMaxFitsBytes / a) return std::nullopt;
   return a * b;
 }
 
@@ -76,7 +76,7 @@ std::string card_found(const FitsHeader& header, const std::string& keyword) {
 
 /// Reads the mandatory keywords (4.4.1). Returns a message if they are invalid.
 std::optional<std::string> read_fits_shape(FitsUnit& unit) {
-  constexpr std::int64_t kMostAxes = 999;
+  constexpr std::int64_t kMaxAxes = 999;
   const FitsHeader& header = unit.header;
   const auto bits = header.integer("BITPIX");
   static constexpr int kBits[] = {8, 16, 32, 64, -32, -64};
@@ -84,8 +84,8 @@ std::optional<std::string> read_fits_shape(FitsUnit& unit) {
     return card_found(header, "BITPIX") + "; expected 8, 16, 32, 64, -32 or -64";
   unit.bits = static_cast<int>(*bits);
   const auto count = header.integer("NAXIS");
-  if (!count || *count < 0 || *count > kMostAxes)
-    return card_found(header, "NAXIS") + "; expected an integer from 0 to " + std::to_string(kMostAxes);
+  if (!count || *count < 0 || *count > kMaxAxes)
+    return card_found(header, "NAXIS") + "; expected an integer from 0 to " + std::to_string(kMaxAxes);
   for (const auto& length : header.axis_lengths(static_cast<std::size_t>(*count))) {
     if (!length || *length < 0)
       return card_found(header, "NAXIS" + std::to_string(unit.axes.size() + 1)) + "; expected an integer of at least 0";
@@ -196,7 +196,7 @@ std::variant<FitsUnit, std::string> read_fits_unit(std::span<const std::byte> fi
   const auto size = fits_data_size(unit, extension || random_groups, random_groups);
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
   const std::uint64_t bytes = std::get<std::uint64_t>(size);
-  if (bytes > kMostFitsBytes - unit.header.data_begin() - kFitsBlock)
+  if (bytes > kMaxFitsBytes - unit.header.data_begin() - kFitsBlock)
     return std::string("the axes are too long for a file");
   unit.end = unit.header.data_begin() + whole_blocks(bytes);
   const bool array = !extension || unit.header.text("XTENSION") == "IMAGE";

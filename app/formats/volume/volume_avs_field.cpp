@@ -83,8 +83,8 @@ void read_line(std::string_view line, FieldHeader& header, qnv::VolumeLayout& la
 
 FieldHeader read_avs_field_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
   FieldHeader header;
-  constexpr std::size_t kMostHeader = std::size_t{1} << 20;
-  std::string_view text = text_of(bytes.first(std::min(bytes.size(), kMostHeader)));
+  constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
+  std::string_view text = text_of(bytes.first(std::min(bytes.size(), kMaxHeader)));
   const std::size_t feeds = text.find("\f\f");
   if (feeds != std::string_view::npos) {
     header.end = feeds + 2;
@@ -128,13 +128,13 @@ bool place(const FieldHeader& header, const Extent& extent, qnv::VolumeLayout& l
   if (extent.lower.size() < axes || extent.upper.size() < axes) return false;
   qnv::VolumeLayout placed;
   for (std::size_t i = 0; i < axes; ++i) {
-    constexpr double kLeast = 1e-15, kMost = 1e15;
+    constexpr double kMin = 1e-15, kMax = 1e15;
     const double lower = extent.lower[i], upper = extent.upper[i];
-    if (!(std::abs(lower) < kMost && std::abs(upper) < kMost)) return false;
+    if (!(std::abs(lower) < kMax && std::abs(upper) < kMax)) return false;
     placed.origin[static_cast<int>(i)] = lower;
     if (header.sizes[i] < 2) continue;
     const double step = (upper - lower) / (header.sizes[i] - 1);
-    if (!(std::abs(step) > kLeast)) return false;
+    if (!(std::abs(step) > kMin)) return false;
     placed.axes[i] *= static_cast<float>(step);
   }
   layout.origin = placed.origin;

@@ -20,7 +20,6 @@
 namespace gs::app {
 namespace {
 
-
 std::string plural(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " byte" : " bytes"); }
 
 qnv::VoxelType voxel_type_of(StoredType type) {
@@ -128,8 +127,8 @@ SharedBytes shared_bytes(VoxelMemory memory) {
 }
 
 std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uint64_t size, const WorldBudget& budget) {
-  constexpr std::uint64_t kMostDeflateRatio = 1032;
-  if (size / kMostDeflateRatio > from) return plural(from) + " of compressed data cannot contain " + plural(size);
+  constexpr std::uint64_t kMaxDeflateRatio = 1032;
+  if (size / kMaxDeflateRatio > from) return plural(from) + " of compressed data cannot contain " + plural(size);
   VoxelMemory memory;
   memory.share = Share(budget, Resource::volumes);
   if (!memory.share.grow(size)) return plural(size) + " are " + budget->refusal(Resource::volumes);
@@ -208,9 +207,9 @@ std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& la
   qnv::VolumeLayout plain;
   plain.dimensions = layout.dimensions;
   if (const auto problem = qnv::check(plain)) return problem->message;
-  constexpr std::uint64_t kMostComponents = 1u << 12;
-  if (components == 0 || components > kMostComponents)
-    return std::to_string(components) + " components per voxel; expected 1 to " + std::to_string(kMostComponents);
+  constexpr std::uint64_t kMaxComponents = 1u << 12;
+  if (components == 0 || components > kMaxComponents)
+    return std::to_string(components) + " components per voxel; expected 1 to " + std::to_string(kMaxComponents);
   return qnv::voxel_count(layout) * size_of(type) * components;  // < 2^(48 + 3 + 12)
 }
 
@@ -299,10 +298,10 @@ std::optional<std::array<std::uint32_t, 3>> dimensions_of(std::span<const double
 }
 
 void add_metadata(qnv::VolumeLayout& layout, std::string_view key, std::string_view value) {
-  constexpr std::size_t kMostBytes = 4096, kMostPairs = 256;
-  key = trimmed(key.substr(0, std::min(key.find('\0'), kMostBytes)));
-  value = trimmed(value.substr(0, std::min(value.find('\0'), kMostBytes)));
-  if (key.empty() || value.empty() || layout.metadata.size() >= kMostPairs) return;
+  constexpr std::size_t kMaxBytes = 4096, kMaxPairs = 256;
+  key = trimmed(key.substr(0, std::min(key.find('\0'), kMaxBytes)));
+  value = trimmed(value.substr(0, std::min(value.find('\0'), kMaxBytes)));
+  if (key.empty() || value.empty() || layout.metadata.size() >= kMaxPairs) return;
   // Headers are ASCII by their standards; the encoding of other bytes is unknown.
   const auto plain = [](std::string_view text) {
     std::string result(text);

@@ -15,11 +15,11 @@ namespace {
 
 /// Finds the first image of the file; skips tables and other units.
 std::variant<FitsUnit, std::string> find_image(std::span<const std::byte> file) {
-  constexpr int kMostUnits = 1000;
-  constexpr std::size_t kMostCards = std::size_t{1} << 17;  // limit for all headers together: 10 MB
-  std::size_t cards = kMostCards;
+  constexpr int kMaxUnits = 1000;
+  constexpr std::size_t kMaxCards = std::size_t{1} << 17;  // limit for all headers together: 10 MB
+  std::size_t cards = kMaxCards;
   std::uint64_t begin = 0;
-  for (int unit = 1; unit <= kMostUnits; ++unit) {
+  for (int unit = 1; unit <= kMaxUnits; ++unit) {
     auto read = read_fits_unit(file, static_cast<std::size_t>(begin), cards);
     if (auto* problem = std::get_if<std::string>(&read)) return "header " + std::to_string(unit) + ": " + *problem;
     FitsUnit& found = std::get<FitsUnit>(read);
@@ -33,7 +33,7 @@ std::variant<FitsUnit, std::string> find_image(std::span<const std::byte> file) 
     begin = found.end;
     cards -= std::min(cards, found.header.size() + 1);
   }
-  return "no image among its first " + std::to_string(kMostUnits) + " headers";
+  return "no image among its first " + std::to_string(kMaxUnits) + " headers";
 }
 
 StoredType type_of(int bits) {
@@ -69,9 +69,9 @@ void place(const FitsHeader& header, std::span<const int> axes, qnv::VolumeLayou
     steps[i] = std::abs(*step);
   }
   if (axes.size() < 3) steps[2] = steps[0];
-  constexpr double kMostRatio = 32, kLeast = 1e-15, kMost = 1e15;
+  constexpr double kMaxRatio = 32, kMin = 1e-15, kMax = 1e15;
   const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
-  if (*most > kMostRatio * *least || *least < kLeast || *most > kMost) return;
+  if (*most > kMaxRatio * *least || *least < kMin || *most > kMax) return;
   for (std::size_t i = 0; i < 3; ++i) layout.axes[i] *= static_cast<float>(steps[i]);
   add_metadata(layout, "space units", unit);
 }

@@ -59,8 +59,8 @@ void read_tag(std::string_view name, std::string_view value, MetaHeader& header,
 
 MetaHeader read_meta_image_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
   MetaHeader header;
-  constexpr std::size_t kMostHeader = std::size_t{1} << 20;
-  TextCursor cursor(bytes.first(std::min(bytes.size(), kMostHeader)));
+  constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
+  TextCursor cursor(bytes.first(std::min(bytes.size(), kMaxHeader)));
   const char* begin = cursor.next;
   while (!cursor.at_end() && header.data_file.empty()) {  // ElementDataFile is the last tag
     const std::string_view line = cursor.line();

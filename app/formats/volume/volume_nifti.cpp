@@ -92,9 +92,9 @@ class NiftiHeader {
   }
   /// Returns the offset of the voxels, in a separate file or after the header; negative if invalid.
   [[nodiscard]] std::int64_t voxel_offset() const {
-    constexpr double kMost = 1e15;
+    constexpr double kMax = 1e15;
     const double real = second_ ? 0 : number(kVoxelOffset);
-    if (!(real > -kMost && real < kMost)) return -1;
+    if (!(real > -kMax && real < kMax)) return -1;
     const std::int64_t offset =
         second_ ? value_at<std::int64_t>(bytes_, kVoxelOffset.second, swap_) : static_cast<std::int64_t>(real);
     return one_file_ ? std::max(offset, static_cast<std::int64_t>(size())) : offset;
@@ -102,13 +102,13 @@ class NiftiHeader {
 
   /// Reports whether there are 1 to 7 positive lengths and a plausible number of voxels.
   [[nodiscard]] bool known_dimensions() const {
-    constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 48;
+    constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 48;
     const std::int64_t count = dimension(0);
     if (count < 1 || count > 7) return false;
     std::uint64_t voxels = 1;
     for (std::int64_t i = 1; i <= count; ++i) {
       const std::int64_t length = dimension(static_cast<std::size_t>(i));
-      if (length <= 0 || static_cast<std::uint64_t>(length) > kMostVoxels / voxels) return false;
+      if (length <= 0 || static_cast<std::uint64_t>(length) > kMaxVoxels / voxels) return false;
       voxels *= static_cast<std::uint64_t>(length);
     }
     return true;
@@ -167,9 +167,9 @@ using NiftiMatrix = std::array<std::array<double, 4>, 3>;
 NiftiMatrix quaternion_matrix(const NiftiHeader& header) {
   double b = header.number(kQuaternion, 0), c = header.number(kQuaternion, 1), d = header.number(kQuaternion, 2);
   const double rest = 1 - (b * b + c * c + d * d);
-  constexpr double kLeast = 1e-7;  // smaller values mean half a turn, regardless of the length
+  constexpr double kMin = 1e-7;  // smaller values mean half a turn, regardless of the length
   double a = 0;
-  if (rest >= kLeast) {
+  if (rest >= kMin) {
     a = std::sqrt(rest);
   } else {
     const double length = std::sqrt(b * b + c * c + d * d);

@@ -69,8 +69,8 @@ void read_field(std::string_view name, std::string_view value, NrrdHeader& heade
 
 NrrdHeader read_nrrd_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
   NrrdHeader header;
-  constexpr std::size_t kMostHeader = std::size_t{1} << 20;
-  TextCursor cursor(bytes.first(std::min(bytes.size(), kMostHeader)));
+  constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
+  TextCursor cursor(bytes.first(std::min(bytes.size(), kMaxHeader)));
   const char* begin = cursor.next;
   (void)cursor.line();
   while (!cursor.at_end()) {
@@ -118,9 +118,9 @@ struct NrrdAxes {
 };
 
 std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
-  constexpr std::size_t kMostAxes = 16;
-  constexpr double kMostComponents = 4096;
-  const std::vector<double> sizes = numbers_of(header.sizes, kMostAxes);
+  constexpr std::size_t kMaxAxes = 16;
+  constexpr double kMaxComponents = 4096;
+  const std::vector<double> sizes = numbers_of(header.sizes, kMaxAxes);
   if (sizes.empty() || header.dimension != static_cast<double>(sizes.size()))
     return "'dimension' and 'sizes: " + header.sizes.substr(0, 80) + "' do not match";
   const auto vectors = vectors_of(header.directions);
@@ -144,10 +144,10 @@ std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
       axes.spatial.push_back(i);
       axes.sizes.push_back(sizes[i]);
     } else if (axes.spatial.empty()) {
-      if (!(sizes[i] >= 1 && sizes[i] <= kMostComponents) || sizes[i] != std::floor(sizes[i]))
+      if (!(sizes[i] >= 1 && sizes[i] <= kMaxComponents) || sizes[i] != std::floor(sizes[i]))
         return "'sizes' has '" + header.sizes.substr(0, 80) + "'; expected 1 to 4096 components per voxel";
       axes.components *= static_cast<std::uint64_t>(sizes[i]);
-      if (axes.components > static_cast<std::uint64_t>(kMostComponents))
+      if (axes.components > static_cast<std::uint64_t>(kMaxComponents))
         return std::string("more than 4096 components per voxel");
     } else {
       axes.skipped = std::max(axes.skipped, sizes[i]);

@@ -17,7 +17,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::string_view kSlcMark = "11111";
-constexpr std::size_t kMostSlcHeader = 4096;
+constexpr std::size_t kMaxSlcHeader = 4096;
 
 struct SlcHeader {
   std::array<std::uint32_t, 3> sizes{};
@@ -35,7 +35,7 @@ bool pass_mark(TextCursor& cursor) {
 
 // Reads the header. Returns a message on failure.
 std::optional<std::string> read_slc_header(std::span<const std::byte> bytes, SlcHeader& header) {
-  TextCursor cursor(bytes.first(std::min(bytes.size(), kMostSlcHeader)));
+  TextCursor cursor(bytes.first(std::min(bytes.size(), kMaxSlcHeader)));
   const char* const begin = cursor.next;
   (void)cursor.word();
   const auto read = [&cursor](double& number) { return cursor.skip_space() && cursor.number(number); };
@@ -122,7 +122,7 @@ bool is_slc(std::span<const std::byte> bytes) {
   const std::string_view text = text_of(bytes);
   if (!text.starts_with(kSlcMark)) return false;
   SlcHeader header;
-  const auto head = bytes.first(std::min(bytes.size(), kMostSlcHeader));
+  const auto head = bytes.first(std::min(bytes.size(), kMaxSlcHeader));
   const auto problem = read_slc_header(head, header);
   return !problem || problem->starts_with("the file ends");  // the icon may be beyond the checked bytes
 }

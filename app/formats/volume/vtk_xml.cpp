@@ -34,22 +34,22 @@ struct VtkParse {
 };
 
 std::string attribute(const XML_Char** attributes, std::string_view name, std::string otherwise = {}) {
-  constexpr std::size_t kMost = 4096;
+  constexpr std::size_t kMax = 4096;
   for (; attributes[0]; attributes += 2)
-    if (attributes[0] == name) return std::string(attributes[1], strnlen(attributes[1], kMost));
+    if (attributes[0] == name) return std::string(attributes[1], strnlen(attributes[1], kMax));
   return otherwise;
 }
 
 std::uint64_t count_of(const std::string& text, std::uint64_t otherwise) {
   const std::vector<double> numbers = numbers_of(text, 1);
-  constexpr double kMost = 1e15;
-  return numbers.empty() || !(numbers[0] >= 0 && numbers[0] < kMost) ? otherwise
-                                                                     : static_cast<std::uint64_t>(numbers[0]);
+  constexpr double kMax = 1e15;
+  return numbers.empty() || !(numbers[0] >= 0 && numbers[0] < kMax) ? otherwise
+                                                                    : static_cast<std::uint64_t>(numbers[0]);
 }
 
 void begin_array(VtkParse& parse, const XML_Char** attributes) {
-  constexpr std::size_t kMostArrays = 1000;
-  if (parse.header.arrays.size() >= kMostArrays) return;
+  constexpr std::size_t kMaxArrays = 1000;
+  if (parse.header.arrays.size() >= kMaxArrays) return;
   VtkArray array;
   array.name = attribute(attributes, "Name");
   array.type = lower_case(attribute(attributes, "type"));
@@ -75,15 +75,14 @@ void begin_information(VtkParse& parse, const XML_Char** attributes) {
 }
 
 void take_text(void* user, const XML_Char* text, int length) {
-  constexpr std::size_t kMostUnits = 64;
+  constexpr std::size_t kMaxUnits = 64;
   auto& parse = *static_cast<VtkParse*>(user);
   if (!parse.in_array) return;
   const std::string_view given(text, static_cast<std::size_t>(length));
   if (parse.in_units) {
     std::string& units = parse.header.arrays.back().units;
-    for (const char c : given.substr(0, kMostUnits))
-      if (units.size() < kMostUnits && (c != '\n' && c != '\r' && c != '\t') && !(units.empty() && c == ' '))
-        units += c;
+    for (const char c : given.substr(0, kMaxUnits))
+      if (units.size() < kMaxUnits && (c != '\n' && c != '\r' && c != '\t') && !(units.empty() && c == ' ')) units += c;
   } else if (!parse.in_information && !parse.has_data) {
     parse.has_data = given.find_first_not_of(" \t\r\n") != std::string_view::npos;
   }
@@ -100,10 +99,10 @@ std::optional<VtkSection> section_of(std::string_view element) {
 }
 
 void begin_piece(VtkParse& parse, const XML_Char** attributes) {
-  constexpr std::size_t kMostPieces = 10'000;
+  constexpr std::size_t kMaxPieces = 10'000;
   VtkXmlHeader& header = parse.header;
   ++header.piece_count;
-  if (header.pieces.size() >= kMostPieces) return;
+  if (header.pieces.size() >= kMaxPieces) return;
   VtkPiece piece;
   piece.extent = attribute(attributes, "Extent");
   piece.points = count_of(attribute(attributes, "NumberOfPoints", "0"), 0);

@@ -203,7 +203,7 @@ void InterfaceFonts::build() {
 
 void InterfaceFonts::note(char32_t character) {
   if (character < 0x20 || character > kLastOfPlane || is_drawn_at_first(character)) return;
-  if (glyphs_->wanted.size() < kMostGlyphs) glyphs_->wanted.insert(character);
+  if (glyphs_->wanted.size() < kMaxGlyphs) glyphs_->wanted.insert(character);
 }
 
 std::string InterfaceFonts::shown(std::string_view utf8) {

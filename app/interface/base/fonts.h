@@ -13,7 +13,7 @@ namespace gs::app {
 /// use. They belong to one Dear ImGui context and live in its font atlas.
 class InterfaceFonts {
  public:
-  static constexpr std::size_t kMostGlyphs = 4000;  // max glyphs beyond the first font; further ones show as '?'
+  static constexpr std::size_t kMaxGlyphs = 4000;  // max glyphs beyond the first font; further ones show as '?'
 
   InterfaceFonts();
   ~InterfaceFonts();

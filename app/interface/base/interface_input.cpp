@@ -11,8 +11,8 @@ namespace {
 
 using Kind = WindowEvent::Kind;
 
-constexpr std::size_t kMostEvents = 10'000;  // max pending events; the oldest are dropped
-constexpr int kFirstFunctionKey = 256;       // GLFW key codes from here on are not characters
+constexpr std::size_t kMaxEvents = 10'000;  // max pending events; the oldest are dropped
+constexpr int kFirstFunctionKey = 256;      // GLFW key codes from here on are not characters
 
 bool is_modifier(const WindowEvent& event) {
   return event.key == Key::shift || event.key == Key::control || event.key == Key::alt;
@@ -24,7 +24,7 @@ void InterfaceInput::add(const std::vector<WindowEvent>& events) {
   for (const WindowEvent& event : events) {
     const bool matters = event.kind != Kind::drop && event.kind != Kind::refresh && event.kind != Kind::axes;
     if (!matters) continue;
-    if (events_.size() >= kMostEvents) events_.pop_front();
+    if (events_.size() >= kMaxEvents) events_.pop_front();
     // Merge pointer movements.
     if (event.kind == Kind::pointer && !events_.empty() && events_.back().kind == Kind::pointer) events_.pop_back();
     events_.push_back(event);

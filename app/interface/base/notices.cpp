@@ -8,7 +8,7 @@ namespace gs::app {
 void Notices::show(std::string text, bool is_problem, double now, std::string_view about) {
   std::erase_if(lines_, [&](const Line& line) { return line.text == text || (!about.empty() && line.about == about); });
   if (text.empty()) return;
-  if (lines_.size() >= kMost) lines_.erase(lines_.begin());
+  if (lines_.size() >= kMax) lines_.erase(lines_.begin());
   lines_.push_back({std::move(text), is_problem, now + (is_problem ? kProblemSeconds : kSeconds), std::string(about)});
 }
 

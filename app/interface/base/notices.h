@@ -11,7 +11,7 @@ namespace gs::app {
 /// Stack of notices (toasts) that disappear after a while. A new one does not replace an unread one.
 class Notices {
  public:
-  static constexpr std::size_t kMost = 5;  // max at a time; then the oldest is removed
+  static constexpr std::size_t kMax = 5;  // max at a time; then the oldest is removed
   static constexpr double kSeconds = 3.5, kProblemSeconds = 12;
 
   struct Line {

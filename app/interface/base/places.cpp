@@ -53,7 +53,7 @@ const std::vector<FolderListing::Entry>& FolderListing::entries_of(const std::st
   problem_.clear();
   error.clear();
   fs::directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
-  for (; !error && entry != fs::directory_iterator() && entries_.size() < kMostEntries; entry.increment(error)) {
+  for (; !error && entry != fs::directory_iterator() && entries_.size() < kMaxEntries; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (name.empty()) continue;
     std::error_code ignored;  // of a link that leads nowhere

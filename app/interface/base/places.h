@@ -16,7 +16,7 @@ class FolderListing {
     bool is_folder = false;
     bool is_known = false;  // a content type claims this file name
   };
-  static constexpr std::size_t kMostEntries = 5000;
+  static constexpr std::size_t kMaxEntries = 5000;
 
   /// Returns the entries by name, folders first. `problem` returns the error message if the folder is unreadable.
   [[nodiscard]] const std::vector<Entry>& entries_of(const std::string& folder);

@@ -101,7 +101,7 @@ struct UiModel {
   bool has_sounds = false, muted = false;
 
   // Its clouds.
-  render::CloudLook look;
+  render::SplatStyle look;
   bool has_surface_clouds = false, has_volumes = false;
   WideBox bounds;                                          // world space, of everything
   std::vector<std::shared_ptr<const qnv::Cloud>> volumes;  // of which the panel takes a summary, once
@@ -137,7 +137,7 @@ struct UiActions {
   std::optional<DividerMove> divider;
   std::optional<bool> allow_question;                         // the answer to UiModel::question
   std::optional<std::size_t> cancel_loading;                  // of UiModel::viewports
-  std::optional<render::CloudLook> look;                      // instead of the model's
+  std::optional<render::SplatStyle> look;                     // instead of the model's
   std::optional<UserSettings> settings;                       // replaces the model's
   std::optional<std::size_t> open_bookmark, remove_bookmark;  // of UiModel::bookmarks
   std::optional<bool> restore;                                // the answer about UiModel::to_restore

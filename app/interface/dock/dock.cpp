@@ -59,7 +59,7 @@ void Dock::move(std::size_t panel, DockSide side) {
 }
 
 void Dock::set_size(DockSide side, float size) {
-  if (std::isfinite(size)) area(side).size = std::clamp(size, kLeastArea, kMostArea);
+  if (std::isfinite(size)) area(side).size = std::clamp(size, kMinArea, kMaxArea);
 }
 
 DockLayout Dock::lay_out(const DockRectangle& whole, float scale) const {
@@ -70,13 +70,13 @@ DockLayout Dock::lay_out(const DockRectangle& whole, float scale) const {
   };
   float left = wanted(DockSide::left), right = wanted(DockSide::right), bottom = wanted(DockSide::bottom);
   // With too little room, all areas shrink in proportion.
-  const float wide = std::max(0.0f, whole.width - std::round(kLeastPicture * scale));
+  const float wide = std::max(0.0f, whole.width - std::round(kMinPicture * scale));
   if (left + right > wide) {
     const float part = wide / (left + right);
     left = std::floor(left * part);
     right = std::floor(right * part);
   }
-  bottom = std::min(bottom, std::max(0.0f, whole.height - std::round(kLeastHeight * scale)));
+  bottom = std::min(bottom, std::max(0.0f, whole.height - std::round(kMinHeight * scale)));
   DockRectangle picture{whole.left + left, whole.top, std::max(1.0f, whole.width - left - right),
                         std::max(1.0f, whole.height - bottom)};
   const auto put = [&](DockSide side, const DockRectangle& place, const DockRectangle& line) {

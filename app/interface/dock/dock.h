@@ -36,8 +36,8 @@ struct DockLayout {
 /// by number. No drawing.
 class Dock {
  public:
-  static constexpr float kLeastArea = 120, kMostArea = 4000;       // limits of an area's width or height
-  static constexpr float kLeastPicture = 200, kLeastHeight = 120;  // min size of the picture; areas shrink first
+  static constexpr float kMinArea = 120, kMaxArea = 4000;      // limits of an area's width or height
+  static constexpr float kMinPicture = 200, kMinHeight = 120;  // min size of the picture; areas shrink first
   static constexpr float kDivider = 5;
 
   /// `sides` is the initial side of each panel. All start closed.

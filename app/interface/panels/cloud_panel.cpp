@@ -203,7 +203,7 @@ void CloudPanel::log_slider(const char* id, float& value, const LogScale& scale,
   if (slider(id, place, reading, help)) value = scale.value_at(place);
 }
 
-void CloudPanel::color_by_row(render::CloudLook& look) {
+void CloudPanel::color_by_row(render::SplatStyle& look) {
   label("Colour", frame_->scale);
   const render::ColorBy chosen = look.color_by;
   for (const ColorByRow& row : kColorBy) {
@@ -352,7 +352,7 @@ bool CloudPanel::point_row(Transfer& transfer, const Range& values) {
   return colored || moved || removed;
 }
 
-void CloudPanel::transfer_rows(const UiModel& model, render::CloudLook& look) {
+void CloudPanel::transfer_rows(const UiModel& model, render::SplatStyle& look) {
   const qnv::Description& volume = model.volumes.front()->description;
   bool own = look.transfer.empty();
   Transfer transfer = own ? own_transfer(volume) : sound_transfer(look.transfer);
@@ -363,7 +363,7 @@ void CloudPanel::transfer_rows(const UiModel& model, render::CloudLook& look) {
   look.transfer = own && !changed ? Transfer() : transfer;
 }
 
-void CloudPanel::clip_rows(const UiModel& model, render::CloudLook& look) {
+void CloudPanel::clip_rows(const UiModel& model, render::SplatStyle& look) {
   static constexpr std::array<const char*, 4> kAxes{"X", "Y", "Z", "View"};
   // A view axis along x, y or z looks the same as that axis; keep the last choice to tell them apart.
   const bool remembered = !look.clip || *look.clip == clip_plane(clip_, model.bounds);
@@ -399,7 +399,7 @@ void CloudPanel::clip_rows(const UiModel& model, render::CloudLook& look) {
   look.clip = on ? std::optional(clip_plane(clip, model.bounds)) : std::nullopt;
 }
 
-void CloudPanel::volume_rows(const UiModel& model, render::CloudLook& look) {
+void CloudPanel::volume_rows(const UiModel& model, render::SplatStyle& look) {
   summarize_volumes(model.volumes);
   transfer_rows(model, look);
   ImGui::Separator();
@@ -432,7 +432,7 @@ void CloudPanel::file_row(const UiModel& model, UiActions& actions) {
 void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
   frame_ = &frame;
   popup_ = false;
-  render::CloudLook look = model.look;
+  render::SplatStyle look = model.look;
   if (!model.has_surface_clouds && !model.has_volumes) {
     ImGui::PushTextWrapPos(0);
     colored_text(UiColors::kQuiet,
@@ -445,7 +445,7 @@ void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
       volume_rows(model, look);
       file_row(model, actions);
       ImGui::Separator();
-      ImGui::BeginDisabled(look == render::CloudLook{});
+      ImGui::BeginDisabled(look == render::SplatStyle{});
       if (ImGui::Button("Reset")) look = {};
       ImGui::EndDisabled();
       frame.tooltips.show("Reset all");

@@ -18,7 +18,7 @@ namespace gs::app {
 struct TransferCanvas;
 
 /// Panel for the splat style: colours, and for volumes the transfer function, opacity, threshold and clipping plane.
-/// Edits the CloudLook of the UiModel; keeps only interaction state itself.
+/// Edits the SplatStyle of the UiModel; keeps only interaction state itself.
 class CloudPanel final : public Panel {
  public:
   bool close_one() override;
@@ -26,9 +26,9 @@ class CloudPanel final : public Panel {
 
  private:
   using Range = std::pair<float, float>;
-  void color_by_row(render::CloudLook& look);
-  void volume_rows(const UiModel& model, render::CloudLook& look);
-  void transfer_rows(const UiModel& model, render::CloudLook& look);
+  void color_by_row(render::SplatStyle& look);
+  void volume_rows(const UiModel& model, render::SplatStyle& look);
+  void transfer_rows(const UiModel& model, render::SplatStyle& look);
   void preset_row(Transfer& transfer, bool& own, const Range& values);
   /// Return true if they changed the function.
   bool curve(Transfer& transfer, const Range& values);
@@ -36,7 +36,7 @@ class CloudPanel final : public Panel {
   bool point_row(Transfer& transfer, const Range& values);
   bool color_button(std::array<float, 3>& color);
   bool point_fields(qnv::TransferPoint& point, const Range& values, float width);
-  void clip_rows(const UiModel& model, render::CloudLook& look);
+  void clip_rows(const UiModel& model, render::SplatStyle& look);
   void file_row(const UiModel& model, UiActions& actions);
 
   /// Draws a slider from 0 to 1 with its value beside it. Returns true if it was moved.

@@ -151,8 +151,8 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
     ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d times larger");
   } else {
     ImGui::InputInt2("##size", &wish.size.x);
-    wish.size.x = std::clamp(wish.size.x, 1, kMostPictureSide);
-    wish.size.y = std::clamp(wish.size.y, 1, kMostPictureSide);
+    wish.size.x = std::clamp(wish.size.x, 1, kMaxPictureSide);
+    wish.size.y = std::clamp(wish.size.y, 1, kMaxPictureSide);
   }
   tool_label("Print", frame.scale);
   auto dots = static_cast<float>(wish.request.dots_per_inch);

@@ -53,7 +53,7 @@ void ScenePanel::search_row(const PanelFrame& frame, Inspection& inspection, UiA
   frame.tooltips.show(tooltip_of(Action::pick));
   if (index.sought().empty()) return;
   const bool known = index.complete() && index.searched();
-  std::string found = std::to_string(index.matches()) + (index.matches() == SceneIndex::kMostMatches ? " or more" : "");
+  std::string found = std::to_string(index.matches()) + (index.matches() == SceneIndex::kMaxMatches ? " or more" : "");
   if (inspection.match()) found = std::to_string(*inspection.match() + 1) + " of " + found;
   colored_text(index.matches() == 0 && known ? UiColors::kWarning : UiColors::kQuiet,
                index.matches() == 0 ? (known ? "No matches" : "Searching...") : found + (known ? "" : " so far"));

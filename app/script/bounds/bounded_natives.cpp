@@ -18,14 +18,14 @@ namespace gs::app::script {
 namespace {
 
 // Each bound keeps its calls below about 0.3 s of processor time.
-constexpr std::size_t kMostComparisons = std::size_t{1} << 28;  // length of a text times length of the searched string
-constexpr std::size_t kMostPattern = std::size_t{1} << 14;      // characters of a regular expression
-constexpr std::size_t kMostCased = std::size_t{1} << 22;        // characters of a text for toLowerCase and toUpperCase
-constexpr std::size_t kMostNormalized = std::size_t{1} << 21, kMostCollated = std::size_t{1} << 20;
-constexpr std::size_t kMostReordered = std::size_t{1} << 30;  // sum of the squares of runs of combining characters
+constexpr std::size_t kMaxComparisons = std::size_t{1} << 28;  // length of a text times length of the searched string
+constexpr std::size_t kMaxPattern = std::size_t{1} << 14;      // characters of a regular expression
+constexpr std::size_t kMaxCased = std::size_t{1} << 22;        // characters of a text for toLowerCase and toUpperCase
+constexpr std::size_t kMaxNormalized = std::size_t{1} << 21, kMaxCollated = std::size_t{1} << 20;
+constexpr std::size_t kMaxReordered = std::size_t{1} << 30;  // sum of the squares of runs of combining characters
 // Max characters of a pattern with flag u, and with flags u and i: Unicode sets are slow.
-constexpr std::size_t kMostUnicodePattern = 512, kMostFoldedPattern = 96;
-constexpr std::size_t kMostJson = std::size_t{1} << 22, kMostJsonParts = std::size_t{1} << 17;
+constexpr std::size_t kMaxUnicodePattern = 512, kMaxFoldedPattern = 96;
+constexpr std::size_t kMaxJson = std::size_t{1} << 22, kMaxJsonParts = std::size_t{1} << 17;
 
 const JSErrorFormatString* format_of(void* kind, const unsigned) {
   static constexpr JSErrorFormatString kRange{"BOUNDED", "{0}", 1, JSEXN_RANGEERR};
@@ -75,7 +75,7 @@ struct Call {
 };
 
 bool check_search(JSContext* context, std::size_t text, std::size_t searched) {
-  if (searched == 0 || text <= kMostComparisons / searched) return true;
+  if (searched == 0 || text <= kMaxComparisons / searched) return true;
   return fail_range(context, "a search for " + std::to_string(searched) + " characters in " + std::to_string(text) +
                                  " takes too long; search a shorter string");
 }
@@ -130,14 +130,14 @@ bool check_marks(JSContext* context, JS::HandleValue value) {
     }
     return sum;
   });
-  return work <= kMostReordered / 2 || fail_range(context, "a string has too many consecutive combining characters");
+  return work <= kMaxReordered / 2 || fail_range(context, "a string has too many consecutive combining characters");
 }
 
 bool bound_normalize(const Call& call) {
   std::size_t length = 0;
   if (!call.has_self()) return true;
   if (!call.to_text(call.self, length)) return false;
-  if (length > kMostNormalized) return too_long(call.context, "a text to normalize", length, kMostNormalized);
+  if (length > kMaxNormalized) return too_long(call.context, "a text to normalize", length, kMaxNormalized);
   return check_marks(call.context, call.self);
 }
 
@@ -150,7 +150,7 @@ bool bound_compare(const Call& call) {
     if (!call.argument_to_text(0, other)) return false;
     length = std::max(length, other);
   }
-  if (length > kMostCollated) return too_long(call.context, "a text to compare", length, kMostCollated);
+  if (length > kMaxCollated) return too_long(call.context, "a text to compare", length, kMaxCollated);
   return check_marks(call.context, call.self) &&
          (call.arguments.length() == 0 || check_marks(call.context, call.arguments[0]));
 }
@@ -159,7 +159,7 @@ bool bound_json(const Call& call) {
   std::size_t length = 0;
   if (call.arguments.length() == 0) return true;
   if (!call.argument_to_text(0, length)) return false;
-  if (length > kMostJson) return too_long(call.context, "a text of JSON", length, kMostJson);
+  if (length > kMaxJson) return too_long(call.context, "a text of JSON", length, kMaxJson);
   JSLinearString* const text = JS_EnsureLinearString(call.context, call.arguments[0].toString());
   if (!text) return false;
   return with_characters(
@@ -167,7 +167,7 @@ bool bound_json(const Call& call) {
              [&](const auto* characters, std::size_t count) {
                const auto parts = static_cast<std::size_t>(std::count_if(
                    characters, characters + count, [](auto c) { return c == '[' || c == '{' || c == ':'; }));
-               return parts <= kMostJsonParts && longest_number(characters, count) <= kMostDigits;
+               return parts <= kMaxJsonParts && longest_number(characters, count) <= kMaxDigits;
              }) ||
          fail_range(call.context, "a JSON text has too many parts or digits for a Script");
 }
@@ -177,11 +177,11 @@ bool bound_case(const Call& call) {
   std::size_t length = 0;
   if (!call.has_self()) return true;
   if (!call.to_text(call.self, length)) return false;
-  return length <= kMostCased || too_long(call.context, "a text", length, kMostCased);
+  return length <= kMaxCased || too_long(call.context, "a text", length, kMaxCased);
 }
 
 bool check_pattern(JSContext* context, std::size_t length) {
-  return length <= kMostPattern || too_long(context, "a regular expression", length, kMostPattern);
+  return length <= kMaxPattern || too_long(context, "a regular expression", length, kMaxPattern);
 }
 
 // Checks the pattern of RegExp() and compile(). RegExp objects are already compiled. Other values are converted to
@@ -227,11 +227,9 @@ bool bound_exec(const Call& call) {
   if (!pattern) return false;
   const std::size_t searched = JS::GetStringLength(pattern);
   const JS::RegExpFlags flags = JS::GetRegExpFlags(call.context, object);
-  const std::size_t most = !flags.unicode()     ? kMostPattern
-                           : flags.ignoreCase() ? kMostFoldedPattern
-                                                : kMostUnicodePattern;
+  const std::size_t most = !flags.unicode() ? kMaxPattern : flags.ignoreCase() ? kMaxFoldedPattern : kMaxUnicodePattern;
   if (searched > most) return too_long(call.context, "a regular expression", searched, most);
-  if (length <= kMostComparisons / std::max<std::size_t>(1, searched)) return true;
+  if (length <= kMaxComparisons / std::max<std::size_t>(1, searched)) return true;
   JSLinearString* const linear = JS_EnsureLinearString(call.context, pattern);
   return linear && (!is_plain(linear, call.context) || check_search(call.context, length, searched));
 }

@@ -12,11 +12,11 @@
 namespace gs::app::script {
 
 /// Max characters of a string that a program passes to fields, nodes and the browser.
-inline constexpr std::size_t kMostCharacters = std::size_t{1} << 24;
+inline constexpr std::size_t kMaxCharacters = std::size_t{1} << 24;
 /// Max characters of a Script's text, and of a text for eval() and Function().
-inline constexpr std::size_t kMostProgram = std::size_t{1} << 22, kMostEvaluated = std::size_t{1} << 20;
+inline constexpr std::size_t kMaxProgram = std::size_t{1} << 22, kMaxEvaluated = std::size_t{1} << 20;
 /// Max digits of a number in a text that is compiled or parsed; the engine takes quadratic time to read it.
-inline constexpr std::size_t kMostDigits = std::size_t{1} << 16;
+inline constexpr std::size_t kMaxDigits = std::size_t{1} << 16;
 
 /// Wraps the slow built-in functions of the current global. A wrapper throws a RangeError if the call would take long.
 /// Names, lengths and results stay the same.

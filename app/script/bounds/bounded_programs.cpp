@@ -14,10 +14,10 @@
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMostUnicodeSets = 4096;  // max uses of \p in a program
+constexpr std::size_t kMaxUnicodeSets = 4096;  // max uses of \p in a program
 
 bool may_evaluate(JSContext* context, JS::RuntimeCode, JS::HandleString text) {
-  if (JS::GetStringLength(text) > kMostEvaluated) return false;
+  if (JS::GetStringLength(text) > kMaxEvaluated) return false;
   JSLinearString* const linear = JS_EnsureLinearString(context, text);
   if (!linear) return false;
   std::string bytes(JS::GetDeflatedUTF8StringLength(linear), ' ');
@@ -52,13 +52,13 @@ void bound_evaluation(JSContext* context) {
   JS_SetSecurityCallbacks(context, &kCallbacks);
 }
 bool check_program(JSContext* context, std::string_view text) {
-  if (text.size() > kMostProgram) return too_long(context, "a program", text.size(), kMostProgram);
+  if (text.size() > kMaxProgram) return too_long(context, "a program", text.size(), kMaxProgram);
   std::size_t sets = 0;
   for (std::size_t i = 0; i + 1 < text.size(); ++i)
     if (text[i] == '\\' && (text[i + 1] == 'p' || text[i + 1] == 'P')) ++sets;
-  if (sets > kMostUnicodeSets) return fail_range(context, "a program has too many Unicode sets (\\p)");
+  if (sets > kMaxUnicodeSets) return fail_range(context, "a program has too many Unicode sets (\\p)");
   const std::size_t digits = longest_number(text.data(), text.size());
-  return digits <= kMostDigits || too_long(context, "a number", digits, kMostDigits);
+  return digits <= kMaxDigits || too_long(context, "a number", digits, kMaxDigits);
 }
 
 // Compiles the text with each possible BigInt literal made invalid. Strings, comments and regular expressions still

@@ -1,7 +1,7 @@
 #include "app/session/documents/documents.h"
 
 #include "app/view/navigation.h"
-#include "app/world/left_out.h"
+#include "app/world/limit_report.h"
 #include "app/world/world_loading.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ void inspect(Document& document, const vrml::SceneGraph& from, std::uint32_t fir
 }
 
 glm::vec3 size_of_all(const render::RenderList& list) {
-  return list.bounds.empty() ? glm::vec3(0) : list.bounds.size();
+  return list.bounds.empty() ? glm::vec3(0) : glm::vec3(list.bounds.size());
 }
 
 void inspect_clouds(Document& document) {

@@ -12,7 +12,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::string_view kLinkHead = "[GhostSpace link]";
-constexpr std::size_t kMostLink = 64 << 10, kMostValue = 8 << 10;
+constexpr std::size_t kMaxLink = 64 << 10, kMaxValue = 8 << 10;
 
 std::string_view without_link_blanks(std::string_view text) {
   const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -28,7 +28,7 @@ bool has_controls(std::string_view text) {
 
 // Returns the problem of a link's URL, or nullopt.
 std::optional<std::string> refuse_place(std::string_view text) {
-  if (text.size() > kMostValue || has_controls(text))
+  if (text.size() > kMaxValue || has_controls(text))
     return "its URL is invalid; expected a URL of http, https or cells";
   const net::Url url = net::parse_url(std::string(text));
   const bool leads_on = url.scheme == "http" || url.scheme == "https" || url.scheme == "cells";
@@ -40,7 +40,7 @@ std::optional<std::string> refuse_place(std::string_view text) {
 
 std::variant<SceneLink, std::string> read_link_file(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  if (text.size() > kMostLink) return "the link exceeds 64 KiB";
+  if (text.size() > kMaxLink) return "the link exceeds 64 KiB";
   if (!text.starts_with(kLinkHead)) return "not a link: expected '" + std::string(kLinkHead) + "' on the first line";
   SceneLink link;
   while (!text.empty()) {
@@ -61,7 +61,7 @@ std::variant<SceneLink, std::string> read_link_file(std::string_view text) {
   }
   if (link.url.empty()) return "the link has no URL; expected a line 'URL=http://...'";
   if (auto problem = refuse_place(link.url)) return std::move(*problem);
-  if (link.viewpoint.size() > kMostValue || has_controls(link.viewpoint))
+  if (link.viewpoint.size() > kMaxValue || has_controls(link.viewpoint))
     return "its Viewpoint is invalid; expected a name";
   return link;
 }
@@ -102,7 +102,7 @@ std::optional<std::variant<SceneLink, std::string>> scene_link_of(const std::str
   if (const auto* problem = std::get_if<net::FileError>(&opened))
     return std::variant<SceneLink, std::string>(problem->message);
   const auto& file = std::get<net::RandomAccessFile>(opened);
-  std::string text(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), kMostLink + 1)), '\0');
+  std::string text(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), kMaxLink + 1)), '\0');
   text.resize(file.read(0, std::as_writable_bytes(std::span(text))));
   return read_link_file(text);
 }

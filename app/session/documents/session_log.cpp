@@ -14,7 +14,7 @@ bool same_entry(const Diagnostic& a, const Diagnostic& b) {
 void SessionLog::note(std::string_view path, const Diagnostics& diagnostics) {
   auto file = std::find_if(files_.begin(), files_.end(), [&](const File& one) { return one.path == path; });
   if (file == files_.end()) {
-    if (files_.size() >= kMostFiles) files_.erase(files_.begin());
+    if (files_.size() >= kMaxFiles) files_.erase(files_.begin());
     file = files_.insert(files_.end(), File{std::string(path), {}, 0});
   }
   // Diagnostics of the same reading only grow. If they differ, it is another reading, and all are reported again.

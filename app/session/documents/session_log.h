@@ -10,10 +10,10 @@
 namespace gs::app {
 
 /// Diagnostics of the files of a session, including files that could not be opened. Entries outlive the worlds; only
-/// the oldest are dropped after kMostFiles files.
+/// the oldest are dropped after kMaxFiles files.
 class SessionLog {
  public:
-  static constexpr std::size_t kMostFiles = 256;
+  static constexpr std::size_t kMaxFiles = 256;
 
   struct File {
     std::string path;

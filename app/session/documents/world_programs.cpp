@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostMessages = 1000;  // further messages are dropped until the caller takes them
+constexpr std::size_t kMaxMessages = 1000;  // further messages are dropped until the caller takes them
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void WorldPrograms::begin_step(double now) {
 
 void WorldPrograms::tell(ScriptMessage message) {
   if (observer_) return observer_(message);
-  if (messages_.size() < kMostMessages) messages_.push_back(std::move(message));
+  if (messages_.size() < kMaxMessages) messages_.push_back(std::move(message));
 }
 
 void WorldPrograms::observe(std::function<void(const ScriptMessage&)> observer) {

@@ -15,8 +15,9 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kWait{50};          // max wait of a step, so that progress is visible
 constexpr std::chrono::milliseconds kStreamWait{1000};  // while only streams load; requests of views end the wait
 constexpr std::chrono::milliseconds kBetweenLists{80};
-constexpr std::chrono::milliseconds kForTheRest{150};  // results within this time become part of the first picture
-constexpr int kRest = 3;                               // pause until the next collection, as a multiple of its duration
+constexpr std::chrono::milliseconds kInitialBatchDelay{
+    150};                 // results within this time become part of the first picture
+constexpr int kRest = 3;  // pause until the next collection, as a multiple of its duration
 
 }  // namespace
 
@@ -107,7 +108,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     }
     if (loading.root_is_read()) {
       if (!complete) complete = Clock::now();
-      if (Clock::now() >= *complete + kForTheRest) {
+      if (Clock::now() >= *complete + kInitialBatchDelay) {
         give_away(loading);
         lives = true;
         continue;

@@ -13,7 +13,7 @@ namespace gs::app {
 namespace {
 
 // Number of stored batches of changes. A render list that lacks more batches is collected again.
-constexpr std::size_t kMostBatches = 8;
+constexpr std::size_t kMaxBatches = 8;
 
 }  // namespace
 
@@ -183,7 +183,7 @@ bool WorldRuntime::take_meshes() {
 
 void WorldRuntime::add_changes(std::vector<vrml::NodeChange> changes) {
   batches_.push_back(std::move(changes));
-  if (batches_.size() > kMostBatches) batches_.pop_front();
+  if (batches_.size() > kMaxBatches) batches_.pop_front();
   ++version_;
 }
 

@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kLeastSpeed = 1e-4f, kMostSpeed = 1e6f;
+constexpr float kMinSpeed = 1e-4f, kMaxSpeed = 1e6f;
 
 }  // namespace
 
@@ -279,7 +279,7 @@ void CameraControl::reset(View& seen) {
 void CameraControl::change_speed(View& seen, float factor) {
   Navigation& navigation = seen.navigation;
   if (navigation.speed <= 0) return;
-  navigation.speed = std::clamp(navigation.speed * factor, kLeastSpeed, kMostSpeed);
+  navigation.speed = std::clamp(navigation.speed * factor, kMinSpeed, kMaxSpeed);
   std::string number = std::to_string(navigation.speed);
   number.resize(std::min<std::size_t>(number.size(), 6));
   step_.notify("Speed " + number + " m/s", false, "speed");

@@ -9,8 +9,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostMet = 20'000;                       // triangles around a moving viewer
-constexpr std::size_t kMostRemembered = std::size_t{1} << 24;  // triangles
+constexpr std::size_t kMaxMet = 20'000;                       // triangles around a moving viewer
+constexpr std::size_t kMaxRemembered = std::size_t{1} << 24;  // triangles
 
 }  // namespace
 
@@ -19,10 +19,10 @@ void ViewerMotion::move(View& seen, Navigation after, bool loading, float second
   const render::RenderList& list = *seen.list;
   Obstacles obstacles;
   obstacles.near = [&](const glm::dvec3& lower, const glm::dvec3& upper) {
-    return picker_.items().near(list, lower, upper, kMostMet);
+    return picker_.items().near(list, lower, upper, kMaxMet);
   };
   obstacles.distance = [&](const glm::dvec3& origin, const glm::dvec3& direction) -> std::optional<double> {
-    const auto hit = picker_.items().nearest(list, {origin, direction}, kMostRemembered, render::Sought::met);
+    const auto hit = picker_.items().nearest(list, {origin, direction}, kMaxRemembered, render::Sought::met);
     return hit ? std::optional(hit->triangle.distance) : std::nullopt;
   };
   Avatar avatar = seen.rules.avatar;

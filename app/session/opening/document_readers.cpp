@@ -8,8 +8,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostReaders = 2;  // max number of concurrent readings
-constexpr std::size_t kMostFailed = 16;  // max number of failed worlds with stored loads
+constexpr std::size_t kMaxReaders = 2;  // max number of concurrent readings
+constexpr std::size_t kMaxFailed = 16;  // max number of failed worlds with stored loads
 
 // Formats a diagnostic for a viewport, which shows the file name itself.
 std::string problem_text(const Diagnostic& diagnostic, const std::string& path) {
@@ -44,7 +44,7 @@ bool DocumentReaders::loading() const {
 }
 
 void DocumentReaders::begin() {
-  while (readers_.size() < kMostReaders) {
+  while (readers_.size() < kMaxReaders) {
     std::optional<DocumentList::Reading> reading = viewports_.loading().begin();
     if (!reading) return;
     step_.frame.news = true;
@@ -94,7 +94,7 @@ bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news)
   }
   if (!news.document->world.scene) {
     failed_loads_.push_back({path, nullptr, from.reader->ledger()});
-    if (failed_loads_.size() > kMostFailed) failed_loads_.erase(failed_loads_.begin());
+    if (failed_loads_.size() > kMaxFailed) failed_loads_.erase(failed_loads_.begin());
     show_failed(from.reading.number, path, news.document->world.diagnostics);
     return true;
   }

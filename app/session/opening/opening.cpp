@@ -31,7 +31,7 @@ void Opening::open_in(std::size_t pane, const std::string& path) {
 
 void Opening::open_again(std::size_t pane) {
   Panes& panes = viewports_.panes();
-  if (pane >= kMostViewports || !has_pane(panes.split(), pane) || !panes.at(pane).failure) return;
+  if (pane >= kMaxViewports || !has_pane(panes.split(), pane) || !panes.at(pane).failure) return;
   step_.frame.changed = step_.frame.news = true;
   open_in(pane, std::string(panes.at(pane).failure->path));
 }
@@ -41,7 +41,7 @@ void Opening::restore_split(const SplitTree& split, const std::map<std::size_t, 
   viewports_.change_split(split);
   for (const std::size_t pane : panes_of(split)) {
     if (const auto weight = weights.find(pane); weight != weights.end())
-      viewports_.panes().at(pane).weight = std::clamp(weight->second, Pane::kLeastWeight, Pane::kMostWeight);
+      viewports_.panes().at(pane).weight = std::clamp(weight->second, Pane::kMinWeight, Pane::kMaxWeight);
     if (const auto file = files.find(pane); file != files.end()) open_in(pane, file->second);
   }
 }

@@ -39,7 +39,7 @@ class Travel {
 
   SessionViewports& viewports_;
   Opening& opening_;
-  std::array<TravelHistory, kMostViewports> histories_;    // by viewport
+  std::array<TravelHistory, kMaxViewports> histories_;     // by viewport
   std::map<std::size_t, TravelHistory::Visit> returning_;  // poses of viewers once their files are loaded
 };
 

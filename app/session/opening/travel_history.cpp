@@ -10,7 +10,7 @@ void TravelHistory::visit(std::string path, const std::optional<Pose>& left) {
     visits_.resize(at_ + 1);
   }
   visits_.push_back({std::move(path), std::nullopt});
-  if (visits_.size() > kMostVisits) visits_.erase(visits_.begin());
+  if (visits_.size() > kMaxVisits) visits_.erase(visits_.begin());
   at_ = visits_.size() - 1;
 }
 

@@ -14,7 +14,7 @@ namespace gs::app {
 /// Bookkeeping only.
 class TravelHistory {
  public:
-  static constexpr std::size_t kMostVisits = 200;  // older visits are dropped
+  static constexpr std::size_t kMaxVisits = 200;  // older visits are dropped
 
   struct Visit {
     std::string path;

@@ -63,7 +63,7 @@ std::vector<std::size_t> PaneLoading::fail(std::uint64_t reading, const std::str
   std::vector<std::size_t> waited;
   const std::optional<std::string> path = documents.fail(reading);
   if (!path) return waited;
-  for (std::size_t i = 0; i < kMostViewports; ++i)
+  for (std::size_t i = 0; i < kMaxViewports; ++i)
     if (panes_.at(i).wanted == *path) waited.push_back(i);
   for (const std::size_t i : waited) panes_.at(i).failure = {*path, error};
   if (documents.find(*path)) return waited;
@@ -85,7 +85,7 @@ void PaneLoading::note_failure(const std::string& path, const std::string& error
 }
 
 bool PaneLoading::cancel(std::size_t pane) {
-  if (pane >= kMostViewports || !panes_.loading(pane)) return false;
+  if (pane >= kMaxViewports || !panes_.loading(pane)) return false;
   DocumentList& documents = panes_.documents();
   const std::string path = panes_.at(pane).wanted;
   if (documents.arriving(path) && !documents.awaited(path)) {

@@ -16,7 +16,7 @@ const View* Pane::view() const {
 }
 
 void Panes::start(std::span<const std::string> paths, const std::optional<SplitTree>& split) {
-  const std::size_t most = split ? kMostViewports : kMostViewportsAtStart;
+  const std::size_t most = split ? kMaxViewports : kMaxViewportsAtStart;
   std::size_t count = 0;
   for (const std::string& path : paths) {
     if (path.empty()) continue;
@@ -80,7 +80,7 @@ bool Panes::split_pane(std::size_t pane, SplitAxis axis) {
 // Returns an empty hidden viewport, else any hidden viewport; the files of the latter stay listed.
 std::optional<std::size_t> Panes::free_pane() const {
   for (const bool with_file : {false, true})
-    for (std::size_t i = 0; i < kMostViewports; ++i)
+    for (std::size_t i = 0; i < kMaxViewports; ++i)
       if (!has_pane(split_, i) && (with_file || panes_[i].wanted.empty())) return i;
   return std::nullopt;
 }
@@ -114,7 +114,7 @@ void Panes::fill(std::size_t pane, std::size_t from) {
 }
 
 void Panes::activate(std::size_t pane) {
-  if (pane >= kMostViewports || pane == active_) return;
+  if (pane >= kMaxViewports || pane == active_) return;
   const std::vector<std::size_t> sight = visible();
   if (std::find(sight.begin(), sight.end(), pane) == sight.end()) {
     if (panes_[pane].wanted.empty()) return;

@@ -30,7 +30,7 @@ struct PaneFailure {
 
 /// Viewport of the window: the file that it shows, and its views.
 struct Pane {
-  static constexpr double kLeastWeight = 0.25, kMostWeight = 4;
+  static constexpr double kMinWeight = 0.25, kMaxWeight = 4;
 
   std::string wanted;                 // path of the chosen file; empty means none
   std::string shown;                  // path of the visible file: `wanted`, or the previous file until `wanted` is read
@@ -107,7 +107,7 @@ class Panes {
   [[nodiscard]] std::optional<std::size_t> free_pane() const;
   void cancel_unwanted();
 
-  std::array<Pane, kMostViewports> panes_;
+  std::array<Pane, kMaxViewports> panes_;
   SplitTree split_;
   std::size_t active_ = 0;
   DocumentList documents_;

@@ -17,7 +17,7 @@ Viewport SessionViewports::place_of(std::size_t pane) const {
 }
 
 Viewport SessionViewports::place_of(const View& view) const {
-  for (std::size_t i = 0; i < kMostViewports; ++i)
+  for (std::size_t i = 0; i < kMaxViewports; ++i)
     if (panes_.at(i).view() == &view) return place_of(i);
   return area_;
 }
@@ -62,7 +62,7 @@ void SessionViewports::set_linked(bool linked) {
 
 void SessionViewports::set_style(const ViewStyle& style) {
   loading_.set_style(style);
-  for (std::size_t i = 0; i < kMostViewports; ++i)
+  for (std::size_t i = 0; i < kMaxViewports; ++i)
     for (auto& [path, seen] : panes_.at(i).views) {
       seen.style.backdrop = style.backdrop;
       seen.style.axes = style.axes;

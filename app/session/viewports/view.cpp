@@ -14,7 +14,7 @@ bool usable(const WideBox& bounds) {
   return size > 0 && std::isfinite(size);
 }
 
-constexpr std::size_t kMostLeft = 1000;  // max number of stored Viewpoints
+constexpr std::size_t kMaxLeft = 1000;  // max number of stored Viewpoints
 
 bool same(const vrml::NodePlace& a, const vrml::NodePlace& b) { return a.scene == b.scene && a.node == b.node; }
 
@@ -38,7 +38,7 @@ void leave_viewpoint(View& view) {
   if (!view.bound_place.scene || !view.viewpoint) return;
   const Pose& stands = view.navigation.transition ? view.navigation.transition->to : view.navigation.pose;
   std::erase_if(view.left, [&](const View::Left& one) { return same(one.viewpoint, view.bound_place); });
-  if (view.left.size() >= kMostLeft) view.left.erase(view.left.begin());
+  if (view.left.size() >= kMaxLeft) view.left.erase(view.left.begin());
   view.left.push_back({view.bound_place, glm::inverse(world_from_viewer(view.home)) * world_from_viewer(stands)});
 }
 
@@ -100,7 +100,7 @@ void choose_home(View& view, const WideBox& whole, const glm::vec2& viewport) {
 /// initial bounds, all bounds since then, and a margin. Does nothing once the user has moved.
 void follow_growth(View& view) {
   /// Max growth of the diagonal, so that one object that flies away does not shrink the others to a dot.
-  constexpr float kMostGrowth = 32;
+  constexpr float kMaxGrowth = 32;
   /// Margin relative to the diagonal and to half of the growth, so that not each step re-frames.
   constexpr float kAir = 0.05f;
   const WideBox& now = view.list->bounds;
@@ -115,7 +115,7 @@ void follow_growth(View& view) {
     whole = now;
     view.first_size = glm::length(now.size());
   }
-  if (glm::length(whole.size()) > kMostGrowth * view.first_size) return;
+  if (glm::length(whole.size()) > kMaxGrowth * view.first_size) return;
   const float air = kAir * glm::length(whole.size());
   const WideBox before = std::exchange(view.framed, whole);
   for (int axis = 0; axis < 3 && usable(before); ++axis) {

@@ -57,7 +57,7 @@ struct View {
   bool bound_jump = true;             // its `jump` field in the last step
   bool headlight = true;
   std::size_t budget = 0;  // vectors that a link asks for; 0 means the viewport's budget
-  render::CloudLook look;
+  render::SplatStyle look;
   VolumeSlices slices;
   bool color_bar = false;  // visible beside the picture
   ViewStyle style;

@@ -7,7 +7,7 @@ namespace gs::app {
 
 void ViewportCommands::serve(const PaneRequest& request) {
   using Kind = PaneRequest::Kind;
-  if (request.pane >= kMostViewports || !has_pane(viewports_.panes().split(), request.pane)) return;
+  if (request.pane >= kMaxViewports || !has_pane(viewports_.panes().split(), request.pane)) return;
   Pane& pane = viewports_.panes().at(request.pane);
   step_.frame.changed = true;
   step_.frame.news = step_.frame.news || (request.kind != Kind::weigh && request.kind != Kind::limit);
@@ -25,7 +25,7 @@ void ViewportCommands::serve(const PaneRequest& request) {
     case Kind::close:
       return close_viewport(request.pane);
     case Kind::weigh:
-      pane.weight = std::clamp(request.weight, Pane::kLeastWeight, Pane::kMostWeight);
+      pane.weight = std::clamp(request.weight, Pane::kMinWeight, Pane::kMaxWeight);
       return;
     case Kind::limit:
       pane.rate = request.rate;
@@ -41,7 +41,7 @@ void ViewportCommands::serve(const PaneRequest& request) {
 void ViewportCommands::split_viewport(std::size_t pane, SplitAxis axis) {
   viewports_.panes().set_shape(resolved(viewports_.panes().split(), viewports_.area()));
   if (!viewports_.panes().split_pane(pane, axis))
-    return step_.notify("The window can have at most " + std::to_string(kMostViewports) + " viewports", false);
+    return step_.notify("The window can have at most " + std::to_string(kMaxViewports) + " viewports", false);
   viewports_.forget(viewports_.panes().active());
   viewports_.change_split(viewports_.panes().split());
 }

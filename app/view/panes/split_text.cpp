@@ -11,12 +11,12 @@ namespace gs::app {
 namespace {
 
 constexpr std::string_view kSigns = "|/+";  // by SplitAxis
-constexpr std::size_t kMostDepth = kMostViewports;
-constexpr double kLeastWeight = 1e-3, kMostWeight = 1e3;
+constexpr std::size_t kMaxDepth = kMaxViewports;
+constexpr double kMinWeight = 1e-3, kMaxWeight = 1e3;
 
 std::string weight_text(double weight) {
   char buffer[32];
-  std::snprintf(buffer, sizeof buffer, ":%.5g", std::min(weight, kMostWeight));
+  std::snprintf(buffer, sizeof buffer, ":%.5g", std::min(weight, kMaxWeight));
   return buffer;
 }
 
@@ -50,7 +50,7 @@ struct SplitReader {
     if (next() != ':') return true;
     rest.remove_prefix(1);
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), part.weight);
-    if (error != std::errc() || !(part.weight >= kLeastWeight && part.weight <= kMostWeight))
+    if (error != std::errc() || !(part.weight >= kMinWeight && part.weight <= kMaxWeight))
       return fail("expected a number from 0.001 to 1000 after ':'");
     rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
     return true;
@@ -64,8 +64,8 @@ struct SplitReader {
       return weight(part);
     }
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), part.pane);
-    if (error != std::errc() || part.pane < 1 || part.pane > kMostViewports)
-      return fail("expected viewport numbers from 1 to " + std::to_string(kMostViewports));
+    if (error != std::errc() || part.pane < 1 || part.pane > kMaxViewports)
+      return fail("expected viewport numbers from 1 to " + std::to_string(kMaxViewports));
     rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
     --part.pane;
     if (std::find(panes.begin(), panes.end(), part.pane) != panes.end())
@@ -74,7 +74,7 @@ struct SplitReader {
     return weight(part);
   }
   bool parts(SplitPart& part, std::size_t depth) {
-    if (depth > kMostDepth) return fail("too many nested brackets");
+    if (depth > kMaxDepth) return fail("too many nested brackets");
     std::vector<SplitPart> all(1);
     if (!one(all.back(), depth)) return false;
     const char sign = next();

@@ -158,7 +158,7 @@ ViewportLayout next_layout(ViewportLayout layout) {
 }
 
 SplitTree split_of(ViewportLayout layout, std::size_t active) {
-  active = std::min(active, kMostViewports - 1);
+  active = std::min(active, kMaxViewports - 1);
   const std::size_t pair = active / 2 * 2, four = active / 4 * 4;
   switch (layout) {
     case ViewportLayout::one:

@@ -13,7 +13,7 @@
 namespace gs::app {
 
 /// Max viewports in a window, and max viewports opened at start for several files.
-inline constexpr std::size_t kMostViewports = 12, kMostViewportsAtStart = 4;
+inline constexpr std::size_t kMaxViewports = 12, kMaxViewportsAtStart = 4;
 
 /// Direction of a split: left to right, top to bottom, or along the longer side of the shared area.
 enum class SplitAxis : std::uint8_t { columns, rows, longer };

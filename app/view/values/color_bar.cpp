@@ -97,9 +97,9 @@ std::string value_unit(const qnv::Description& volume) {
 std::string value_name(const qnv::Description& volume) {
   static constexpr std::array<std::string_view, 2> kKeys{"array", "label"};
   std::string name = find_metadata(volume, kKeys);
-  constexpr std::size_t kMost = 40;  // bytes
-  if (name.size() > kMost) {
-    std::size_t end = kMost;
+  constexpr std::size_t kMax = 40;  // bytes
+  if (name.size() > kMax) {
+    std::size_t end = kMax;
     while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;
     name = name.substr(0, end) + "...";
   }

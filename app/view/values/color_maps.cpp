@@ -12,7 +12,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMapPoints = 17;  // points of a mapped transfer function
-constexpr float kMostMapOpacity = 0.9f;
+constexpr float kMaxMapOpacity = 0.9f;
 
 template <std::size_t count>
 glm::vec3 polynomial(const std::array<glm::vec3, count>& coefficients, float place) {
@@ -150,7 +150,7 @@ Transfer mapped_transfer(const ColorMap& map, OpacityRamp ramp) {
     const float opacity = ramp == OpacityRamp::linear ? place
                           : ramp == OpacityRamp::ends ? std::abs(2 * place - 1)
                                                       : 0.5f;
-    transfer.push_back({place, map_bytes(color_at(map, place)), opacity * kMostMapOpacity});
+    transfer.push_back({place, map_bytes(color_at(map, place)), opacity * kMaxMapOpacity});
   }
   return transfer;
 }

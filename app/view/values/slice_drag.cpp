@@ -13,11 +13,11 @@ namespace {
 // Returns the closest point on a line to the ray, in lengths of `along` from `from`. Returns nullopt if they are nearly
 // parallel.
 std::optional<double> nearest_along(const glm::dvec3& from, const glm::dvec3& along, const Ray& ray) {
-  constexpr double kLeastSine = 0.2;
+  constexpr double kMinSine = 0.2;
   const glm::dvec3 direction(ray.direction);
   const double length = glm::dot(along, along), shared = glm::dot(along, direction);
   const double apart = length - shared * shared;
-  if (!(apart > kLeastSine * kLeastSine * length)) return std::nullopt;
+  if (!(apart > kMinSine * kMinSine * length)) return std::nullopt;
   const glm::dvec3 off = ray.origin - from;
   return (glm::dot(off, along) - glm::dot(off, direction) * shared) / apart;
 }

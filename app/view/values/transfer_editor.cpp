@@ -109,10 +109,10 @@ Transfer sound_transfer(Transfer points) {
   }
   std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
   if (points.empty()) points.push_back({});
-  if (points.size() <= kMostTransferPoints) return points;
+  if (points.size() <= kMaxTransferPoints) return points;
   Transfer some;
-  for (std::size_t i = 0; i < kMostTransferPoints; ++i) {
-    const auto value = static_cast<float>(i) / static_cast<float>(kMostTransferPoints - 1);
+  for (std::size_t i = 0; i < kMaxTransferPoints; ++i) {
+    const auto value = static_cast<float>(i) / static_cast<float>(kMaxTransferPoints - 1);
     some.push_back(transfer_at(points, value));
   }
   return some;
@@ -142,7 +142,7 @@ qnv::TransferPoint transfer_at(const Transfer& transfer, float value) {
 }
 
 std::optional<std::size_t> add_point(Transfer& transfer, float value, float opacity) {
-  if (transfer.size() >= kMostTransferPoints) return std::nullopt;
+  if (transfer.size() >= kMaxTransferPoints) return std::nullopt;
   qnv::TransferPoint point = transfer_at(transfer, value);
   point.opacity = unit(opacity);
   const auto place = std::upper_bound(transfer.begin(), transfer.end(), point.value,

@@ -23,9 +23,9 @@ namespace gs::app {
 /// Sorted by value; values and opacities are 0..1.
 using Transfer = std::vector<qnv::TransferPoint>;
 
-inline constexpr std::size_t kMostTransferPoints = 64;
+inline constexpr std::size_t kMaxTransferPoints = 64;
 
-/// Sanitises a function: sorts it, clamps it to 0..1, and drops non-finite points and those over kMostTransferPoints.
+/// Sanitises a function: sorts it, clamps it to 0..1, and drops non-finite points and those over kMaxTransferPoints.
 /// Never returns an empty function.
 [[nodiscard]] Transfer sound_transfer(Transfer points);
 /// Returns a volume's initial function: its own, or a default one.
@@ -33,7 +33,7 @@ inline constexpr std::size_t kMostTransferPoints = 64;
 /// Returns colour and opacity at a value 0..1: linear between points, constant outside, like volume_model.
 [[nodiscard]] qnv::TransferPoint transfer_at(const Transfer& transfer, float value);
 
-/// Adds a point with the function's present colour. Returns its index; nullopt if there are kMostTransferPoints
+/// Adds a point with the function's present colour. Returns its index; nullopt if there are kMaxTransferPoints
 /// already.
 std::optional<std::size_t> add_point(Transfer& transfer, float value, float opacity);
 /// Moves a point, but not past its neighbours.
@@ -73,9 +73,9 @@ struct LogScale {
   [[nodiscard]] float value_at(float place) const;
   [[nodiscard]] float place_of(float value) const;
 };
-/// Returns the scale of CloudLook::opacity; the default is in the middle.
+/// Returns the scale of SplatStyle::opacity; the default is in the middle.
 [[nodiscard]] LogScale opacity_scale();
-/// Returns the scale of CloudLook::least_magnitude.
+/// Returns the scale of SplatStyle::least_magnitude.
 [[nodiscard]] LogScale magnitude_scale(const VolumeSummary& summary);
 
 // The clipping plane ------------------------------------------------------------------------------------
@@ -89,7 +89,7 @@ struct ClipChoice {
   float place = 0.5f;        // 0 keeps everything, 1 nothing
 };
 
-/// Returns the world-space plane for CloudLook::clip, which keeps points with xyz . position + w >= 0.
+/// Returns the world-space plane for SplatStyle::clip, which keeps points with xyz . position + w >= 0.
 [[nodiscard]] glm::dvec4 clip_plane(const ClipChoice& choice, const WideBox& bounds);
 /// Returns the choice that gives this plane.
 [[nodiscard]] ClipChoice clip_choice(const glm::dvec4& plane, const WideBox& bounds);

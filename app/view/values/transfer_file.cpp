@@ -15,7 +15,7 @@ namespace {
 
 using TransferJson = nlohmann::ordered_json;
 
-constexpr std::size_t kMostText = std::size_t{1} << 20;  // max file size in bytes; a point takes about 60
+constexpr std::size_t kMaxText = std::size_t{1} << 20;  // max file size in bytes; a point takes about 60
 constexpr std::string_view kFormat = "ghostspace transfer function";
 
 std::string line_and_column(std::string_view text, std::size_t byte) {
@@ -71,7 +71,7 @@ std::variant<TransferFile, std::string> read_transfer_file(std::string_view text
   const auto wrong = [&](const std::string& what, std::size_t byte = 0) {
     return name + ':' + line_and_column(text, byte) + ": error: " + what;
   };
-  if (text.size() > kMostText) return wrong("the file exceeds 1 MB; expected a transfer function");
+  if (text.size() > kMaxText) return wrong("the file exceeds 1 MB; expected a transfer function");
   TransferJson root;
   try {
     root = TransferJson::parse(text);
@@ -85,8 +85,8 @@ std::variant<TransferFile, std::string> read_transfer_file(std::string_view text
   if (root.contains("format") && root["format"] != kFormat)
     return wrong("format: expected \"" + std::string(kFormat) + "\"");
   const TransferJson& rows = root["points"];
-  if (rows.empty() || rows.size() > kMostTransferPoints)
-    return wrong("points: expected 1 to " + std::to_string(kMostTransferPoints) + " of them");
+  if (rows.empty() || rows.size() > kMaxTransferPoints)
+    return wrong("points: expected 1 to " + std::to_string(kMaxTransferPoints) + " of them");
   TransferFile file;
   if (root.contains("range")) {
     const TransferJson& range = root["range"];

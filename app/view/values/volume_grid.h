@@ -21,13 +21,13 @@ namespace gs::app {
 /// Values of a volume in memory. A large volume keeps only every second or third voxel per axis.
 class VolumeGrid {
  public:
-  static constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 27;  // max kept voxels
+  static constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 27;  // max kept voxels
 
   /// Reads a volume file. A true `stop` cancels it. Runs on any thread; errors name the file. Memory is charged to
   /// `budget`.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> read(
       const std::string& path, const std::atomic<bool>* stop = nullptr, const WorldBudget& budget = own_budget(),
-      std::uint64_t most_voxels = kMostVoxels);
+      std::uint64_t most_voxels = kMaxVoxels);
   /// Reads from a source; see `read`.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> take(
       const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,

@@ -33,9 +33,9 @@ struct Step {
 };
 
 // Maximum number of triangles per byte of a base; encoders pad with zeros if needed.
-constexpr std::size_t kMostTrianglesAByte = 64;
+constexpr std::size_t kMaxTrianglesAByte = 64;
 // Maximum number of gates from a vertex, and to it. Meshes have two or three.
-constexpr std::size_t kMostGates = 64;
+constexpr std::size_t kMaxGates = 64;
 
 std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
 
@@ -188,7 +188,7 @@ class Gates {
   bool open(const Gate& gate) {
     by_start_[gate.a].push_back(gate);
     by_end_[gate.b].push_back(gate);
-    return by_start_[gate.a].size() <= kMostGates && by_end_[gate.b].size() <= kMostGates;
+    return by_start_[gate.a].size() <= kMaxGates && by_end_[gate.b].size() <= kMaxGates;
   }
   void close(std::uint32_t a, std::uint32_t b) {
     drop(by_start_[a], a, b);
@@ -307,7 +307,7 @@ CodedBase encode_base(const BaseMesh& mesh, const std::function<bool(std::uint32
   coded.source = std::move(writer.source);
   coded.bytes = writer.finish();
   coded.bytes.insert(coded.bytes.begin(), static_cast<std::byte>(mesh.bits));
-  const std::size_t least = (mesh.triangles.size() + kMostTrianglesAByte - 1) / kMostTrianglesAByte;
+  const std::size_t least = (mesh.triangles.size() + kMaxTrianglesAByte - 1) / kMaxTrianglesAByte;
   if (coded.bytes.size() < least) coded.bytes.resize(least);
   return coded;
 }
@@ -318,7 +318,7 @@ std::optional<BaseMesh> decode_base(std::span<const std::byte> bytes, std::size_
   if (bits < 1 || bits > 16) return {};
   BaseReader reader(bytes.subspan(1), bits);
   BaseMesh mesh;
-  if (!grow(reader, std::min(most_triangles, kMostTrianglesAByte * bytes.size()), mesh)) return {};
+  if (!grow(reader, std::min(most_triangles, kMaxTrianglesAByte * bytes.size()), mesh)) return {};
   return mesh;
 }
 

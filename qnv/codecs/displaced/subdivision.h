@@ -105,7 +105,7 @@ void visit_level(const Patches& patches, const Patches& slots, int level, Visit 
 [[nodiscard]] inline Prediction predict(const NewVertex& v, bool line, std::span<const glm::vec3> positions,
                                         std::span<const glm::vec3> normals) {
   constexpr float kCurve = 0.5f;  // fraction of the way to the mean of both tangent planes
-  constexpr float kMost = 0.15f;  // of the edge's length
+  constexpr float kMax = 0.15f;   // of the edge's length
   Prediction p;
   const glm::vec3 a = positions[v.a], b = positions[v.b], middle = 0.5f * (a + b), along = b - a;
   const glm::vec3 normal_a = normals[v.slot_a], normal_b = normals[v.slot_b];
@@ -124,7 +124,7 @@ void visit_level(const Patches& patches, const Patches& slots, int level, Visit 
   glm::vec3 bend =
       0.5f * kCurve * (normal_a * glm::dot(normal_a, a - middle) + normal_b * glm::dot(normal_b, b - middle));
   const float size = glm::length(bend);
-  if (size > kMost * length) bend *= kMost * length / size;
+  if (size > kMax * length) bend *= kMax * length / size;
   p.position += bend;
   return p;
 }

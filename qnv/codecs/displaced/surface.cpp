@@ -42,7 +42,7 @@ std::optional<StageHeader> decode_stage(std::span<const std::byte> bytes) {
   header.colored = (flags & 1) != 0;
   header.beside = (flags & 2) != 0;
   if (header.depth > kDeepestPatch || header.step_exponent < 1 || header.step_exponent > 24 || flags > 3) return {};
-  auto base = decode_base(bytes.subspan(4), kMostTriangles);
+  auto base = decode_base(bytes.subspan(4), kMaxTriangles);
   if (!base || base->triangles.empty()) return {};
   header.base = std::move(*base);
   return header;
@@ -75,7 +75,7 @@ std::optional<ClusterHeader> decode_cluster_header(std::span<const std::byte> pa
   header.first = get_number(reader);
   header.count = get_number(reader);
   if (!reader.good() || header.level < 1 || header.level > kDeepestPatch || header.layer >= kLayers ||
-      header.count == 0 || header.first > kMostTriangles || header.count > kMostTriangles)
+      header.count == 0 || header.first > kMaxTriangles || header.count > kMaxTriangles)
     return {};
   header.bytes = payload.size() - reader.left();
   return header;

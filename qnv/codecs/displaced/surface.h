@@ -18,7 +18,7 @@ namespace gs::qnv::displaced {
 
 /// Number of layers, and log2 of the factor by which steps shrink per layer.
 inline constexpr int kLayers = 4, kLayerShift = 2;
-inline constexpr int kMostTriangles = 1 << 17;  // of a base
+inline constexpr int kMaxTriangles = 1 << 17;  // of a base
 /// Steps of colours, of 255: luma, and both chromas.
 inline constexpr int kLumaStep = 6, kChromaStep = 12;
 

@@ -47,9 +47,9 @@ struct ExpectedCorner {
       std::int64_t c = start[axis] + rounded(part * along[axis], square);
       if (there != 0) {
         const std::int64_t off = beyond_at[axis] - start[axis] - rounded(beyond_part * along[axis], square);
-        c -= rounded(here * std::clamp(off, -kMostOff, kMostOff), there);
+        c -= rounded(here * std::clamp(off, -kMaxOff, kMaxOff), there);
       }
-      at[axis] = static_cast<int>(std::clamp(c, -kMostOff, kMostOff));
+      at[axis] = static_cast<int>(std::clamp(c, -kMaxOff, kMaxOff));
     }
     return at;
   }
@@ -65,12 +65,12 @@ struct ExpectedCorner {
     glm::ivec2 at(0);
     for (int axis = 0; axis < 2; ++axis)
       at[axis] = static_cast<int>(
-          std::clamp(start[axis] + rounded(part * along[axis] + height * across[axis], square), -kMostOff, kMostOff));
+          std::clamp(start[axis] + rounded(part * along[axis] + height * across[axis], square), -kMaxOff, kMaxOff));
     return at;
   }
 
  private:
-  static constexpr std::int64_t kMostOff = std::int64_t{1} << 24;
+  static constexpr std::int64_t kMaxOff = std::int64_t{1} << 24;
   static std::int64_t rounded(std::int64_t a, std::int64_t by) { return floor_divide(2 * a + by, 2 * by); }
   static int shift_of(const Long3& a, const Long3& b) {
     std::uint64_t most = 0;

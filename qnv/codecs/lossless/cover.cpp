@@ -12,8 +12,8 @@ using displaced::BinaryDecoder;
 using displaced::BinaryEncoder;
 
 constexpr std::size_t kCoverHeaderBytes = 10;
-constexpr int kMostCoverStage = 15;
-constexpr std::uint32_t kMostPatches = 1u << 17;
+constexpr int kMaxCoverStage = 15;
+constexpr std::uint32_t kMaxPatches = 1u << 17;
 
 /// Models of FORMAT.md, "Covered patches".
 struct CoverModels {
@@ -56,7 +56,7 @@ std::optional<Cover> decode_cover(std::span<const std::byte> payload) {
   cover.parts = in.integer<std::uint8_t>();
   const auto patches = in.integer<std::uint32_t>();
   cover.triangles = in.integer<std::uint32_t>();
-  if (!in.good() || cover.stage > kMostCoverStage || cover.parts == 0 || patches > kMostPatches) return {};
+  if (!in.good() || cover.stage > kMaxCoverStage || cover.parts == 0 || patches > kMaxPatches) return {};
   BinaryDecoder decoder(payload.subspan(kCoverHeaderBytes));
   CoverModels models;
   std::size_t changed = 0;

@@ -25,7 +25,7 @@ inline constexpr Weights kUsualWeights = [] {
   return weights;
 }();
 /// Maximum number of triangles per byte of a tail; encoders pad with zeros if needed.
-inline constexpr std::size_t kMostTrianglesAByte = 64;
+inline constexpr std::size_t kMaxTrianglesAByte = 64;
 
 [[nodiscard]] std::vector<std::byte> encode_tail_header(const TailHeader& header);
 /// Returns nullopt if a field is out of range or promises more than `length` bytes can hold. `tail` is a prefix of the

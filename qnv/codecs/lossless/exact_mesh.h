@@ -15,10 +15,10 @@
 namespace gs::qnv::exact {
 
 /// Lattice bits of vertex positions: the lattice has 2^bits positions per axis.
-inline constexpr int kLeastBits = 8, kMostBits = 20;
+inline constexpr int kMinBits = 8, kMaxBits = 20;
 
 /// Lattice of texture coordinates: 2^bits positions per axis, from `lower` to lower + size.
-inline constexpr int kMostTextureBits = 16;
+inline constexpr int kMaxTextureBits = 16;
 struct TextureLattice {
   int bits = 0;  // 0: no texture coordinates
   glm::vec2 lower{0}, size{1};
@@ -34,7 +34,7 @@ using CornerCoordinates = std::array<glm::ivec2, 3>;
 /// is a rim, and the triangles around each vertex form one fan. Non-manifold sources get several vertices at one
 /// position.
 struct ExactMesh {
-  int bits = 11;                     // kLeastBits to kMostBits
+  int bits = 11;                     // kMinBits to kMaxBits
   int finest = 0;                    // bits of the lattice of which positions are truncated; 0 means `bits`
   int crease_angle = 180;            // degrees, 0 to 180; larger angles between faces are shaded as creases
   Shading shading;                   // of a source: the rule closest to its normals

@@ -20,12 +20,12 @@ namespace gs::qnv::exact {
 /// Adaptive probability of a yes, as two estimates that learn fast and slowly.
 struct TwoRates {
   std::uint16_t fast = 32768, slow = 32768;  // of 65536
-  std::uint8_t seen = 0;                     // number of decisions, at most kMostSeen
+  std::uint8_t seen = 0;                     // number of decisions, at most kMaxSeen
 
-  static constexpr std::uint8_t kMostSeen = 254, kFastSeen = 30;
+  static constexpr std::uint8_t kMaxSeen = 254, kFastSeen = 30;
   /// 65536 / (n + 3/2), rounded down.
-  static constexpr std::array<std::uint16_t, kMostSeen + 1> kRates = [] {
-    std::array<std::uint16_t, kMostSeen + 1> rates{};
+  static constexpr std::array<std::uint16_t, kMaxSeen + 1> kRates = [] {
+    std::array<std::uint16_t, kMaxSeen + 1> rates{};
     for (std::size_t n = 0; n < rates.size(); ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
     return rates;
   }();
@@ -33,19 +33,19 @@ struct TwoRates {
     const std::int64_t target = bit ? 65535 : 0;
     fast = static_cast<std::uint16_t>(fast + ((target - fast) * kRates[std::min(seen, kFastSeen)] >> 16));
     slow = static_cast<std::uint16_t>(slow + ((target - slow) * kRates[seen] >> 16));
-    seen = static_cast<std::uint8_t>(seen + (seen < kMostSeen ? 1 : 0));
+    seen = static_cast<std::uint8_t>(seen + (seen < kMaxSeen ? 1 : 0));
   }
   [[nodiscard]] std::uint32_t sum() const { return std::uint32_t{fast} + slow; }
 };
 
 /// Models of the bit lengths of numbers.
 struct Lengths {
-  static constexpr std::size_t kMost = 23;
-  std::array<TwoRates, kMost> longer;
+  static constexpr std::size_t kMax = 23;
+  std::array<TwoRates, kMax> longer;
 };
 /// Models of the two bits after the leading one, by length.
 struct Digits {
-  std::array<std::array<TwoRates, 3>, Lengths::kMost + 1> of;
+  std::array<std::array<TwoRates, 3>, Lengths::kMax + 1> of;
 };
 
 /// Decisions in both directions. With BinaryEncoder as `Coder`, the given values are written and returned; with
@@ -77,12 +77,12 @@ class Decisions {
       return coder_.get_bits(count);
     }
   }
-  /// Codes a signed integer with a magnitude below 2^Lengths::kMost.
+  /// Codes a signed integer with a magnitude below 2^Lengths::kMax.
   int number(Lengths& one, Lengths& other, Digits& digits, int value) {
     const auto size = static_cast<std::uint32_t>(std::abs(value));
     const auto length = static_cast<std::size_t>(std::bit_width(size));
     std::size_t l = 0;
-    while (l < Lengths::kMost && bit(one.longer[l], other.longer[l], l < length)) ++l;
+    while (l < Lengths::kMax && bit(one.longer[l], other.longer[l], l < length)) ++l;
     if (l == 0) return 0;
     const bool negative = bits(value < 0 ? 1 : 0, 1) != 0;
     std::uint32_t read = 1;

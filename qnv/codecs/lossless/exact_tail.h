@@ -11,7 +11,7 @@
 namespace gs::qnv::exact {
 
 /// Quantises a welded mesh to the lattice. `mesh` is in units of the longest edge of the stream's box, from its lower
-/// corner (displaced::Frame). Splits non-manifold vertices. `bits` is kLeastBits to kMostBits.
+/// corner (displaced::Frame). Splits non-manifold vertices. `bits` is kMinBits to kMaxBits.
 [[nodiscard]] ExactMesh quantized(displaced::SurfaceMesh mesh, int bits);
 
 /// Ranks from 0 to 7 of the lattice's cells, 2^cell_bits per axis (cell_of() in tail_header.h). The mesh grows through

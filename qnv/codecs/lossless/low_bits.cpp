@@ -8,7 +8,7 @@
 namespace gs::qnv::exact {
 namespace {
 
-constexpr std::size_t kLowBitsHeaderBytes = 5, kLowBitsBytes = 1185, kMostLowBitsBytes = std::size_t{1} << 28;
+constexpr std::size_t kLowBitsHeaderBytes = 5, kLowBitsBytes = 1185, kMaxLowBitsBytes = std::size_t{1} << 28;
 constexpr std::size_t kRunCost = 64;  // overhead of a run
 constexpr std::size_t kBits = 3;      // per vertex and layer
 
@@ -50,10 +50,10 @@ bool LowBits::add(std::span<const std::byte> payload) {
   ByteReader in(payload);
   const int layer = in.integer<std::uint8_t>();
   const auto first = in.integer<std::uint32_t>();
-  if (!in.good() || layer > kMostBits || payload.size() == kLowBitsHeaderBytes) return false;
+  if (!in.good() || layer > kMaxBits || payload.size() == kLowBitsHeaderBytes) return false;
   if (runs_.contains({layer, first})) return true;
   bytes_ += payload.size() + kRunCost;
-  if (bytes_ > kMostLowBitsBytes) return false;
+  if (bytes_ > kMaxLowBitsBytes) return false;
   const auto bytes = payload.subspan(kLowBitsHeaderBytes);
   runs_.emplace(std::pair(layer, first), std::vector<std::byte>(bytes.begin(), bytes.end()));
   return true;

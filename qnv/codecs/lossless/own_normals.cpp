@@ -163,7 +163,7 @@ std::optional<std::vector<glm::vec3>> decode_normals(std::span<const std::byte> 
   ByteReader in(bytes);
   const int bits = in.integer<std::uint8_t>();
   const std::size_t triangles = in.integer<std::uint32_t>();
-  if (!in.good() || bits < kLeastNormalBits || bits > kMostNormalBits || triangles != mesh.triangles.size() ||
+  if (!in.good() || bits < kMinNormalBits || bits > kMaxNormalBits || triangles != mesh.triangles.size() ||
       shaded.size() != 3 * triangles || mesh.twins.size() != shaded.size())
     return {};
   displaced::BinaryDecoder decoder(bytes.subspan(kNormalsHeaderBytes));

@@ -13,7 +13,7 @@
 namespace gs::qnv::exact {
 
 /// Normals of a mesh's corners from its file, if no shading rule reproduces them. FORMAT.md, "Normals".
-inline constexpr int kOwnNormalBits = 9, kLeastNormalBits = 4, kMostNormalBits = 14;
+inline constexpr int kOwnNormalBits = 9, kMinNormalBits = 4, kMaxNormalBits = 14;
 
 /// Encodes normals. `mesh` is as decoded. `shaded` and `own` are the unit normals of each corner 3 t + k: by its
 /// shading rule, and from the file.

@@ -47,7 +47,7 @@ PictureReader::Range PictureReader::finest() const {
   const std::size_t count = in.integer<std::uint8_t>();
   Range range;
   std::size_t begin = kFixedBytes + kFileBytes * count;
-  if (count > kMostPictureFiles) return range;
+  if (count > kMaxPictureFiles) return range;
   for (std::size_t i = 0; i < count && begin < front_.size(); ++i) {
     const std::size_t length = in.integer<std::uint32_t>(), enough = in.integer<std::uint32_t>();
     const std::size_t end = begin + std::min(length, front_.size() - begin);

@@ -11,9 +11,9 @@
 namespace gs::qnv::exact {
 
 /// Texture of a tail with texture coordinates. FORMAT.md, "Picture".
-inline constexpr std::size_t kMostPictureFiles = 8;
+inline constexpr std::size_t kMaxPictureFiles = 8;
 struct TailPicture {
-  std::vector<PictureFile> files;  // coarse to fine; 1 to kMostPictureFiles
+  std::vector<PictureFile> files;  // coarse to fine; 1 to kMaxPictureFiles
   bool repeat_s = true, repeat_t = true;
 };
 

@@ -16,7 +16,7 @@ using displaced::kNone;
 
 constexpr std::size_t kShadingBytes = 2;
 // Maximum number of corners at a vertex for comparing every pair of faces.
-constexpr std::uint32_t kMostPairs = 256;
+constexpr std::uint32_t kMaxPairs = 256;
 // Approximate number of vertices that an encoder samples.
 constexpr std::size_t kLookedAt = 6000;
 
@@ -81,7 +81,7 @@ std::vector<glm::vec3> by_faces(const ShadedMesh& mesh, int angle, const std::ve
     if (!wanted.empty() && !wanted[v]) continue;
     const std::span<const std::uint32_t> around =
         std::span<const std::uint32_t>(round).subspan(ends[v], ends[v + 1] - ends[v]);
-    const bool all = around.size() > kMostPairs;
+    const bool all = around.size() > kMaxPairs;
     glm::vec3 sum(0);
     if (all)
       for (const std::uint32_t c : around) sum += mesh.faces[c / 3];

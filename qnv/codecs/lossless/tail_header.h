@@ -27,7 +27,7 @@ struct TailHeader {
 };
 
 /// Maximum bits of a cell. Cells are the highest bits of positions; the mesh grows through cells of low rank first.
-inline constexpr int kMostCellBits = 5;
+inline constexpr int kMaxCellBits = 5;
 [[nodiscard]] constexpr std::size_t cell_of(const glm::ivec3& place, int bits, int cell_bits) {
   const int shift = bits - cell_bits;
   const auto part = [&](int c) { return static_cast<std::size_t>(c >> shift); };

@@ -31,7 +31,7 @@ bool TailPieces::add(std::span<const std::byte> payload) {
   const std::size_t at = in.integer<std::uint32_t>(), length = in.integer<std::uint32_t>();
   if (!in.good() || payload.size() == kPieceHeaderBytes) return false;
   const auto bytes = payload.subspan(kPieceHeaderBytes);
-  if (length > kMostTailBytes || bytes.size() > length || at > length - bytes.size()) return false;
+  if (length > kMaxTailBytes || bytes.size() > length || at > length - bytes.size()) return false;
   if (length_ != 0 && length != length_) return false;
   const auto behind = pieces_.lower_bound(at);
   if (behind != pieces_.end() && behind->first == at && std::ranges::equal(behind->second, bytes)) return true;

@@ -10,7 +10,7 @@
 namespace gs::qnv::exact {
 
 /// Maximum length of a tail.
-inline constexpr std::size_t kMostTailBytes = std::size_t{1} << 28;
+inline constexpr std::size_t kMaxTailBytes = std::size_t{1} << 28;
 
 /// Bytes per piece. pieces_of() cuts a tail into chunk payloads.
 inline constexpr std::size_t kTailPieceBytes = 16384;

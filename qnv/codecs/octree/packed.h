@@ -21,7 +21,7 @@ constexpr int kOctahedral = 1024;
 /// Plane distances are in 1/64 of the voxel's edge times the 1-norm of the unit normal: -32..32.
 constexpr int kOffsetUnits = 64;
 /// Maximum number of voxels of a cluster; larger ones are rejected.
-constexpr std::size_t kMostVoxels = 65535;
+constexpr std::size_t kMaxVoxels = 65535;
 constexpr std::uint32_t kNoParent = 0xffffffff;
 
 /// Voxels of one cluster; every array has one entry per voxel.
@@ -61,7 +61,7 @@ struct PackedError {
 [[nodiscard]] std::variant<ClusterHeader, PackedError> read_cluster_header(std::span<const std::byte> payload);
 
 /// Decodes a cluster against its parent (nullptr if it has none). Pure; safe from any thread and for untrusted bytes.
-/// Produces at most kMostVoxels voxels, in time proportional to them. Checks the final state of the entropy coder,
+/// Produces at most kMaxVoxels voxels, in time proportional to them. Checks the final state of the entropy coder,
 /// which detects most damage that a checksum missed.
 [[nodiscard]] std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> payload,
                                                                 const Cluster* parent);

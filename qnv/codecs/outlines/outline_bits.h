@@ -20,9 +20,9 @@ namespace gs::qnv::outline {
 }
 
 /// Maximum order of an Exp-Golomb code.
-constexpr int kMostOrder = 31;
+constexpr int kMaxOrder = 31;
 /// Bits of an Exp-Golomb code's value; values are below 2^40.
-constexpr int kMostValueBits = 40;
+constexpr int kMaxValueBits = 40;
 
 /// Returns the length of an Exp-Golomb code in bits (J. Teuhola 1978): b - order - 1 zeros, a one, and the lower b - 1
 /// bits of value + 2^order, which has b bits.
@@ -83,7 +83,7 @@ class BitReader {
   std::uint64_t golomb(int order) {
     int zeros = 0;
     while (good_ && !flag())
-      if (++zeros + order >= kMostValueBits) good_ = false;
+      if (++zeros + order >= kMaxValueBits) good_ = false;
     if (!good_) return 0;
     const int width = zeros + order;
     return (bits(width) | std::uint64_t{1} << width) - (std::uint64_t{1} << order);

@@ -67,7 +67,7 @@ bool read_frame(BitReader& from, std::uint32_t previous, const ChunkHead& head, 
   }
   for (std::size_t axis = 0; axis < head.axes(); ++axis) {
     frame.bits[axis] = static_cast<std::uint8_t>(from.bits(6));
-    if (frame.bits[axis] > kMostValueBits) return false;
+    if (frame.bits[axis] > kMaxValueBits) return false;
   }
   frame.code = Code::read(from, head.axes());
   if (!head.inner) frame.count_order = static_cast<std::uint8_t>(from.bits(5));

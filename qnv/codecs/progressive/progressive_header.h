@@ -15,7 +15,7 @@ inline constexpr std::uint8_t kFrontMark = 255;  // stands at the position of a 
 inline constexpr std::size_t kFrontBytes = 13;   // before the first mesh
 inline constexpr std::size_t kSegmentHeaderBytes = 6;
 /// Maximum number of visits per byte of a segment.
-inline constexpr std::size_t kMostVisitsAByte = 64;
+inline constexpr std::size_t kMaxVisitsAByte = 64;
 
 struct FrontHeader {
   int bits = 12;

@@ -25,7 +25,7 @@ struct WantedSplit {
 /// positions. Used in both directions; FORMAT.md, "Splits", has every step. Not thread-safe.
 class SplitGrowth {
  public:
-  static constexpr std::uint32_t kMostVertices = 1u << 28;
+  static constexpr std::uint32_t kMaxVertices = 1u << 28;
 
   /// `mesh` is on a lattice of `bits` bits, finally `finest`. `vertices` and `triangles` are the maximum numbers. With
   /// `middles`, new vertices are predicted at the mean of their neighbours, else at the old vertex.

@@ -26,7 +26,7 @@ struct TexturedSurface {
   std::vector<Triangle> triangles;
   std::vector<std::array<glm::vec2, 3>> coordinates;  // s and t (VRML97 4.6.11) of each triangle's corners
   std::uint32_t width = 1, height = 1;                // of the picture
-  std::vector<PictureFile> picture;                   // coarse to fine; at most exact::kMostPictureFiles
+  std::vector<PictureFile> picture;                   // coarse to fine; at most exact::kMaxPictureFiles
   bool repeat_s = true, repeat_t = true;
 };
 
@@ -34,7 +34,7 @@ struct TexturedSurface {
 /// the size of its triangles, and with parity.
 inline constexpr int kExactWherePays = -1;
 /// Maximum number of triangles of a small surface for kExactWherePays.
-inline constexpr std::size_t kMostChosenTriangles = 300'000;
+inline constexpr std::size_t kMaxChosenTriangles = 300'000;
 
 struct EncodeOptions {
   Payload payload = Payload::packed;

@@ -5,7 +5,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kFirstBytes = 990, kFewestBaseBytes = 500;
+constexpr std::size_t kFirstBytes = 990, kMinBaseBytes = 500;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ StreamHeader surface_header(Payload payload, const SurfaceSurvey& survey, const 
 }
 
 std::size_t room_for_base(const StreamHeader& header) {
-  return kFirstBytes - std::min(encode_header(header).size(), kFirstBytes - kFewestBaseBytes);
+  return kFirstBytes - std::min(encode_header(header).size(), kFirstBytes - kMinBaseBytes);
 }
 
 }  // namespace gs::qnv

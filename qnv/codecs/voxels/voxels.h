@@ -26,7 +26,7 @@ struct VolumeVoxels {
   std::vector<std::uint16_t> x, y, z;   // cell at its level
   std::vector<std::int16_t> u, v;       // octahedral direction along the lattice's axes
   std::vector<std::uint8_t> value;      // class
-  std::vector<std::uint8_t> magnitude;  // 0..kMostMagnitude
+  std::vector<std::uint8_t> magnitude;  // 0..kMaxMagnitude
   std::vector<std::uint8_t> activity;   // size of the last residual, 0..3: bits 0..1 for direction, 2..3 for value
   /// Voxels of the cluster that share a face: below along x, above along x, then y and z. Empty at the lattice's depth,
   /// which is never divided.
@@ -47,7 +47,7 @@ struct VolumeCluster {
 [[nodiscard]] std::variant<ClusterHeader, PackedError> read_volume_cluster_header(std::span<const std::byte> payload);
 
 /// Decodes a cluster against its parent (nullptr if it has none). Pure; safe from any thread and for untrusted bytes.
-/// Produces at most kMostVoxels voxels, in time proportional to them. Checks the final state of the entropy coder.
+/// Produces at most kMaxVoxels voxels, in time proportional to them. Checks the final state of the entropy coder.
 [[nodiscard]] std::variant<VolumeCluster, PackedError> decode_volume_cluster(std::span<const std::byte> payload,
                                                                              const VolumeCluster* parent,
                                                                              const VoxelLattice& lattice);

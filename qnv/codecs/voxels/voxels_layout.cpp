@@ -90,7 +90,7 @@ std::variant<ClusterHeader, PackedError> read_volume_cluster_header(std::span<co
   const auto out_of = [&](std::size_t i, std::uint32_t most) {
     return parameter_at(payload, i) < 1 || parameter_at(payload, i) > most;
   };
-  if (out_of(15, 255) || out_of(16, kOctahedral / kDirectionUnit) || out_of(17, kMostMagnitude))
+  if (out_of(15, 255) || out_of(16, kOctahedral / kDirectionUnit) || out_of(17, kMaxMagnitude))
     return PackedError{"a cluster with invalid steps of values, directions or magnitudes"};
   return read;
 }

@@ -15,7 +15,7 @@
 namespace gs::qnv::displaced {
 namespace {
 
-constexpr std::size_t kPartTriangles = 100'000, kMostParts = 64;
+constexpr std::size_t kPartTriangles = 100'000, kMaxParts = 64;
 // Factor on the requested number, left to the whole mesh, since the parts' borders are not simplified.
 constexpr std::size_t kKept = 4;
 
@@ -119,7 +119,7 @@ SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t cou
 SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles, unsigned threads,
                      const std::function<void()>& beside) {
   const bool large = mesh.triangles.size() >= 2 * kPartTriangles && mesh.triangles.size() / (2 * kKept) >= triangles;
-  const std::size_t parts = std::min(kMostParts, std::bit_floor(mesh.triangles.size() / kPartTriangles));
+  const std::size_t parts = std::min(kMaxParts, std::bit_floor(mesh.triangles.size() / kPartTriangles));
   const SurfaceMesh thin = large ? thinned(mesh, triangles, parts, threads) : SurfaceMesh();
   const SurfaceMesh& from = large ? thin : mesh;
   SurfaceMesh out;

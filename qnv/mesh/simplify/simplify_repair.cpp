@@ -8,7 +8,7 @@ namespace {
 
 // Maximum perimeter of invisible holes and tunnels, in edges of the requested mesh.
 constexpr double kHoleEdges = 1.5, kTunnelEdges = 0.75;
-constexpr std::size_t kMostSearched = 3000;  // maximum number of triangles between both sides of a tunnel
+constexpr std::size_t kMaxSearched = 3000;  // maximum number of triangles between both sides of a tunnel
 
 }  // namespace
 
@@ -118,7 +118,7 @@ bool Simplifier::joined_elsewhere(const Corners& cycle) {
   ++searches_;
   std::vector<std::uint32_t> open{from};
   seen_triangles_[from] = searches_;
-  for (std::size_t i = 0; i < std::min(open.size(), kMostSearched); ++i) {
+  for (std::size_t i = 0; i < std::min(open.size(), kMaxSearched); ++i) {
     if (open[i] == to) return true;
     const Corners& t = triangles_[open[i]];
     for (std::size_t k = 0; k < 3; ++k) {

@@ -18,7 +18,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::uint64_t kMostVectors = std::uint64_t{1} << 31;
+constexpr std::uint64_t kMaxVectors = std::uint64_t{1} << 31;
 
 // Bits of a positive float, read as an integer, sort like the float. The first pass counts lengths by the upper 16 bits
 // after the sign; if a bucket is too full, a second pass counts by the lower 15.
@@ -64,8 +64,8 @@ class CountsPool {
 
 /// Limit of the kept lengths.
 struct Cut {
-  Key lowest = 1;                     // shorter ones are dropped
-  std::uint64_t ties = kMostVectors;  // number of vectors of exactly that length to keep, in the order of voxels
+  Key lowest = 1;                    // shorter ones are dropped
+  std::uint64_t ties = kMaxVectors;  // number of vectors of exactly that length to keep, in the order of voxels
 };
 
 class GradientEncoder {
@@ -258,7 +258,7 @@ class GradientEncoder {
           }
         },
         [&](std::size_t units) {
-          for (std::size_t i = 0; i < units && cut_.ties < kMostVectors; ++i)
+          for (std::size_t i = 0; i < units && cut_.ties < kMaxVectors; ++i)
             std::erase_if(parts[i], [&](const FoundVector& entry) {
               return entry.key == cut_.lowest && (ties == 0 || ties-- == 0);
             });
@@ -332,9 +332,9 @@ std::variant<Cloud, VolumeError> gradient_vectors(const VolumeSource& source, co
   if (!source.read) return VolumeError{"the volume has no source of slices"};
   if (!(options.fraction >= 0 && options.fraction <= 1))
     return VolumeError{"the fraction of the vectors is " + std::to_string(options.fraction) + "; expected 0 to 1"};
-  if (options.vectors > kMostVectors)
+  if (options.vectors > kMaxVectors)
     return VolumeError{std::to_string(options.vectors) + " vectors were requested; expected at most " +
-                       std::to_string(kMostVectors)};
+                       std::to_string(kMaxVectors)};
   return GradientEncoder(source, options, progress).run();
 }
 

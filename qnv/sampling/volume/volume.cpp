@@ -14,8 +14,8 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::uint64_t kMostVolumeVoxels = std::uint64_t{1} << 48;
-constexpr std::uint64_t kMostSliceVoxels = std::uint64_t{1} << 34;
+constexpr std::uint64_t kMaxVolumeVoxels = std::uint64_t{1} << 48;
+constexpr std::uint64_t kMaxSliceVoxels = std::uint64_t{1} << 34;
 
 template <class T>
 T swapped(T value) {
@@ -91,19 +91,19 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   const std::string size = std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z);
   if (x == 0 || y == 0 || z == 0) return VolumeError{"the volume has " + size + " voxels; expected at least one"};
   const std::uint64_t slice = std::uint64_t{x} * y;
-  if (slice > kMostSliceVoxels || slice > kMostVolumeVoxels / z)
+  if (slice > kMaxSliceVoxels || slice > kMaxVolumeVoxels / z)
     return VolumeError{"the volume has " + size + " voxels; expected at most 2^34 a slice and 2^48 in all"};
   if (layout.type > VoxelType::f64) return VolumeError{"the volume has an unknown type"};
   if (!std::isfinite(layout.slope) || !std::isfinite(layout.intercept))
     return VolumeError{"the slope or intercept of the volume's values is not finite"};
   if (!finite(layout.origin) || !finite(layout.base)) return VolumeError{"the origin of the volume is not finite"};
-  constexpr double kLeastStep = 1e-15, kMostStep = 1e15, kFarthest = 1e18;  // beyond these, areas overflow float
+  constexpr double kMinStep = 1e-15, kMaxStep = 1e15, kFarthest = 1e18;  // beyond these, areas overflow float
   if (glm::length(layout.origin + layout.base) > kFarthest)
     return VolumeError{"the origin of the volume is more than 1e18 from the origin of the world"};
   for (const glm::vec3& axis : layout.axes) {
     if (!finite(axis)) return VolumeError{"an axis of the volume is not finite"};
     const double step = glm::length(glm::dvec3(axis));
-    if (step < kLeastStep || step > kMostStep)
+    if (step < kMinStep || step > kMaxStep)
       return VolumeError{"a voxel of the volume is not between 1e-15 and 1e15 long"};
   }
   const glm::dmat3 axes(layout.axes[0], layout.axes[1], layout.axes[2]);

@@ -18,7 +18,7 @@ namespace {
 
 using namespace app;
 
-constexpr std::uint64_t kMost = std::uint64_t{2} << 30;
+constexpr std::uint64_t kMax = std::uint64_t{2} << 30;
 const std::string kHeader = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
 
 /// Runs a command that writes measurements, and reads them.
@@ -29,7 +29,7 @@ Run measured(const ScratchFolder& folder, const std::string& command, const std:
   INFO(result.output);
   const auto json = nlohmann::json::parse(folder.read("stats.json"), nullptr, false);
   REQUIRE(json.is_object());
-  if (!watched()) CHECK(json["peak_rss_bytes"].get<std::uint64_t>() < kMost);
+  if (!watched()) CHECK(json["peak_rss_bytes"].get<std::uint64_t>() < kMax);
   return result;
 }
 

@@ -330,7 +330,7 @@ TEST_CASE("serve: sends streams as cells, as octrees and as records") {
     for (std::uint32_t i = 0; i < source.chunks(0); ++i) {
       const auto chunk = source.chunk(0, i);
       REQUIRE(chunk);
-      CHECK(chunk->head.size() <= net::kMostChunkHead);
+      CHECK(chunk->head.size() <= net::kMaxChunkHead);
       CHECK(source.box(0, i).has_value());
       all += string_of(chunk->head) + string_of(chunk->body);
     }

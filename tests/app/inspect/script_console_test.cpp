@@ -61,13 +61,13 @@ TEST_CASE("recalls entered lines by the arrow keys, and the line in progress") {
 
 TEST_CASE("limits the number of lines and entries") {
   ScriptConsole console;
-  for (std::size_t i = 0; i < 2 * ScriptConsole::kMostLines; ++i) console.answer(std::to_string(i), false);
-  CHECK(console.lines().size() <= ScriptConsole::kMostLines);
-  CHECK(console.lines().back().text == std::to_string(2 * ScriptConsole::kMostLines - 1));
-  for (std::size_t i = 0; i <= ScriptConsole::kMostEntered; ++i) (void)console.enter(std::to_string(i));
+  for (std::size_t i = 0; i < 2 * ScriptConsole::kMaxLines; ++i) console.answer(std::to_string(i), false);
+  CHECK(console.lines().size() <= ScriptConsole::kMaxLines);
+  CHECK(console.lines().back().text == std::to_string(2 * ScriptConsole::kMaxLines - 1));
+  for (std::size_t i = 0; i <= ScriptConsole::kMaxEntered; ++i) (void)console.enter(std::to_string(i));
   std::size_t entered = 0;
   while (console.recall(true, "")) ++entered;
-  CHECK(entered == ScriptConsole::kMostEntered);
+  CHECK(entered == ScriptConsole::kMaxEntered);
 }
 
 }  // namespace gs::app::script_console_test

@@ -50,9 +50,9 @@ TEST_CASE("reports the progress of each load, and forgets the oldest finished on
   CHECK(rows[1].why == "there is no such file");
   CHECK_FALSE(loss_of(rows[1]));
   CHECK(name_of(rows[1].stage) == "failed");
-  for (std::size_t i = 0; i < LoadLedger::kMost; ++i) ledger.end(ledger.begin("x", "data", nullptr), LoadStage::whole);
+  for (std::size_t i = 0; i < LoadLedger::kMax; ++i) ledger.end(ledger.begin("x", "data", nullptr), LoadStage::whole);
   rows = ledger.rows();
-  CHECK(rows.size() == LoadLedger::kMost);
+  CHECK(rows.size() == LoadLedger::kMax);
   CHECK(rows.front().number == first);  // not ended
 }
 

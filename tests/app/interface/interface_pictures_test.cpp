@@ -22,8 +22,8 @@ using render::Image;
 
 constexpr glm::ivec2 kWindow{720, 480};
 constexpr std::uint32_t kBlock = 8;
-constexpr int kMostDifference = 24;      // of 255, of the mean of a block
-constexpr double kMostOfPicture = 0.02;  // share of blocks that may differ: a caret, another font
+constexpr int kMaxDifference = 24;      // of 255, of the mean of a block
+constexpr double kMaxOfPicture = 0.02;  // share of blocks that may differ: a caret, another font
 
 const char* const kBody =
     "Viewpoint { description \"Front\" } DEF Lamp PointLight { } "
@@ -53,7 +53,7 @@ void check_picture(const std::string& name) {
   const auto before = kept(name);
   REQUIRE(before);
   INFO(name);
-  CHECK(driver::share_that_differs(*before, now, kMostDifference) <= kMostOfPicture);
+  CHECK(driver::share_that_differs(*before, now, kMaxDifference) <= kMaxOfPicture);
 }
 
 // Opens the scene tree on the left and the inspector on the right, for a ball.
@@ -130,16 +130,16 @@ TEST_CASE("draws equal windows after equal input, and shows a change") {
   const Image before = driver::means_of_blocks(first, kBlock);
   const auto difference = [&] {
     return driver::share_that_differs(before, driver::means_of_blocks(driver::picture_of_interface(), kBlock),
-                                      kMostDifference);
+                                      kMaxDifference);
   };
   // A missing panel, or other colours, exceed the tolerance.
   user.press(letter_key('I'), true, true);
-  CHECK(difference() > kMostOfPicture);
+  CHECK(difference() > kMaxOfPicture);
   user.press(letter_key('I'), true, true);
   user.click("View");
   user.click("Switch dark and light theme");
   user.settle();
-  CHECK(difference() > kMostOfPicture);
+  CHECK(difference() > kMaxOfPicture);
 }
 
 }  // namespace gs::app::interface_pictures_test

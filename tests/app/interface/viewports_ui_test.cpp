@@ -82,7 +82,7 @@ TEST_CASE("splits, switches, maximises, swaps and closes viewports by keys") {
   CHECK(split(user) == "2");
   CHECK(shown(user, 1) == "box.wrl");
   for (int i = 0; i < 20; ++i) user.press(Key::right, true, true);
-  CHECK(panes_of(user.session().panes().split()).size() == kMostViewports);
+  CHECK(panes_of(user.session().panes().split()).size() == kMaxViewports);
   CHECK(user.sees("The window can have at most 12 viewports"));
 }
 
@@ -161,7 +161,7 @@ TEST_CASE("splits, maximises and closes a viewport by its bar, and swaps and wei
   const auto slider = user.find("1.00 times");
   REQUIRE(slider);
   user.drag(*slider, *slider + glm::vec2(400, 0));
-  CHECK(user.session().panes().at(1).weight == Pane::kMostWeight);
+  CHECK(user.session().panes().at(1).weight == Pane::kMaxWeight);
   user.press(Key::escape);
   user.click("2 cone.wrl", MouseButton::right);
   CHECK(user.sees("4.00 times"));
@@ -186,7 +186,7 @@ TEST_CASE("applies the weight of a viewport to its share of vectors and bandwidt
   CHECK(user.sees("25 %"));
   CHECK(user.sees("75 %"));
   user.session().input().serve(PaneRequest{PaneRequest::Kind::weigh, 1, 0, 1e9});
-  CHECK(user.session().panes().at(1).weight == Pane::kMostWeight);
+  CHECK(user.session().panes().at(1).weight == Pane::kMaxWeight);
 }
 
 TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and the streams panel") {

@@ -181,12 +181,12 @@ TEST_CASE("chooses by priority if more sounds are active than can be played (7.3
   (void)folder.write("half.wav", media::constant(1, 0.01));
   (void)folder.write("other.wav", media::constant(1, 0.5));
   std::string world;
-  for (std::size_t i = 0; i < kMostVoices + 8; ++i)
+  for (std::size_t i = 0; i < kMaxVoices + 8; ++i)
     world += "Sound { spatialize FALSE minFront 20 minBack 20 " + clip() + "} ";
   world += "Sound { priority 1 intensity 0.5 spatialize FALSE minFront 20 minBack 20 " +
            clip("loop TRUE", "other.wav") + "}";
   const Ears ears = hear(folder, world, 0.2);
-  CHECK(ears.left(0.1) == Approx(0.5 * std::pow(10, -0.5) + 0.01 * (kMostVoices - 1)).margin(2e-3));
+  CHECK(ears.left(0.1) == Approx(0.5 * std::pow(10, -0.5) + 0.01 * (kMaxVoices - 1)).margin(2e-3));
 }
 
 TEST_CASE("plays a movie as source of a Sound (6.28)") {

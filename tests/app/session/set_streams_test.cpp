@@ -30,8 +30,8 @@ Bytes ball(std::size_t vectors) {
 }
 
 std::size_t size_of(const Bytes& stream) {
-  constexpr std::size_t kMost = 1 << 20;
-  const auto decoded = qnv::decode_stream(stream, kMost);
+  constexpr std::size_t kMax = 1 << 20;
+  const auto decoded = qnv::decode_stream(stream, kMax);
   return std::get<qnv::Cloud>(decoded.content).size();
 }
 

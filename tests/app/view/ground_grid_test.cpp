@@ -34,8 +34,8 @@ TEST_CASE("draws a grid of 1, 2 or 5 units with about ten squares below the obje
   CHECK(grid_spacing({}, {}) == 0);
   CHECK(grid_spacing(box({1, 1, 1}, {1, 1, 1}), {}) == 0);
   CHECK(ground_grid({}, {}) == nullptr);
-  constexpr float kMost = std::numeric_limits<float>::max();
-  CHECK(ground_grid(box({-kMost, 0, 0}, {kMost, 1, 1}), {}) == nullptr);
+  constexpr float kMax = std::numeric_limits<float>::max();
+  CHECK(ground_grid(box({-kMax, 0, 0}, {kMax, 1, 1}), {}) == nullptr);
   CHECK(ground_grid(box({1e9f, 0, 0}, {1e9f + 64, 1, 1}), {}) != nullptr);
 }
 

@@ -93,12 +93,12 @@ TEST_CASE("picks overlays first, which never collide") {
   const auto met = items.nearest(list, line, 1000, render::Sought::met);
   REQUIRE(met);
   CHECK(met->item == 0);
-  list.items[0].met = false;
+  list.items[0].collidable = false;
   CHECK_FALSE(items.nearest(list, line, 1000, render::Sought::met));
   CHECK(items.near(list, {-9, -9, -9}, {9, 9, 9}, 100).empty());
   // Beside it, the rest is hit as before.
   list.items[1].world_from_node = list.items[2].world_from_node = glm::translate(glm::mat4(1), {9, 0, 0});
-  list.items[0].met = true;
+  list.items[0].collidable = true;
   CHECK(picker.pick(list, ray)->item == 0);
 }
 

@@ -17,7 +17,7 @@ TEST_CASE("draws late pictures more coarsely while the viewer moves, and finely 
   detail.note(2, true, 0.4);
   CHECK(detail.coarseness(true) == 4);
   for (int i = 0; i < 5; ++i) detail.note(detail.coarseness(true), true, 0.4);
-  CHECK(detail.coarseness(true) == PictureDetail::kMost);
+  CHECK(detail.coarseness(true) == PictureDetail::kMax);
 }
 
 TEST_CASE("refines pictures again as soon as finer ones are in time") {
@@ -45,9 +45,9 @@ TEST_CASE("keeps the loading progress visible during slow pictures") {
   pace.note(true, 11, 11);
   CHECK(pace.go_on(11.25, 12));
   CHECK_FALSE(pace.go_on(11.25, 12.25));
-  for (double begin = 20; begin < 1000; begin += 50) pace.note(true, begin, begin + LoadingPace::kMost);
-  CHECK(pace.go_on(2000, 2000 + LoadingPace::kMost - 0.1));
-  CHECK_FALSE(pace.go_on(2000, 2000 + LoadingPace::kMost));
+  for (double begin = 20; begin < 1000; begin += 50) pace.note(true, begin, begin + LoadingPace::kMax);
+  CHECK(pace.go_on(2000, 2000 + LoadingPace::kMax - 0.1));
+  CHECK_FALSE(pace.go_on(2000, 2000 + LoadingPace::kMax));
   pace.note(true, 2000, 2000.1);  // after input of the user
   CHECK(pace.go_on(2001, 2003));
   pace.note(false, 2001, 2003);

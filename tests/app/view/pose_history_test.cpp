@@ -63,7 +63,7 @@ TEST_CASE("forgets the oldest positions") {
     history.moved(at(x), place, 0);
     x = place.position.x;
   }
-  CHECK(places == PoseHistory::kMostPlaces);
+  CHECK(places == PoseHistory::kMaxPlaces);
 }
 
 }  // namespace gs::app::pose_history_test

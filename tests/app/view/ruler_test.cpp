@@ -55,7 +55,7 @@ TEST_CASE("measures small angles exactly, and rejects invalid points") {
   CHECK(ruler.add({0, 0, 1}));
   CHECK_FALSE(ruler.angle_at(1));
   CHECK(*ruler.area() == 0);
-  for (std::size_t i = 3; i < Ruler::kMostPoints; ++i) CHECK(ruler.add({0, 0, 0}));
+  for (std::size_t i = 3; i < Ruler::kMaxPoints; ++i) CHECK(ruler.add({0, 0, 0}));
   CHECK_FALSE(ruler.add({0, 0, 0}));
 }
 

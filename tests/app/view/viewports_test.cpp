@@ -81,7 +81,7 @@ TEST_CASE("draws frames as long as they improve") {
   refinement.note(false, 100'000, false);
   CHECK_FALSE(refinement.wanted());
   // A picture that always promises a better one lets the window rest.
-  for (int i = 0; i <= Refinement::kMostFramesAlike; ++i) refinement.note(true, 5, false);
+  for (int i = 0; i <= Refinement::kMaxFramesAlike; ++i) refinement.note(true, 5, false);
   CHECK_FALSE(refinement.wanted());
   refinement.note(true, 5, false);
   CHECK_FALSE(refinement.wanted());

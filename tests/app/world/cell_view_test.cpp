@@ -31,7 +31,7 @@ TEST_CASE("requests regions by what views see of a stream") {
   std::vector<qnv::LodView> many(20, views[1]);
   CHECK(regions_of(many, all).size() == 1);
   for (std::size_t i = 0; i < many.size(); ++i) many[i].planes[0].w = -0.5f - 0.02f * static_cast<float>(i);
-  CHECK(regions_of(many, all).size() == net::kMostRegions);
+  CHECK(regions_of(many, all).size() == net::kMaxRegions);
   // A flat box, and invalid numbers.
   const Box flat{{0, 0, 0}, {1, 0, 1}};
   CHECK(regions_of(std::span(views).subspan(1, 1), flat).size() == 1);

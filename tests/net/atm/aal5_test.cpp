@@ -68,7 +68,7 @@ TEST_CASE("packs 47 records into eight cells as in figure 6", "[aal5]") {
 TEST_CASE("restores PDUs of every length", "[aal5]") {
   Reassembler reassembler;
   std::size_t length = 1;
-  for (; length <= kMostPdu; length = length < 100 ? length + 1 : length * 2 - 37) {
+  for (; length <= kMaxPdu; length = length < 100 ? length + 1 : length * 2 - 37) {
     const auto bytes = pdu_bytes(length);
     const auto cells = cells_of(bytes, {3, 99}, 0xa5);
     REQUIRE(cells.size() == cells_of_pdu(length));
@@ -79,10 +79,10 @@ TEST_CASE("restores PDUs of every length", "[aal5]") {
     REQUIRE(pdus[0].user_to_user == 0xa5);
     REQUIRE(pdus[0].vc == Vc{3, 99});
   }
-  const auto most = pdu_bytes(kMostPdu);
+  const auto most = pdu_bytes(kMaxPdu);
   REQUIRE(push_all(reassembler, cells_of(most)).at(0).bytes == most);
   std::vector<Cell> none;
-  REQUIRE_FALSE(segment(pdu_bytes(kMostPdu + 1), {1, 1}, 0, false, none));
+  REQUIRE_FALSE(segment(pdu_bytes(kMaxPdu + 1), {1, 1}, 0, false, none));
   REQUIRE_FALSE(segment({}, {1, 1}, 0, false, none));
   REQUIRE(none.empty());
 }

@@ -30,10 +30,10 @@ TEST_CASE("writes a datagram of cells, byte by byte", "[cells]") {
   REQUIRE(datagram.label == 1000);
   REQUIRE(datagram.sequence == 0x1234);
   REQUIRE(datagram.cells == cells);
-  const auto full = encode_datagram(1000, 1, std::vector<Cell>(kMostCells, sample()));
-  REQUIRE(full.size() == kMostDatagram);
-  REQUIRE(kMostDatagram <= 1400);
-  REQUIRE(std::get<CellDatagram>(decode_datagram(full)).cells.size() == kMostCells);
+  const auto full = encode_datagram(1000, 1, std::vector<Cell>(kMaxCells, sample()));
+  REQUIRE(full.size() == kMaxDatagram);
+  REQUIRE(kMaxDatagram <= 1400);
+  REQUIRE(std::get<CellDatagram>(decode_datagram(full)).cells.size() == kMaxCells);
 }
 
 TEST_CASE("rejects truncated and invalid datagrams", "[cells]") {

@@ -76,7 +76,7 @@ TEST_CASE("limits messages to one datagram", "[cell_contract]") {
   REQUIRE(encode_contract(request).size() < 1200);
   RefuseMessage refusal;
   refusal.text = std::string(5000, 'x');
-  REQUIRE(std::get<RefuseMessage>(*decode_contract(encode_contract(refusal))).text.size() == kMostText);
+  REQUIRE(std::get<RefuseMessage>(*decode_contract(encode_contract(refusal))).text.size() == kMaxText);
 }
 
 TEST_CASE("rejects every prefix of a message, and invalid values", "[cell_contract]") {

@@ -12,7 +12,7 @@ using Streams = std::vector<PatternSource::Stream>;
 struct ParityTrial {
   CongestionResponse response = CongestionResponse::reserved;
   Link::Options link;
-  std::uint8_t cells = kMostCells;
+  std::uint8_t cells = kMaxCells;
   bool parity = true;
   std::uint64_t seed = 1;
 

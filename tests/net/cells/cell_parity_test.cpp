@@ -66,7 +66,7 @@ TEST_CASE("computes how many cells are protected", "[cell_parity]") {
   STATIC_REQUIRE(protected_cells(7) == 5);
   STATIC_REQUIRE(protected_cells(6) == 4);
   STATIC_REQUIRE(protected_cells(4) == 4);
-  for (std::size_t cells = 6; cells <= kMostCells; ++cells)
+  for (std::size_t cells = 6; cells <= kMaxCells; ++cells)
     REQUIRE(cells_of_pdu(kParityHead + kSymbolHead + protected_cells(cells) * kPackedCell) <= cells);
 }
 
@@ -338,7 +338,7 @@ TEST_CASE("limits many small groups", "[cell_parity]") {
   std::size_t parity = 0;
   for (std::uint64_t number = 500; sender.pending(); ++number, ++parity) REQUIRE_FALSE(sender.next(number, 0).empty());
   REQUIRE(parity > 0);
-  REQUIRE(parity <= ParitySender::kMostGroups * 8);
+  REQUIRE(parity <= ParitySender::kMaxGroups * 8);
 }
 
 TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
@@ -442,7 +442,7 @@ TEST_CASE("bounds the datagrams that a client keeps for parity", "[cell_parity]"
       REQUIRE(segment(encode_parity(parity, symbol), kParityVc, 0, true, cells));
       REQUIRE(rebuilder.add_parity(number, cells, rebuilt));
     }
-    REQUIRE(rebuilder.bytes() <= CellRebuilder::kMostKept + CellRebuilder::kMostParity);
+    REQUIRE(rebuilder.bytes() <= CellRebuilder::kMaxKept + CellRebuilder::kMaxParity);
   }
   REQUIRE(rebuilt.empty());
 }

@@ -29,7 +29,7 @@ TEST_CASE("restores the data from any k of n symbols", "[erasure]") {
     for (int round = 0; round < 5; ++round) {
       ErasureDecoder decoder(layout);
       for (std::size_t block = 0; block < layout.blocks(); ++block) {
-        std::vector<std::size_t> numbers(ErasureLayout::kMostSymbols);
+        std::vector<std::size_t> numbers(ErasureLayout::kMaxSymbols);
         std::iota(numbers.begin(), numbers.end(), std::size_t{0});
         for (std::size_t i = numbers.size(); i-- > 1;)
           std::swap(numbers[i], numbers[Link::next_random(random) % (i + 1)]);

@@ -87,10 +87,10 @@ TEST_CASE("uses textures only for streams with an exact mesh") {
   EncodeRequest request;
   CHECK(!uses_texture(request, 100));
   request.options.exact_bits = kExactWherePays;
-  CHECK(uses_texture(request, kMostChosenTriangles));
-  CHECK(!uses_texture(request, kMostChosenTriangles + 1));
+  CHECK(uses_texture(request, kMaxChosenTriangles));
+  CHECK(!uses_texture(request, kMaxChosenTriangles + 1));
   request.options.exact_bits = 12;
-  CHECK(uses_texture(request, kMostChosenTriangles + 1));
+  CHECK(uses_texture(request, kMaxChosenTriangles + 1));
   request.payload = Payload::displaced;
   CHECK(uses_texture(request, 100));
   request.options.vectors = 1000;

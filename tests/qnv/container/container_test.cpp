@@ -252,8 +252,8 @@ TEST_CASE("returns whole chunks of any size, however the stream is cut") {
   }
   // The longest header.
   Bytes bytes = encode_header(plain_header());
-  append(bytes, encode_chunk(ChunkType::packed, payload_of(kMostChunkBytes, 5)));
-  CHECK(read_all(bytes, 1000).chunks.at(0).second == payload_of(kMostChunkBytes, 5));
+  append(bytes, encode_chunk(ChunkType::packed, payload_of(kMaxChunkBytes, 5)));
+  CHECK(read_all(bytes, 1000).chunks.at(0).second == payload_of(kMaxChunkBytes, 5));
 }
 
 TEST_CASE("returns the whole chunks of a prefix, and reports that it was cut") {

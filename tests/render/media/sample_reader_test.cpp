@@ -24,8 +24,8 @@ std::unique_ptr<SampleReader> opened(const Bytes& bytes) {
 
 std::vector<float> all_of(SampleReader& reader, std::size_t piece = 1000) {
   std::vector<float> samples, some(2 * piece);
-  constexpr std::size_t kMost = 10'000'000;
-  while (samples.size() < kMost) {
+  constexpr std::size_t kMax = 10'000'000;
+  while (samples.size() < kMax) {
     const std::size_t count = reader.read(some);
     samples.insert(samples.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(2 * count));
     if (count < piece) break;

@@ -116,7 +116,7 @@ TEST_CASE("finds moved items, and rebuilds for a list of another generation") {
   CHECK_FALSE(find());
   CHECK_FALSE(find());
   list.generation = 7;
-  list.items.resize(VisibleItems::kFewestItems - 1);
+  list.items.resize(VisibleItems::kMinItems - 1);
   CHECK_FALSE(find());
   CHECK_FALSE(find());
 }

@@ -48,7 +48,7 @@ using glm::dvec3;
 inline constexpr double kCubeMargin = double{splat::kCubeMargin}, kSampleMargin = double{splat::kSampleMargin},
                         kBackMargin = double{splat::kBackMargin}, kCubeBell = double{splat::kCubeBell},
                         kDiscCover = double{splat::kDiscCover}, kDiscBell = double{splat::kDiscBell},
-                        kLeastReach = double{splat::kLeastReach}, kGrazing = double{splat::kGrazing},
+                        kMinReach = double{splat::kMinReach}, kGrazing = double{splat::kGrazing},
                         kSmoothing = double{splat::kSmoothing};
 
 struct Lens {
@@ -156,12 +156,12 @@ inline std::vector<Disc> discs_of(const qnv::Cloud& cloud, const Lens& lens, con
       const auto edge = static_cast<double>(cloud.cells[k].edge);
       d.clip = d.place - d.normal * static_cast<double>(cloud.cells[k].offset);
       const double margin = d.plane > 0 ? edge * kBackMargin : std::max(edge * kCubeMargin, sample * kSampleMargin);
-      d.reach = std::max(edge * 0.5 + margin, sample * kLeastReach);
-      d.bell = std::max({radius * kCubeBell, 0.5 * edge, sample * kLeastReach});
+      d.reach = std::max(edge * 0.5 + margin, sample * kMinReach);
+      d.bell = std::max({radius * kCubeBell, 0.5 * edge, sample * kMinReach});
     } else {
       d.clip = d.place;
-      d.reach = std::max(radius * kDiscCover, sample * kLeastReach);
-      d.bell = std::max(radius * kDiscBell, sample * kLeastReach);
+      d.reach = std::max(radius * kDiscCover, sample * kMinReach);
+      d.bell = std::max(radius * kDiscBell, sample * kMinReach);
       d.cube = !cloud.cells.empty();
     }
     const qnv::Rgb8& c = cloud.colors.empty() ? cloud.color : cloud.colors[k];
@@ -253,17 +253,17 @@ inline RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, c
 /// For each sample's ray, it finds the nearest splat that covers the ray's intersection with its plane. A splat from an
 /// octree covers its cube plus a margin on each side: kCubeMargin of the edge (kBackMargin if its back is visible), or
 /// kSampleMargin samples. Any other splat covers kDiscCover times its radius; if the point set has cubes, it covers a
-/// cube of that half edge. All splats cover at least kLeastReach samples. Back-facing splats count only if the point
+/// cube of that half edge. All splats cover at least kMinReach samples. Back-facing splats count only if the point
 /// set is two-sided. Splats seen edge-on, up to a cosine of kGrazing, never count. splat_constants.h defines the
 /// constants.
 ///
 /// At that point p, normals and colours are weighted means over all splats that show the same side. The weights are
 /// bells (1 - |p - x_k|^2 / (4 R_k^2))^4. These approximate the paper's exp(-|p - x_k|^2 / A_k) with A_k = 0.83 R_k^2
 /// and are zero beyond two R_k. R_k is kDiscBell times the splat's radius; for cubes it is kCubeBell times the radius,
-/// at least half the edge; for both at least kLeastReach samples.
+/// at least half the edge; for both at least kMinReach samples.
 ///
 /// With `smooth`, kSmoothing times the slope of the blended surface is added to the normal. That surface is the zero
-/// set of the weighted mean height over the splats' planes. rasterize_surface does so if survey_surface says so.
+/// set of the weighted mean height over the splats' planes. rasterize_surface does so if measure_surface says so.
 ///
 /// Takes time proportional to samples times splats. Thread-safe; accepts any numbers. Empty if the point set or the
 /// view is.

@@ -160,12 +160,12 @@ TEST_CASE("shares meshes by USE, shows children of Anchor, Collision and Group, 
   const RenderList list = world.collect();
   REQUIRE(list.items.size() == 4);
   CHECK(list.items[0].mesh == list.items[1].mesh);
-  CHECK_FALSE(list.items[2].seen);  // the proxy, which is collidable instead of the box
-  CHECK(list.items[2].met);
-  CHECK(list.items[0].met);
-  CHECK_FALSE(list.items[1].met);
+  CHECK_FALSE(list.items[2].visible);  // the proxy, which is collidable instead of the box
+  CHECK(list.items[2].collidable);
+  CHECK(list.items[0].collidable);
+  CHECK_FALSE(list.items[1].collidable);
   CHECK(list.items[0].mesh == list.items[3].mesh);
-  CHECK(list.items[3].seen);
+  CHECK(list.items[3].visible);
   CHECK(world.collect().items[0].mesh == list.items[0].mesh);  // and between frames
   world.meshes.clear();
   CHECK(world.collect().items[0].mesh != list.items[0].mesh);

@@ -375,8 +375,8 @@ TEST_CASE("survives point sets of any numbers") {
   drawing.options.width = drawing.options.height = 24;
   drawing.options.splats = SplatPath::gl;
   constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNone = std::numeric_limits<float>::quiet_NaN(),
-                  kMost = std::numeric_limits<float>::max(), kLeast = std::numeric_limits<float>::denorm_min();
-  const std::array<float, 10> numbers{0, 1, -1, kInfinity, -kInfinity, kNone, kMost, -kMost, kLeast, 1e-20f};
+                  kMax = std::numeric_limits<float>::max(), kMin = std::numeric_limits<float>::denorm_min();
+  const std::array<float, 10> numbers{0, 1, -1, kInfinity, -kInfinity, kNone, kMax, -kMax, kMin, 1e-20f};
   std::mt19937 random(9);
   const auto any = [&] { return numbers[random() % numbers.size()]; };
   for (int round = 0; round < 60; ++round) {

@@ -29,7 +29,7 @@ struct Agreement {
 
 Agreement against_oracle(const qnv::Cloud& cloud, const SplatView& view) {
   const render::SplatPiece whole{&cloud, 0, cloud.size()};
-  const bool smooth = render::survey_surface(std::span(&whole, 1), view, cloud.size()).smooth;
+  const bool smooth = render::measure_surface(std::span(&whole, 1), view, cloud.size()).smooth;
   const SplatLayer layer = render::rasterize_surface(cloud, view);
   const render::RaySurface exact = raycast_surface(cloud, view, smooth);
   REQUIRE(layer.width == view.width);
@@ -266,21 +266,21 @@ TEST_CASE("thins point sets that cover too much, equally on any number of thread
   SplatView view = straight_view(150, 100);
   const render::SplatPiece whole{&cloud, 0, cloud.size()};
   const std::span<const render::SplatPiece> pieces(&whole, 1);
-  const render::SplatSurvey survey = render::survey_surface(pieces, view, kDiscs);
+  const render::SurfaceMeasure survey = render::measure_surface(pieces, view, kDiscs);
   CHECK(survey.samples == 150.0 * 100 * kDiscs);
   CHECK(render::rasterize_surface(pieces, straight_view(4, 3)).drawn == kDiscs);
-  constexpr std::uint64_t kMost = 20'000'000;
+  constexpr std::uint64_t kMax = 20'000'000;
   const render::SplatKernel& kernel = render::splat_kernels().front();
   view.threads = 1;
-  const SplatLayer thin = render::rasterize_surface(pieces, view, kernel, kMost);
+  const SplatLayer thin = render::rasterize_surface(pieces, view, kernel, kMax);
   CHECK(thin.discs == kDiscs);
   // Each preparing task may exceed the limit by one.
-  CHECK(thin.drawn * 150 * 100 <= kMost + 3 * 150 * 100);
-  CHECK(thin.drawn >= kMost / (150 * 100) / 2);
+  CHECK(thin.drawn * 150 * 100 <= kMax + 3 * 150 * 100);
+  CHECK(thin.drawn >= kMax / (150 * 100) / 2);
   CHECK(covered_pixels(thin) == 150u * 100);
   for (const unsigned threads : {2u, 5u}) {
     view.threads = threads;
-    CHECK(same(thin, render::rasterize_surface(pieces, view, kernel, kMost)));
+    CHECK(same(thin, render::rasterize_surface(pieces, view, kernel, kMax)));
   }
 }
 

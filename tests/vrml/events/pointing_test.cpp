@@ -76,7 +76,7 @@ TEST_CASE("activates an Anchor only if the button is released over it (6.2)") {
     device.press();
     device.release();
   }
-  CHECK(world.execution().pointing().take_requests().size() == Pointing::kMostRequests);
+  CHECK(world.execution().pointing().take_requests().size() == Pointing::kMaxRequests);
 }
 
 TEST_CASE("activates the innermost of nested Anchors (6.2)") {

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+using namespace gs;
+
 using namespace gs::vrml;
 
 namespace {

@@ -6,6 +6,8 @@
 #include <initializer_list>
 #include <string>
 
+using namespace gs;
+
 using namespace gs::vrml;
 using namespace gs::vrml::test;
 

@@ -13,6 +13,8 @@
 #include <fstream>
 #include <string>
 
+using namespace gs;
+
 using namespace gs::vrml;
 
 namespace {

@@ -4,6 +4,8 @@
 
 #include <string>
 
+using namespace gs;
+
 using namespace gs::vrml;
 
 namespace {

@@ -34,7 +34,7 @@ struct Pair {
   Pair(const std::string& vrml97_text, const std::string& expressions_text, const Limits& limits = {})
       : vrml97(limits), expressions(limits) {
     (void)Parser(vrml97.scene, vrml97.diagnostics).parse_fragment(vrml97_text);
-    test::SceneReader(expressions.scene, expressions.diagnostics).read(expressions_text);
+    gs::vrml::test::SceneReader(expressions.scene, expressions.diagnostics).read(expressions_text);
   }
 };
 
@@ -125,7 +125,7 @@ ROUTE Nobody.a TO M.transparency
 
 TEST_CASE("reports problems at the positions that the grammar supplies") {
   World world;
-  test::SceneReader(world.scene, world.diagnostics).read("(Group (children (Shape)\n  (Zorp)) (sise 2))");
+  gs::vrml::test::SceneReader(world.scene, world.diagnostics).read("(Group (children (Shape)\n  (Zorp)) (sise 2))");
   REQUIRE(world.diagnostics.entries().size() == 2);
   CHECK(world.diagnostics.entries()[0].text() == "world:2:4: error: unknown node type 'Zorp'; the node is skipped");
   CHECK(world.diagnostics.entries()[1].text() == "world:2:12: error: Group has no field 'sise'; skipped");
@@ -145,6 +145,6 @@ TEST_CASE("applies the limits of a world to a second grammar") {
   Limits flat;
   flat.nesting = 4;  // the grammar above counts a field and its node as one construct
   World world(flat);
-  test::SceneReader(world.scene, world.diagnostics).read(expressions);
+  gs::vrml::test::SceneReader(world.scene, world.diagnostics).read(expressions);
   CHECK(world.messages() == "1: error nested deeper than 4 levels; deeper content is left out\n");
 }

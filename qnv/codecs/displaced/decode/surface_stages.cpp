@@ -12,15 +12,15 @@ namespace gs::qnv {
 namespace {
 
 // Limit of the clusters waiting for a base, which may never be received; and the overhead of each.
-constexpr std::size_t kMostWaitingStageBytes = std::size_t{16} << 20, kWaitingCost = 128;
+constexpr std::size_t kMaxWaitingStageBytes = std::size_t{16} << 20, kWaitingCost = 128;
 
 // Limits on the shown level: vertices per received byte, plus a constant.
-constexpr std::size_t kMostVerticesAByte = 1024, kVerticesBesides = 65536;
+constexpr std::size_t kMaxVerticesAByte = 1024, kVerticesBesides = 65536;
 
 // Returns the level to show: one beyond the received ones, which is smooth at no cost.
 int shown_level(const displaced::Surface& surface) {
   int level = std::min(surface.header().depth, surface.finest() + 1);
-  const std::size_t most = kVerticesBesides + kMostVerticesAByte * surface.cluster_bytes();
+  const std::size_t most = kVerticesBesides + kMaxVerticesAByte * surface.cluster_bytes();
   while (level > 0 && surface.slots().vertices_at(level) > most) --level;
   return level;
 }
@@ -124,7 +124,7 @@ void SurfaceStages::add(std::span<const std::byte> payload) {
   }
   const auto found = stages_.find(cluster->stage);
   if (found == stages_.end()) {
-    if (waiting_bytes_ + payload.size() + kWaitingCost > kMostWaitingStageBytes) {
+    if (waiting_bytes_ + payload.size() + kWaitingCost > kMaxWaitingStageBytes) {
       ++count_.refused;
       return;
     }

@@ -33,19 +33,19 @@ using displaced::StageCluster;
 constexpr std::size_t kFirstTriangles = 640;
 // Limits for a surface that suits a first stage: the base's bytes, and the error relative to the box. Other surfaces
 // are better encoded as an octree.
-constexpr std::size_t kMostFirstBytes = 4000;
-constexpr float kMostFirstError = 0.002f;
+constexpr std::size_t kMaxFirstBytes = 4000;
+constexpr float kMaxFirstError = 0.002f;
 // Components below this fraction of the area are excluded from the stages and follow them.
-constexpr double kLeastPart = 2e-4;
+constexpr double kMinPart = 2e-4;
 // Error, in source edges, above which another stage with four times as many triangles follows.
-constexpr float kMostError = 0.045f;
-constexpr std::size_t kMostStages = 4;
+constexpr float kMaxError = 0.045f;
+constexpr std::size_t kMaxStages = 4;
 // Bytes sent of a stage with a successor, relative to the next base.
 constexpr double kBeforeNext = 1.5;
 // Parity of the front of the last stage and of the small parts, relative to its size, plus additional pieces. At 30 %
 // loss, one stage in a hundred is lost.
 constexpr double kParity = 0.75, kParityBeside = 0.4;
-constexpr std::size_t kParityBesides = 3, kMostFrontBytes = 100'000;
+constexpr std::size_t kParityBesides = 3, kMaxFrontBytes = 100'000;
 constexpr std::size_t kClustersAt = 3;  // offset of StageHeader::clusters in its bytes
 // Bases are simplified from a mesh of this size, which is close enough to finer ones.
 constexpr std::size_t kCoarseTriangles = 30'000;
@@ -56,7 +56,7 @@ constexpr float kFinestStep = 1.0f / 14;
 // small; else intermediate pictures matter.
 constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
 // For a textured surface, the picture adds to the tail.
-constexpr double kBeforeTexturedTail = 1.0 / 3, kLeastBeforeTextured = 2000;
+constexpr double kBeforeTexturedTail = 1.0 / 3, kMinBeforeTextured = 2000;
 // Weight, as a fraction of the tail's bytes, of the picture shown until the tail is complete.
 constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
 // Minimum bytes of a stage before a tail, relative to its front, in addition to it; below that, it looks no better than
@@ -65,7 +65,7 @@ constexpr double kBesidesFront = 0.5;
 // Maximum fraction of these bytes for later bases; a stage with little beyond its base does not pay.
 constexpr double kBasesBeforeTail = 0.5;
 // Limits for surfaces that do not suit a first stage and get an exact tail instead: triangles and tail bytes.
-constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
+constexpr std::size_t kFewTriangles = 100'000, kMaxSmallTail = 100'000;
 
 /// Sorts clusters for sending: largest gain per byte first, but after those that they refine.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
@@ -173,7 +173,7 @@ StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::siz
         if (stage.clusters[k].header.layer == 0 && stage.clusters[k].header.level == 1) needed = k + 1;
       stage.bytes[kClustersAt] = static_cast<std::byte>(stage.header.beside ? 0 : needed);
       std::size_t grouped = stage.bytes.size();
-      while (sent < needed && grouped + stage.clusters[sent].payload.size() < kMostFrontBytes) {
+      while (sent < needed && grouped + stage.clusters[sent].payload.size() < kMaxFrontBytes) {
         grouped += stage.clusters[sent].payload.size();
         left -= stage.clusters[sent++].gain;
       }
@@ -226,9 +226,9 @@ void keep_before(StageChunks& stages, double bytes, double tail) {
 
 /// Returns the stages as a decoder has them after all chunks.
 SurfaceStages received_stages(const StreamHeader& header, std::span<const OutgoingChunk> chunks) {
-  constexpr std::size_t kMostDecodedVectors = std::size_t{1} << 26;
+  constexpr std::size_t kMaxDecodedVectors = std::size_t{1} << 26;
   SurfaceStages stages;
-  stages.begin(header.base, header.description.box, kMostDecodedVectors);
+  stages.begin(header.base, header.description.box, kMaxDecodedVectors);
   PieceGroups groups;
   for (const OutgoingChunk& chunk : chunks)
     if (chunk.type == ChunkType::piece)
@@ -282,7 +282,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   std::optional<exact::ExactMesh> exact;
   const TexturedSurface* textured = options.textured;
   const std::size_t triangles = textured ? textured->triangles.size() : s.triangles;
-  if (options.exact_bits > 0 || (chosen && triangles <= kMostChosenTriangles)) {
+  if (options.exact_bits > 0 || (chosen && triangles <= kMaxChosenTriangles)) {
     const int bits = std::max(options.exact_bits, 0);
     exact = textured ? exact_mesh_of(*textured, frame, bits) : exact_mesh_of(builder, frame, s.colored, bits);
   }
@@ -298,7 +298,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   if (progress) progress->stage = "simplifying";
   // While one thread finishes simplifying, the others build search trees of the target.
   std::optional<displaced::Target> made;
-  const displaced::SplitMesh parts = displaced::split_components(mesh, kLeastPart);
+  const displaced::SplitMesh parts = displaced::split_components(mesh, kMinPart);
   const displaced::SurfaceMesh& body = parts.large.triangles.empty() ? parts.small : parts.large;
   const displaced::SurfaceMesh coarse =
       displaced::simplify(body, std::min(kCoarseTriangles, body.triangles.size()), options.threads,
@@ -322,7 +322,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const auto room = [&] {
     if (!exact) return 1e300;
     const double bytes = static_cast<double>(tail_size);
-    if (textured && chosen) return std::max(kBeforeTexturedTail * bytes, kLeastBeforeTextured);
+    if (textured && chosen) return std::max(kBeforeTexturedTail * bytes, kMinBeforeTextured);
     return (chosen ? kBeforeChosenTail : kBeforeTail) * bytes;
   };
   std::size_t bases = 0;
@@ -330,11 +330,11 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   std::vector<EncodedStage> stages;
   do {
     stage_options.number = static_cast<int>(stages.size());
-    stage_options.most_error = stages.size() + 1 < kMostStages ? kMostError * target.edge() : 0;
-    stage_options.trusted_error = stages.empty() && options.only_if_suited ? kMostFirstError : 1;
+    stage_options.most_error = stages.size() + 1 < kMaxStages ? kMaxError * target.edge() : 0;
+    stage_options.trusted_error = stages.empty() && options.only_if_suited ? kMaxFirstError : 1;
     EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
     if (cancelled()) return EncodeError{"cancelled"};
-    const bool follows = stage.bytes.size() <= kMostFirstBytes && stage.error <= kMostFirstError;
+    const bool follows = stage.bytes.size() <= kMaxFirstBytes && stage.error <= kMaxFirstError;
     if (stages.empty() && options.only_if_suited && !follows) {
       bool fits = false;
       if (small) {
@@ -351,8 +351,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
         if (!textured)
           if (auto splits = encode_splits(*small, header, options.max_bytes)) return std::move(*splits);
         const std::size_t bytes = rough_tail_size(*small, small->bits);
-        fits = bytes <= kMostSmallTail && stage.bytes.size() <= kMostFirstBytes &&
-               (options.max_bytes == 0 || bytes * 5 / 4 + kMostFirstBytes <= options.max_bytes);
+        fits = bytes <= kMaxSmallTail && stage.bytes.size() <= kMaxFirstBytes &&
+               (options.max_bytes == 0 || bytes * 5 / 4 + kMaxFirstBytes <= options.max_bytes);
         exact = std::move(small);
       }
       if (!fits)
@@ -362,22 +362,22 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     if (stages.empty() && exact) {
       tail_bits = options.exact_bits > 0 ? fewest_tail_bits(*exact) : first_tail_bits(*exact);
       tail_size = rough_tail_size(*exact, tail_bits);
-      if (tail_size > exact::kMostTailBytes)
+      if (tail_size > exact::kMaxTailBytes)
         return EncodeError{"the mesh has " + std::to_string(tail_size) + " bytes; expected at most " +
-                           std::to_string(exact::kMostTailBytes)};
+                           std::to_string(exact::kMaxTailBytes)};
       if (chosen && options.max_bytes != 0 && tail_size > options.max_bytes) exact.reset();
     }
-    if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
+    if (stages.empty() && stage.bytes.size() > kMaxHeaderBytes / 2)
       return EncodeError{"the base mesh has " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
-                         std::to_string(kMostHeaderBytes / 2)};
+                         std::to_string(kMaxHeaderBytes / 2)};
     bases += stage.bytes.size();
     if (!stages.empty() && static_cast<double>(bases) > kBasesBeforeTail * room()) break;
     stage.clusters = ordered(std::move(stage.clusters), stage.header.base.triangles.size());
     stages.push_back(std::move(stage));
     stage_options.triangles = displaced::kMoreTriangles * stages.back().header.base.triangles.size();
     stage_options.most_bytes = 0;
-  } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
-           stages.size() < kMostStages);
+  } while (stages.back().error > kMaxError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
+           stages.size() < kMaxStages);
   // Add small components unchanged.
   if (!exact && !parts.large.triangles.empty() && !parts.small.triangles.empty()) {
     stage_options.number = static_cast<int>(stages.size());
@@ -387,9 +387,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stage_options.most_error = 0;
     stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
     if (cancelled()) return EncodeError{"cancelled"};
-    if (stages.back().bytes.size() + 8 > kMostGroupBytes)
+    if (stages.back().bytes.size() + 8 > kMaxGroupBytes)
       return EncodeError{"the surface has small parts of " + std::to_string(stages.back().bytes.size()) +
-                             " bytes; expected at most " + std::to_string(kMostGroupBytes),
+                             " bytes; expected at most " + std::to_string(kMaxGroupBytes),
                          true};
   }
   header.base = stages[0].bytes;

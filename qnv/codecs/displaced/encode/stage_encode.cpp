@@ -17,7 +17,7 @@ namespace gs::qnv::displaced {
 namespace {
 
 // A cluster with its header fits into a datagram.
-constexpr std::size_t kMostClusterBytes = 1190, kAimedClusterBytes = 1000;
+constexpr std::size_t kMaxClusterBytes = 1190, kAimedClusterBytes = 1000;
 // Residuals below this fraction of a step are dropped; the fraction is larger on deeper levels, where they would only
 // add roughness.
 constexpr float kDeadZone = 0.6f, kDeeperDeadZone = 1.2f;
@@ -298,7 +298,7 @@ void StageEncoder::cut(Surface& surface, ClusterHeader header, std::vector<Stage
   StageCluster cluster;
   cluster.header = header;
   cluster.payload = encode_cluster(surface, header);
-  if (cluster.payload.size() > kMostClusterBytes && header.count > 1) {
+  if (cluster.payload.size() > kMaxClusterBytes && header.count > 1) {
     const std::size_t parts = std::min<std::size_t>(
         header.count, std::max<std::size_t>(2, (cluster.payload.size() + kAimedClusterBytes - 1) / kAimedClusterBytes));
     for (std::size_t i = 0; i < parts; ++i) {

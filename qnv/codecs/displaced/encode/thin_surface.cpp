@@ -21,7 +21,7 @@ constexpr int kCellBits = 20;  // bits of a cell's index along an axis
 constexpr double kTrianglesPerFace = 3;
 // Number of attempts to choose the grid, each based on the previous one; and the accepted fraction of the requested
 // size.
-constexpr int kMostGrids = 4;
+constexpr int kMaxGrids = 4;
 constexpr double kNearEnough = 0.7, kCautious = 1.08;
 
 /// Corners of triangles in one cell; lengths in cell edges, relative to the cell's middle.
@@ -203,7 +203,7 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& sou
   const double longest = std::max({size.x, size.y, size.z}), finest = longest / ((1 << kCellBits) - 2);
   std::optional<CellGrid> best;
   double edge = std::sqrt(kTrianglesPerFace * s.area / static_cast<double>(most)), too_fine = 0;
-  for (int grids = 0; grids < kMostGrids || !best; ++grids) {
+  for (int grids = 0; grids < kMaxGrids || !best; ++grids) {
     edge = std::clamp(edge, finest, longest * 2);
     CellGrid grid(s.box, static_cast<float>(edge), most);
     begin("thinning", s.triangles);

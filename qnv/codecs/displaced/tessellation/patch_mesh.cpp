@@ -86,9 +86,9 @@ void PatchMesh::build(const PatchSurface& surface, const PatchCut& cut) {
   const std::size_t patch = cut.patch;
   const int level = cut.level;
   // A patch of level 0 may have the most vertices on its edges.
-  constexpr std::size_t kMostOnEdges = std::size_t{3} << displaced::kDeepestPatch, kRoom = 8;
+  constexpr std::size_t kMaxOnEdges = std::size_t{3} << displaced::kDeepestPatch, kRoom = 8;
   count_ = patch_vertices(level);
-  if (vertices_.size() < count_ + kMostOnEdges + kRoom) vertices_.resize(count_ + kMostOnEdges + kRoom);
+  if (vertices_.size() < count_ + kMaxOnEdges + kRoom) vertices_.resize(count_ + kMaxOnEdges + kRoom);
   colors_.resize(surface.colored() ? count_ : 0);
   std::size_t first = 0;
   for (int l = 0; l <= level; ++l) {

@@ -56,17 +56,17 @@ std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail, st
     for (glm::vec2* v : {&header.texture.lower, &header.texture.size})
       for (int axis = 0; axis < 2; ++axis) (*v)[axis] = in.f32();
     const glm::vec2 upper = header.texture.lower + header.texture.size;
-    lies = header.texture.bits >= 1 && header.texture.bits <= kMostTextureBits && std::isfinite(upper.x) &&
+    lies = header.texture.bits >= 1 && header.texture.bits <= kMaxTextureBits && std::isfinite(upper.x) &&
            std::isfinite(upper.y) && header.texture.size.x >= 0 && header.texture.size.y >= 0;
   }
   header.usual = (flags & 2) != 0;
   header.weights = kUsualWeights;
   for (auto& situation : header.usual ? std::span<Weights::value_type>() : std::span(header.weights))
     for (std::int16_t& weight : situation) weight = in.integer<std::int16_t>();
-  if (!in.good() || flags > 31 || !lies || header.bits < kLeastBits || header.bits > kMostBits ||
-      header.finest < header.bits || header.finest > kMostBits || header.cell_bits > kMostCellBits ||
+  if (!in.good() || flags > 31 || !lies || header.bits < kMinBits || header.bits > kMaxBits ||
+      header.finest < header.bits || header.finest > kMaxBits || header.cell_bits > kMaxCellBits ||
       ((flags & 8) != 0 && header.cell_bits == 0) || header.crease_angle > 180 || header.triangles == 0 ||
-      header.triangles > kMostTrianglesAByte * length || header.vertices / 3 > header.triangles)
+      header.triangles > kMaxTrianglesAByte * length || header.vertices / 3 > header.triangles)
     return {};
   return header;
 }

@@ -21,14 +21,14 @@ ShadedVertices shaded_vertices(const exact::ExactMesh& mesh, std::span<const glm
   std::vector<std::uint32_t> last(mesh.vertices.size(), kNone), before;
   std::vector<glm::ivec2> coordinates;  // of output vertices
   const bool textured = !mesh.coordinates.empty();
-  constexpr int kMostLooks = 16;
+  constexpr int kMaxLooks = 16;
   for (std::uint32_t corner = 0; corner < out.triangles.size(); ++corner) {
     const std::uint32_t v = mesh.triangles[corner / 3][corner % 3];
     std::uint32_t number = last[v];
     const glm::ivec2 q = textured ? mesh.coordinates[corner / 3][corner % 3] : glm::ivec2(0);
     for (int looks = 0;
          number != kNone && (out.normals[number] != normals[corner] || (textured && coordinates[number] != q));)
-      number = ++looks < kMostLooks ? before[number] : kNone;
+      number = ++looks < kMaxLooks ? before[number] : kNone;
     if (number == kNone) {
       number = static_cast<std::uint32_t>(out.positions.size());
       before.push_back(last[v]);

@@ -49,7 +49,7 @@ void TailReader::push(std::span<const std::byte> more) {
     if (state_ != State::growing) return;
     g.header = *header;
     g.decoder.emplace(body);
-    g.growth.emplace(*g.decoder, g.header, g.guide, kMostTrianglesAByte * g.bytes.size());
+    g.growth.emplace(*g.decoder, g.header, g.guide, kMaxTrianglesAByte * g.bytes.size());
   }
   g.decoder->extend(body);
   const auto state = g.growth->run([&](std::size_t bytes) { return all || g.decoder->unread() >= bytes; });

@@ -288,7 +288,7 @@ std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual, const Tail
   }
   std::vector<std::byte> bytes = encode_tail_header(header);
   bytes.insert(bytes.end(), body.begin(), body.end());
-  const std::size_t least = (mesh.triangles.size() + kMostTrianglesAByte - 1) / kMostTrianglesAByte;
+  const std::size_t least = (mesh.triangles.size() + kMaxTrianglesAByte - 1) / kMaxTrianglesAByte;
   if (bytes.size() < least) bytes.resize(least);
   return bytes;
 }

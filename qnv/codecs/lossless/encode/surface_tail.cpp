@@ -20,13 +20,13 @@ namespace {
 
 // For automatic bits: lattice positions per mean edge, and the limits of the bits.
 constexpr float kPlacesAnEdge = 96;
-constexpr int kFewestChosenBits = 11, kMostChosenBits = 14;
+constexpr int kMinChosenBits = 11, kMaxChosenBits = 14;
 // With parity: minimum and maximum bytes per piece of a tail, approximate number of pieces, and bytes of a parity
 // group.
-constexpr std::size_t kLeastReadTogether = 512, kMostReadTogether = 4096, kReads = 24,
+constexpr std::size_t kMinReadTogether = 512, kMaxReadTogether = 4096, kReads = 24,
                       kGroupBytes = 120 * kAimedPieceBytes;
 // Without parity: minimum size and approximate number of pieces.
-constexpr std::size_t kLeastTailPiece = 4096, kTailPieces = 12;
+constexpr std::size_t kMinTailPiece = 4096, kTailPieces = 12;
 // Parity pieces for n pieces: this fraction of n, plus this times its root. At 30 % loss, 99 of 100 groups survive (the
 // mean of a binomial distribution plus 2.3 deviations).
 constexpr double kGroupParity = 0.43, kGroupParityRoot = 1.9;
@@ -38,7 +38,7 @@ constexpr double kWorthOfFewBits = 1.01;
 // Root mean square of chords (2 degrees) above which a file's normals are sent as its own.
 constexpr double kNormalsApart = 0.035;
 // Texture lattice: log2 of positions per pixel, and the minimum bits.
-constexpr int kTexelBits = 1, kFewestTextureBits = 8;
+constexpr int kTexelBits = 1, kMinTextureBits = 8;
 
 float mean_edge_of(const displaced::SurfaceMesh& mesh) {
   double sum = 0;
@@ -92,7 +92,7 @@ struct Pieces {
   std::vector<std::vector<std::byte>> data, parity;
 };
 constexpr int kGroups = 16;
-constexpr std::size_t kMostWithParity = std::size_t{6} << 20;  // capacity of that many groups
+constexpr std::size_t kMaxWithParity = std::size_t{6} << 20;  // capacity of that many groups
 Pieces pieces_with_parity(int group, std::span<const std::vector<std::byte>> payloads) {
   std::size_t all = 0;
   for (const auto& payload : payloads) all += payload.size();
@@ -122,8 +122,8 @@ exact::ExactMesh exact_mesh_of(const displaced::MeshBuilder& builder, const disp
   if (!colored) all.colors.clear();
   if (bits == 0) {
     const float edge = mean_edge_of(all);
-    bits = kFewestChosenBits;
-    while (bits < kMostChosenBits && edge * static_cast<float>(1 << bits) < kPlacesAnEdge) ++bits;
+    bits = kMinChosenBits;
+    while (bits < kMaxChosenBits && edge * static_cast<float>(1 << bits) < kPlacesAnEdge) ++bits;
   }
   return exact::quantized(std::move(all), bits);
 }
@@ -150,8 +150,8 @@ exact::ExactMesh exact_mesh_of(const TexturedSurface& surface, const displaced::
   const glm::vec2 pixels =
       lattice.size * glm::vec2(static_cast<float>(surface.width), static_cast<float>(surface.height));
   const float most = std::min(std::max(pixels.x, pixels.y), 65536.0f);
-  lattice.bits = std::clamp(static_cast<int>(std::ceil(std::log2(std::max(most, 1.0f)))) + kTexelBits,
-                            kFewestTextureBits, exact::kMostTextureBits);
+  lattice.bits = std::clamp(static_cast<int>(std::ceil(std::log2(std::max(most, 1.0f)))) + kTexelBits, kMinTextureBits,
+                            exact::kMaxTextureBits);
   const auto top = static_cast<float>(lattice.top());
   mesh.coordinates.reserve(kept.size());
   for (const auto& corners : kept) {
@@ -224,9 +224,9 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   append_shading();
   if (tail.cover) append(ChunkType::cover, exact::encode_cover(*tail.cover));
   const std::size_t most = tail.cover
-                               ? std::clamp(tail.bytes.size() / kTailPieces, kLeastTailPiece, exact::kTailPieceBytes)
+                               ? std::clamp(tail.bytes.size() / kTailPieces, kMinTailPiece, exact::kTailPieceBytes)
                                : exact::kTailPieceBytes;
-  const std::size_t together = std::clamp(tail.bytes.size() / kReads, kLeastReadTogether, kMostReadTogether);
+  const std::size_t together = std::clamp(tail.bytes.size() / kReads, kMinReadTogether, kMaxReadTogether);
   std::vector<std::vector<std::byte>> payloads = exact::pieces_of(tail.bytes, tail.parity ? together : most);
   Pieces pieces, low{tail.low_bits, {}};
   if (tail.parity) {
@@ -237,8 +237,8 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   }
   // First the part of the picture that can be shown, since the mesh is not shown without it.
   Pieces picture;
-  const bool picture_parity = tail.parity && tail.picture.size() <= kMostWithParity;
-  picture.data = exact::pieces_of(tail.picture, picture_parity ? together : kLeastTailPiece);
+  const bool picture_parity = tail.parity && tail.picture.size() <= kMaxWithParity;
+  picture.data = exact::pieces_of(tail.picture, picture_parity ? together : kMinTailPiece);
   if (picture_parity && !picture.data.empty()) picture = pieces_with_parity(kGroupsOfPictures, picture.data);
   std::size_t sent = 0, picture_bytes = 0;
   const auto append_picture = [&](std::size_t until) {
@@ -254,8 +254,8 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   last.entry.vectors = static_cast<std::uint32_t>(tail.vertices);
   last.replaced = std::min(replaced, last.entry.vectors);
   Pieces normals;
-  const bool normals_parity = tail.parity && tail.normals.size() <= kMostWithParity;
-  normals.data = exact::pieces_of(tail.normals, normals_parity ? together : kLeastTailPiece);
+  const bool normals_parity = tail.parity && tail.normals.size() <= kMaxWithParity;
+  normals.data = exact::pieces_of(tail.normals, normals_parity ? together : kMinTailPiece);
   if (normals_parity && !normals.data.empty()) normals = pieces_with_parity(kGroupsOfNormals, normals.data);
   append_picture(tail.picture_fine);
   for (std::vector<std::byte>& piece : normals.data)

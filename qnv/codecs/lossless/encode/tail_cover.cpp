@@ -22,7 +22,7 @@ constexpr int kCoverParts = 64;
 // parts, then the maximum reach.
 constexpr float kCoverReach = 0.02f, kCoverSide = -0.2f, kAnyReach = 4;
 // Minimum area of a component in the stages, relative to the total.
-constexpr double kLeastPartBeside = 2e-4;
+constexpr double kMinPartBeside = 2e-4;
 // Weight and unit of position errors, relative to squared normal errors; they affect silhouettes.
 constexpr float kOutlineWorth = 0.4f, kOutlineUnit = 0.003f;
 // Weight of adjacent cells in a cell's value.
@@ -99,7 +99,7 @@ TailCover::TailCover(const exact::ExactMesh& mesh, const displaced::Surface& sur
     for (const std::uint32_t v : t) normals[v] += n;
   }
   std::vector<std::uint32_t> numbers;
-  lattice.triangles = large_components(lattice, kLeastPartBeside, numbers);
+  lattice.triangles = large_components(lattice, kMinPartBeside, numbers);
   const displaced::TriangleTree tree(lattice, threads);
   const std::vector<glm::vec3> places = surface.positions(level);
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);

@@ -98,12 +98,12 @@ class ClusterForest {
 
  private:
   // Limits the chunks that wait for a parent, which may never be received.
-  static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
+  static constexpr std::size_t kMaxWaitingBytes = std::size_t{64} << 20;
   /// Returns the approximate memory of a waiting chunk.
   static std::size_t cost(std::span<const std::byte> payload) { return payload.size() + 128; }
 
   void wait(const ClusterHeader& header, std::span<const std::byte> payload) {
-    if (waiting_bytes_ + cost(payload) > kMostWaitingBytes) {
+    if (waiting_bytes_ + cost(payload) > kMaxWaitingBytes) {
       ++count_.refused;
       return;
     }

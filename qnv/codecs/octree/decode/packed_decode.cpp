@@ -160,7 +160,7 @@ std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> pay
   bits.resize(size + RansDecoder::kPadding);
   RansDecoder rans(std::span<const std::byte>{bits.data(), size});
   std::size_t first = header.first, count = header.count;
-  const std::size_t most = std::min(payload.size() * kVoxelsPerByte, kMostVoxels);
+  const std::size_t most = std::min(payload.size() * kVoxelsPerByte, kMaxVoxels);
   if (count > most)
     return PackedError{"a cluster of " + std::to_string(payload.size()) + " bytes divides " + std::to_string(count) +
                        " voxels; expected " + std::to_string(most) + " at most"};

@@ -19,7 +19,7 @@ namespace gs::qnv {
 constexpr std::size_t kClusterBytes = 1200;
 // Maximum number of voxels that a cluster divides. Keeps clusters small enough to be taken or dropped in one step, even
 // on smooth surfaces.
-constexpr std::size_t kMostParents = 850;
+constexpr std::size_t kMaxParents = 850;
 
 /// Divides all `size` voxels of a node into clusters that fit. `divide(first, count)` encodes a run of voxels.
 template <class Node, class Divide>
@@ -36,7 +36,7 @@ void divide_in_runs(Node& node, std::size_t size, Divide&& divide) {
       child = divide(first, count);
     }
     const double bytes_a_parent = static_cast<double>(child->encoded.payload.size()) / static_cast<double>(count);
-    run = std::clamp<std::size_t>(static_cast<std::size_t>(kClusterBytes * 0.97 / bytes_a_parent), 1, kMostParents);
+    run = std::clamp<std::size_t>(static_cast<std::size_t>(kClusterBytes * 0.97 / bytes_a_parent), 1, kMaxParents);
     first += count;
     node.children.push_back(std::move(child));
   }

@@ -18,14 +18,14 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kFewestVectors = 200'000, kMostVectorsByDefault = 1'000'000;
+constexpr std::size_t kMinVectors = 200'000, kMaxVectorsByDefault = 1'000'000;
 // Average number of voxels per face area that a plane intersects, over all directions.
 constexpr double kVoxelsPerArea = 1.5;
 // Lower estimate of the cost of a splat, so that --max-bytes is used fully.
-constexpr double kLeastBitsPerVector = 3.5;
+constexpr double kMinBitsPerVector = 3.5;
 
 // Part of the octree before the exact mesh: the mesh's bytes divided by this, and a minimum.
-constexpr std::size_t kBeforeMesh = 2, kLeastBeforeMesh = 4000;
+constexpr std::size_t kBeforeMesh = 2, kMinBeforeMesh = 4000;
 
 bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
   return source([&](std::span<const Triangle> triangles) {
@@ -103,7 +103,7 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
                  StreamHeader& header, std::vector<OutgoingChunk>& chunks) {
   const TexturedSurface* textured = options.textured;
   const bool asked = options.exact_bits > 0;
-  if (!asked && (textured ? textured->triangles.size() : s.triangles) > kMostChosenTriangles) return true;
+  if (!asked && (textured ? textured->triangles.size() : s.triangles) > kMaxChosenTriangles) return true;
   const displaced::Frame frame(s.box);
   exact::ExactMesh mesh;
   if (textured) {
@@ -122,8 +122,8 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
   if (textured) set_picture(tail, *textured);
   tail.parity = !asked;
   const std::size_t before = tail.bytes.size() + tail.picture_first,
-                    most = std::max(kLeastBeforeMesh, before / kBeforeMesh);
-  if (tail.bytes.empty() || tail.size() > exact::kMostTailBytes ||
+                    most = std::max(kMinBeforeMesh, before / kBeforeMesh);
+  if (tail.bytes.empty() || tail.size() > exact::kMaxTailBytes ||
       (options.max_bytes != 0 && tail.size() + most > options.max_bytes))
     return true;
   std::size_t bytes = 0, kept = 0;
@@ -147,8 +147,8 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   std::size_t vectors = options.vectors;
   if (vectors == 0)
     vectors = options.max_bytes != 0
-                  ? static_cast<std::size_t>(static_cast<double>(options.max_bytes) * 8 / kLeastBitsPerVector)
-                  : std::clamp(s.triangles * 2, kFewestVectors, kMostVectorsByDefault);
+                  ? static_cast<std::size_t>(static_cast<double>(options.max_bytes) * 8 / kMinBitsPerVector)
+                  : std::clamp(s.triangles * 2, kMinVectors, kMaxVectorsByDefault);
   StreamHeader header = surface_header(options.payload, s, options);
   // Without a requested number, choose a slightly coarser level and take it whole.
   const bool asked = options.vectors != 0 || options.max_bytes != 0;

@@ -15,7 +15,7 @@ namespace {
 // Target size of the first cluster; with the stream's header, it fills the first kilobyte.
 constexpr std::size_t kBaseBytes = 870;
 // Maximum number of voxels of the first cluster, which every view must draw, however distant the object.
-constexpr std::size_t kMostBaseVoxels = 600;
+constexpr std::size_t kMaxBaseVoxels = 600;
 // Coarser steps (as log2) of the first cluster, used if they allow one more level. Twice as many voxels along an edge
 // improve the first picture more; the next level corrects the rest.
 struct BaseSteps {
@@ -23,19 +23,19 @@ struct BaseSteps {
 };
 constexpr std::array<BaseSteps, 4> kBaseSteps{{{0, 0}, {1, 0}, {1, 1}, {2, 1}}};
 // Minimum area of a voxel, relative to a face; drops voxels that the surface barely touches.
-constexpr float kLeastArea = 0.03f;
+constexpr float kMinArea = 0.03f;
 // First levels with smaller steps, which pay there: voxels are small relative to pixels, and residuals are small.
 constexpr int kFineOffsetLevel = 6, kFineNormalLevel = 8;
-constexpr int kMostNormalShift = 10, kMostOffsetShift = 6;
+constexpr int kMaxNormalShift = 10, kMaxOffsetShift = 6;
 
 void leave_out_touched(std::vector<Voxel>& finest) {
   double all = 0, kept = 0;
   for (const Voxel& voxel : finest) {
     all += voxel.moments.area;
-    if (voxel.moments.area >= kLeastArea) kept += voxel.moments.area;
+    if (voxel.moments.area >= kMinArea) kept += voxel.moments.area;
   }
   // Keep tiny voxels when they hold over 5 % of the area (wires, dust).
-  const float least = kept > 0.95 * all ? kLeastArea : std::numeric_limits<float>::min();
+  const float least = kept > 0.95 * all ? kMinArea : std::numeric_limits<float>::min();
   std::erase_if(finest, [least](const Voxel& voxel) { return !(voxel.moments.area >= least); });
 }
 
@@ -135,8 +135,8 @@ class PackedEncoder {
  private:
   [[nodiscard]] ClusterParameters base_parameters(const BaseSteps& steps, const Prediction& prediction) const {
     ClusterParameters p = parameters(0, prediction);
-    p.normal_shift = static_cast<std::uint8_t>(std::min(kMostNormalShift, p.normal_shift + steps.normal));
-    p.offset_shift = static_cast<std::uint8_t>(std::min(kMostOffsetShift, p.offset_shift + steps.offset));
+    p.normal_shift = static_cast<std::uint8_t>(std::min(kMaxNormalShift, p.normal_shift + steps.normal));
+    p.offset_shift = static_cast<std::uint8_t>(std::min(kMaxOffsetShift, p.offset_shift + steps.offset));
     return p;
   }
 
@@ -153,7 +153,7 @@ class PackedEncoder {
       ClusterHeader header;
       header.levels = static_cast<std::uint8_t>(level + 1);
       auto node = finish(symbols, header, p, truth);
-      if (best && (node->encoded.payload.size() > most || node->voxels.size() > kMostBaseVoxels)) break;
+      if (best && (node->encoded.payload.size() > most || node->voxels.size() > kMaxBaseVoxels)) break;
       best = std::move(node);
     }
     best->encoded.divided = 0;

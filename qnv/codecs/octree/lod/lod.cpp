@@ -186,7 +186,7 @@ void LodStream::problem(std::uint64_t offset, std::string message) {
 }
 
 void LodStream::keep_few_problems() {
-  if (problems_.size() > kMostProblems) problems_.resize(kMostProblems);
+  if (problems_.size() > kMaxProblems) problems_.resize(kMaxProblems);
 }
 
 void LodStream::set_limits(const LodLimits& limits) {

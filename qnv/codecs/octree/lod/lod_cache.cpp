@@ -14,9 +14,9 @@ namespace gs::qnv {
 namespace {
 
 // Minimum number of clusters to start threads for.
-constexpr std::size_t kFewestForThreads = 4;
+constexpr std::size_t kMinForThreads = 4;
 // Maximum splats of a shared point set; larger sets deserve their own buffer and draw call.
-constexpr std::size_t kMostShared = std::size_t{1} << 16;
+constexpr std::size_t kMaxShared = std::size_t{1} << 16;
 
 std::size_t bytes_of(const PackedVoxels& voxels) {
   constexpr std::size_t kAVoxel = 3 * sizeof(std::uint16_t) + 2 * sizeof(std::int16_t) + 2, kColor = 6, kArrays = 512;
@@ -207,7 +207,7 @@ void LodCache::decode(const ChunkSource& source, std::vector<std::uint32_t> node
     decoded.resize(wave.size());
     (void)parallel_for(
         wave.size(), [&](std::size_t i) { decoded[i] = decode_one(source, wave[i], parent_of(wave[i])); },
-        wave.size() < kFewestForThreads ? 1 : 0);
+        wave.size() < kMinForThreads ? 1 : 0);
     for (std::size_t i = 0; i < wave.size(); ++i) {
       std::string problem = take(wave[i], std::move(decoded[i]), now);
       if (problem.empty()) continue;
@@ -256,7 +256,7 @@ void LodCache::make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const LodNode& node = tree_[nodes[i]];
     const bool with_last = i > 0 && tree_[nodes[i - 1]].parent == node.parent &&
-                           tree_[nodes[i - 1]].level == node.level && families.back().discs + node.discs <= kMostShared;
+                           tree_[nodes[i - 1]].level == node.level && families.back().discs + node.discs <= kMaxShared;
     if (!with_last) families.push_back({std::span(nodes).subspan(i, 0), 0});
     Family& family = families.back();
     family.nodes = {family.nodes.data(), family.nodes.size() + 1};
@@ -265,7 +265,7 @@ void LodCache::make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now) {
   std::vector<std::unique_ptr<Group>> made(families.size());
   (void)parallel_for(
       families.size(), [&](std::size_t i) { made[i] = make_group(families[i]); },
-      families.size() < kFewestForThreads ? 1 : 0);
+      families.size() < kMinForThreads ? 1 : 0);
   for (std::unique_ptr<Group>& group : made) {
     group->order = groups_made_++;
     group->used = now;

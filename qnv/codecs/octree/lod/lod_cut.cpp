@@ -14,13 +14,13 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kMostWanted = 4096;
+constexpr std::size_t kMaxWanted = 4096;
 // Hysteresis: an already chosen cluster's error is divided by this when it competes with new ones.
 constexpr float kGivenUp = 0.7f;
 // Priority of clusters chosen for the identical view.
 constexpr float kStays = 1e30f;
 // Maximum number of decoding rounds. Each goes one level deeper, as long as new knowledge changes the choice.
-constexpr int kMostRounds = 24;
+constexpr int kMaxRounds = 24;
 // Radians: assumed maximum turn of a cluster's normals relative to its parent's, for culling undecoded clusters; and a
 // margin for rounding.
 constexpr float kFinerTurn = 0.3f, kTurnMargin = 0.01f;
@@ -86,7 +86,7 @@ std::vector<Piece> LodStream::cut(const LodView& view) {
   const std::size_t slot = viewport_of(view.viewport);
   const auto bit = static_cast<std::uint16_t>(1u << slot);
   Viewport& viewport = viewports_[slot];
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     select(view, viewport, bit);
     std::vector<std::uint32_t> nodes = to_decode(view);
     if (nodes.empty()) break;
@@ -249,7 +249,7 @@ void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bi
   for (const std::uint32_t index : order_) {
     LodNode& node = tree_[index];
     const bool above = node.parent == kNoNode || (tree_[node.parent].chosen_by & bit) != 0;
-    if (!node.present && !node.broken && viewport.lacking.size() < kMostWanted) viewport.lacking.push_back(index);
+    if (!node.present && !node.broken && viewport.lacking.size() < kMaxWanted) viewport.lacking.push_back(index);
     if (node.present && above && !node.broken && !cache_.has(index)) pending_ = true;
     if (!node.present || !above || node.broken || !cache_.has(index)) continue;
     node.chosen_by |= bit;

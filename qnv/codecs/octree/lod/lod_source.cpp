@@ -10,7 +10,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kMostEntries = std::size_t{1} << 22;
+constexpr std::size_t kMaxEntries = std::size_t{1} << 22;
 
 class MemorySource : public ChunkSource {
  public:
@@ -56,9 +56,9 @@ std::size_t ArrivedChunks::read(std::uint64_t offset, std::span<std::byte> to) c
 }
 
 std::variant<SoundChunk, std::string> sound_chunk(std::span<const std::byte> bytes) {
-  if (bytes.size() < kChunkHeaderBytes || bytes.size() - kChunkHeaderBytes > kMostChunkBytes)
+  if (bytes.size() < kChunkHeaderBytes || bytes.size() - kChunkHeaderBytes > kMaxChunkBytes)
     return "a chunk of " + std::to_string(bytes.size()) + " bytes; expected " + std::to_string(kChunkHeaderBytes) +
-           " to " + std::to_string(kChunkHeaderBytes + kMostChunkBytes);
+           " to " + std::to_string(kChunkHeaderBytes + kMaxChunkBytes);
   SoundChunk chunk{static_cast<ChunkType>(bytes[4]), bytes.subspan(kChunkHeaderBytes)};
   // Compare mark, length, reserved byte and checksum with a freshly encoded header.
   const std::vector<std::byte> expected = encode_chunk(chunk.type, chunk.payload);
@@ -69,7 +69,7 @@ std::variant<SoundChunk, std::string> sound_chunk(std::span<const std::byte> byt
 
 std::variant<SoundChunk, std::string> read_chunk(const ChunkSource& source, std::uint64_t offset, std::size_t bytes,
                                                  std::vector<std::byte>& buffer) {
-  buffer.resize(std::min(bytes, kChunkHeaderBytes + kMostChunkBytes));
+  buffer.resize(std::min(bytes, kChunkHeaderBytes + kMaxChunkBytes));
   if (source.read(offset, buffer) != buffer.size()) return "a chunk cannot be read, because the stream became shorter";
   return sound_chunk(buffer);
 }
@@ -81,7 +81,7 @@ std::variant<StreamHeader, StreamProblem> read_stream_header(const ChunkSource& 
   bytes.resize(source.read(0, bytes));
   auto header = decode_header(bytes, header_bytes, need_more);
   if (need_more && header_bytes > bytes.size()) {
-    bytes.resize(header_bytes);  // at most kMostHeaderBytes
+    bytes.resize(header_bytes);  // at most kMaxHeaderBytes
     bytes.resize(source.read(0, bytes));
     header = decode_header(bytes, header_bytes, need_more);
   }
@@ -95,7 +95,7 @@ std::vector<DirectoryEntry> read_directory(const ChunkSource& source, const Stre
   std::vector<std::byte> buffer;
   std::array<std::byte, kChunkHeaderBytes> head{};
   const auto wanted = [&] { return header.chunks == 0 || entries.size() < header.chunks; };
-  for (std::uint64_t at = header.directory; at < source.size() && entries.size() <= kMostEntries && wanted();) {
+  for (std::uint64_t at = header.directory; at < source.size() && entries.size() <= kMaxEntries && wanted();) {
     if (source.read(at, head) != head.size()) return {};
     const auto chunk = read_chunk(source, at, length_of(head), buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
@@ -104,13 +104,13 @@ std::vector<DirectoryEntry> read_directory(const ChunkSource& source, const Stre
     entries.insert(entries.end(), more.begin(), more.end());
     at += buffer.size();
   }
-  if (entries.size() > kMostEntries || (header.chunks != 0 && entries.size() != header.chunks)) return {};
+  if (entries.size() > kMaxEntries || (header.chunks != 0 && entries.size() != header.chunks)) return {};
   return entries;
 }
 
 std::vector<DirectoryEntry> directory_of(std::span<const std::byte> chunks, const StreamHeader& header) {
   std::vector<DirectoryEntry> entries;
-  while (!chunks.empty() && entries.size() <= kMostEntries) {
+  while (!chunks.empty() && entries.size() <= kMaxEntries) {
     const auto chunk = sound_chunk(chunks.first(std::min(chunks.size(), length_of(chunks))));
     const auto* sound = std::get_if<SoundChunk>(&chunk);
     if (!sound || sound->type != ChunkType::directory) return {};
@@ -118,7 +118,7 @@ std::vector<DirectoryEntry> directory_of(std::span<const std::byte> chunks, cons
     entries.insert(entries.end(), more.begin(), more.end());
     chunks = chunks.subspan(kChunkHeaderBytes + sound->payload.size());
   }
-  if (entries.size() > kMostEntries || (header.chunks != 0 && entries.size() != header.chunks)) return {};
+  if (entries.size() > kMaxEntries || (header.chunks != 0 && entries.size() != header.chunks)) return {};
   return entries;
 }
 

@@ -9,10 +9,10 @@ namespace gs::qnv {
 namespace {
 
 // Maximum number of clusters; more would mean billions of vectors.
-constexpr std::size_t kMostNodes = std::size_t{1} << 22;
+constexpr std::size_t kMaxNodes = std::size_t{1} << 22;
 
 std::uint32_t possible_voxels(std::uint64_t claimed, std::uint32_t bytes) {
-  const std::uint64_t most = std::min<std::uint64_t>(kMostVoxels, std::uint64_t{kVoxelsPerByte} * bytes);
+  const std::uint64_t most = std::min<std::uint64_t>(kMaxVoxels, std::uint64_t{kVoxelsPerByte} * bytes);
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(claimed, 1, std::max<std::uint64_t>(most, 1)));
 }
 
@@ -33,7 +33,7 @@ void describe(const DirectoryEntry& entry, LodNode& node) {
 }  // namespace
 
 std::size_t LodTree::set_directory(std::span<const DirectoryEntry> entries, std::uint64_t stream_bytes) {
-  entries = entries.first(std::min(entries.size(), kMostNodes));
+  entries = entries.first(std::min(entries.size(), kMaxNodes));
   dense_ = true;
   nodes_.assign(entries.size(), {});
   std::size_t senseless = 0;
@@ -60,14 +60,14 @@ std::size_t LodTree::set_directory(std::span<const DirectoryEntry> entries, std:
 }
 
 std::size_t LodTree::expect(std::span<const DirectoryEntry> entries) {
-  entries = entries.first(std::min(entries.size(), kMostNodes));
+  entries = entries.first(std::min(entries.size(), kMaxNodes));
   std::size_t senseless = 0;
   for (std::uint32_t id = 0; id < entries.size(); ++id) {
     const DirectoryEntry& entry = entries[id];
     std::uint32_t index = index_of(id);
     const bool fits = index == kNoNode || (nodes_[index].offset == entry.offset && nodes_[index].bytes == entry.bytes &&
                                            nodes_[index].level == entry.level);
-    if (!possible(entry) || !fits || (index == kNoNode && nodes_.size() >= kMostNodes)) {
+    if (!possible(entry) || !fits || (index == kNoNode && nodes_.size() >= kMaxNodes)) {
       ++senseless;
       continue;
     }
@@ -97,8 +97,8 @@ std::uint32_t LodTree::arrive(const ClusterHeader& header, std::uint64_t offset,
       return kNoNode;
     }
   } else {
-    if (nodes_.size() >= kMostNodes) {
-      why = "more clusters than " + std::to_string(kMostNodes);
+    if (nodes_.size() >= kMaxNodes) {
+      why = "more clusters than " + std::to_string(kMaxNodes);
       return kNoNode;
     }
     if (header.parent == kNoParent && root_ != kNoNode) {

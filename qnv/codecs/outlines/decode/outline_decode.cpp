@@ -184,7 +184,7 @@ void OutlineDecoder::finish() {
 void OutlineDecoder::add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) {
   if (!header() || !is_outlines()) return;
   if (type == ChunkType::directory && missing.empty()) {
-    if (directory_.size() > kMostDirectoryEntries) return;
+    if (directory_.size() > kMaxDirectoryEntries) return;
     const auto entries = decode_directory(payload, header()->description.box);
     directory_.insert(directory_.end(), entries.begin(), entries.end());
   } else if ((type != ChunkType::outlines && type != ChunkType::inner) || !add_polygons(type, payload, missing)) {

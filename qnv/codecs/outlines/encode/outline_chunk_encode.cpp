@@ -11,7 +11,7 @@ namespace {
 
 /// Minimum number of a group's inner polygons in a chunk for a frame of its own.
 constexpr std::size_t kOwnFrame = 5;
-constexpr std::size_t kMostFrames = 255;
+constexpr std::size_t kMaxFrames = 255;
 /// Minimum number of corners for a polygon's own plane, which costs at least 20 bits; triangles cannot save as many.
 constexpr std::size_t kOwnPlane = 4;
 
@@ -183,7 +183,7 @@ std::vector<std::vector<const Polygon*>> by_frames(std::span<const Polygon> poly
   for (std::size_t i = 0; i < polygons.size();) {
     std::size_t end = i;
     while (end < polygons.size() && polygons[end].group == polygons[i].group) ++end;
-    const bool own = kind.inner && end - i >= kOwnFrame && frames.size() < kMostFrames;
+    const bool own = kind.inner && end - i >= kOwnFrame && frames.size() < kMaxFrames;
     if (own) frames.emplace_back();
     for (; i < end; ++i) (own ? frames.back() : frames.front()).push_back(&polygons[i]);
   }

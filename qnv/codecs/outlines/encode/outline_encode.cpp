@@ -16,7 +16,7 @@ namespace {
 /// Number of polygons of one appearance that are cut into chunks together. The rest at the end becomes a chunk of any
 /// size.
 constexpr std::size_t kInOneRun = 8192;
-constexpr std::size_t kMostGroups = std::size_t{1} << 31;
+constexpr std::size_t kMaxGroups = std::size_t{1} << 31;
 
 std::optional<std::string> problem_of(const OutlinePolygons& polygons) {
   const auto ascend = [](std::span<const std::uint32_t> ends, std::size_t last) {
@@ -33,9 +33,9 @@ std::optional<std::string> problem_of(const OutlinePolygons& polygons) {
 }
 
 std::optional<EncodeError> problem_of(const OutlineGroups& groups, std::size_t appearances) {
-  if (appearances > kMostOutlineAppearances)
+  if (appearances > kMaxOutlineAppearances)
     return EncodeError{std::to_string(appearances) + " appearances; expected at most 65535"};
-  if (groups.groups.size() >= kMostGroups)
+  if (groups.groups.size() >= kMaxGroups)
     return EncodeError{std::to_string(groups.groups.size()) + " groups; expected fewer than 2^31"};
   for (std::size_t i = 0; i < groups.groups.size(); ++i) {
     const OutlineGroup& group = groups.groups[i];
@@ -117,7 +117,7 @@ class Pass {
     std::size_t guess = 64;
     for (std::size_t first = 0; first < polygons.size();) {
       Chunk chunk = fill(std::span<const Polygon>(polygons).subspan(first), run.kind, guess);
-      if (chunk.head.lengths.empty() || size(chunk) > kMostChunkBytes) return {};
+      if (chunk.head.lengths.empty() || size(chunk) > kMaxChunkBytes) return {};
       guess = chunk.head.lengths.size();
       const auto in_it = std::span<const Polygon>(polygons).subspan(first, guess);
       finished.push_back(finish(std::move(chunk), in_it, run.polygons[first]));
@@ -217,9 +217,9 @@ StreamHeader header_of(const OutlineGroups& groups, std::span<const OutlineAppea
 /// Returns an error if the header is too long or cannot be read back.
 std::optional<EncodeError> problem_of(const StreamHeader& header) {
   const std::vector<std::byte> bytes = encode_header(header);
-  if (bytes.size() > kMostHeaderBytes)
+  if (bytes.size() > kMaxHeaderBytes)
     return EncodeError{"the header with its appearances has " + std::to_string(bytes.size()) +
-                       " bytes; expected at most " + std::to_string(kMostHeaderBytes)};
+                       " bytes; expected at most " + std::to_string(kMaxHeaderBytes)};
   std::size_t size = 0;
   bool need_more = false;
   const auto read = decode_header(bytes, size, need_more);
@@ -239,7 +239,7 @@ std::variant<EncodedStream, EncodeError> encode_outlines(const OutlineGroups& gr
   const OutlineAppearance plain;
   if (appearances.empty()) appearances = {&plain, 1};
   if (auto problem = outline::problem_of(groups, appearances.size())) return std::move(*problem);
-  const auto lattices = outline::choose_lattices(groups, std::clamp(options.position_bits, 1, kMostLatticeBits),
+  const auto lattices = outline::choose_lattices(groups, std::clamp(options.position_bits, 1, kMaxLatticeBits),
                                                  std::clamp(options.texture_bits, 1, 20));
   if (!lattices) return EncodeError{"no finite polygon close enough to the origin for the size of the model"};
   StreamHeader header = outline::header_of(groups, appearances, *lattices, options);

@@ -12,10 +12,10 @@
 namespace gs::qnv::outline {
 namespace {
 
-constexpr float kMostTextureCoordinate = 65536;
+constexpr float kMaxTextureCoordinate = 65536;
 
 /// Replaces absurd or non-finite values, which would spoil the lattice of all others.
-float sane_coordinate(float t) { return t >= -kMostTextureCoordinate && t <= kMostTextureCoordinate ? t : 0; }
+float sane_coordinate(float t) { return t >= -kMaxTextureCoordinate && t <= kMaxTextureCoordinate ? t : 0; }
 
 bool finite_positions(std::span<const glm::vec3> positions) {
   return std::all_of(positions.begin(), positions.end(), [](const glm::vec3& p) { return finite(p); });
@@ -58,7 +58,7 @@ struct Extent {
     lattice.exponent = exponent;
     for (std::size_t axis = 0; axis < Axes; ++axis) {
       const double origin = steps(lower[axis], exponent), size = steps(upper[axis], exponent) - origin;
-      if (std::abs(origin) > static_cast<double>(kMostLatticeOrigin) || size > most) return false;
+      if (std::abs(origin) > static_cast<double>(kMaxLatticeOrigin) || size > most) return false;
       lattice.origin[axis] = static_cast<std::int64_t>(origin);
       lattice.size[axis] = static_cast<std::uint32_t>(size);
       // Near the limit of f32, the nearest lattice point may overflow.
@@ -203,7 +203,7 @@ std::optional<Lattices> choose_lattices(const OutlineGroups& groups, int positio
     side = std::max(side, static_cast<double>(positions.upper[axis]) - static_cast<double>(positions.lower[axis]));
   const int exponent = side > 0 ? std::ilogb(side) - position_bits : 0;
   if (!positions.fit(exponent, std::ldexp(1.0, position_bits) - 1, lattices.positions)) return std::nullopt;
-  const double most = std::ldexp(1.0, kMostLatticeBits) - 1;
+  const double most = std::ldexp(1.0, kMaxLatticeBits) - 1;
   if (!coordinates.empty() && !coordinates.fit(-texture_bits, most, lattices.texture_coordinates)) return std::nullopt;
   return lattices;
 }

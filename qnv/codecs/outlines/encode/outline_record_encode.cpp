@@ -104,7 +104,7 @@ Code best_code(std::span<const Numbers> numbers, std::size_t axes) {
     std::uint64_t sum = 0, best = std::numeric_limits<std::uint64_t>::max();
     for (const Numbers& n : numbers) sum += n[axis];
     const int about = static_cast<int>(std::bit_width(sum / numbers.size()));
-    for (int order = std::max(0, about - 4); order <= std::min(about, kMostOrder); ++order) {
+    for (int order = std::max(0, about - 4); order <= std::min(about, kMaxOrder); ++order) {
       std::uint64_t bits = 0;
       for (const Numbers& n : numbers) bits += static_cast<std::uint64_t>(golomb_bits(n[axis], order));
       if (bits < best) best = bits, code.orders[axis] = static_cast<std::uint8_t>(order);

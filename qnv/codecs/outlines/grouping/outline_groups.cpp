@@ -18,12 +18,12 @@ namespace gs::qnv::outline {
 namespace {
 
 std::optional<OutlineError> problem_of(const PolygonModel& model) {
-  constexpr std::size_t kMost = 0xfffffff0u;
+  constexpr std::size_t kMax = 0xfffffff0u;
   const auto error = [](const std::string& what, std::size_t is, std::size_t expected) {
     return OutlineError{what + ": " + std::to_string(is) + ", expected " + std::to_string(expected)};
   };
-  if (model.corners.size() > kMost) return error("too many corners", model.corners.size(), kMost);
-  if (model.positions.size() > kMost) return error("too many positions", model.positions.size(), kMost);
+  if (model.corners.size() > kMax) return error("too many corners", model.corners.size(), kMax);
+  if (model.positions.size() > kMax) return error("too many positions", model.positions.size(), kMax);
   if (!model.appearances.empty() && model.appearances.size() != model.ends.size())
     return error("appearances", model.appearances.size(), model.ends.size());
   if (!model.texture_coordinates.empty() && model.texture_coordinates.size() != model.corners.size())

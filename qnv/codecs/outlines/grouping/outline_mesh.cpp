@@ -238,14 +238,14 @@ class Pairing {
   }
 
   void pair_unusual(std::span<const std::uint32_t> edge, std::uint32_t lower) {
-    constexpr std::size_t kMost = 64;  // more at one edge are not a surface
+    constexpr std::size_t kMax = 64;  // more at one edge are not a surface
     std::vector<std::uint32_t> up, down;
     for (const std::uint32_t h : edge) (mesh_.vertices[h] == lower ? up : down).push_back(h);
     for (const auto* side : {&up, &down})
       if (side->size() > 1)
         for (const std::uint32_t h : *side)
           std::atomic_ref(doubtful_[mesh_.faces[h]]).store(1, std::memory_order_relaxed);
-    if (edge.size() > kMost) return;
+    if (edge.size() > kMax) return;
     struct Match {
       double agreement;
       std::uint32_t up, down;
@@ -274,7 +274,7 @@ class Duplicates {
   [[nodiscard]] std::vector<std::uint8_t> find(const std::vector<std::uint8_t>& doubtful, std::size_t& count) {
     std::vector<std::uint8_t> twice(mesh_.face_count());
     std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> seen;
-    constexpr std::size_t kMost = 64;  // maximum number of different faces compared per hash
+    constexpr std::size_t kMax = 64;  // maximum number of different faces compared per hash
     for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
       if (!doubtful[face]) continue;
       std::uint64_t hash = mesh_.appearances[face];
@@ -284,7 +284,7 @@ class Duplicates {
         if (equal(face, other)) twice[face] = 1;
       if (twice[face])
         ++count;
-      else if (same.size() < kMost)
+      else if (same.size() < kMax)
         same.push_back(face);
     }
     return twice;

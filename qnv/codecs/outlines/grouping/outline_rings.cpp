@@ -138,7 +138,7 @@ std::vector<Ring> boundary_rings(const Mesh& mesh, const std::vector<std::uint32
 }
 
 bool bounds_surface(const Mesh& mesh, const std::vector<Ring>& rings, const glm::dvec3& normal, double area) {
-  constexpr double kMostBridging = 1e9;  // holes times corners
+  constexpr double kMaxBridging = 1e9;  // holes times corners
   const PlaneAxes axes(normal);
   std::vector<Segment> segments;
   std::size_t outer = 0;
@@ -151,7 +151,7 @@ bool bounds_surface(const Mesh& mesh, const std::vector<Ring>& rings, const glm:
     for (std::size_t i = 0; i < points.size(); ++i) segments.push_back({points[i], points[(i + 1) % points.size()]});
   }
   if (outer != 1 || !(std::fabs(sum - area) <= 1e-6 * area)) return false;
-  if (static_cast<double>(rings.size() - 1) * static_cast<double>(segments.size()) > kMostBridging) return false;
+  if (static_cast<double>(rings.size() - 1) * static_cast<double>(segments.size()) > kMaxBridging) return false;
   return !any_crossing(std::move(segments), mesh.rounding);
 }
 

@@ -109,7 +109,7 @@ class Simplifier {
   // Keeps the vertex farthest from the line between two kept ones, and repeats in both halves. Repeatedly uneven halves
   // are split in the middle instead, which bounds the time.
   void simplify(std::size_t first, std::size_t last) {
-    constexpr int kMostDeep = 64;
+    constexpr int kMaxDeep = 64;
     struct Part {
       std::size_t first, last;
       int deep;
@@ -129,7 +129,7 @@ class Simplifier {
         farthest = i;
       }
       if (farthest == 0) continue;
-      if (part.deep >= kMostDeep) farthest = part.first + (part.last - part.first) / 2;
+      if (part.deep >= kMaxDeep) farthest = part.first + (part.last - part.first) / 2;
       kept_[chain_[farthest]] = 1;
       parts.push_back({part.first, farthest, part.deep + 1});
       parts.push_back({farthest, part.last, part.deep + 1});

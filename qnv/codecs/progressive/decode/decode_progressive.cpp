@@ -9,7 +9,7 @@
 namespace gs::qnv::progressive {
 namespace {
 
-constexpr std::size_t kMostWaitingSegmentBytes = std::size_t{16} << 20, kWaitingSegmentCost = 96;
+constexpr std::size_t kMaxWaitingSegmentBytes = std::size_t{16} << 20, kWaitingSegmentCost = 96;
 
 /// Guide for decoding; never used.
 struct NoSplitGuide {};
@@ -24,8 +24,8 @@ std::optional<FrontHeader> decode_front(std::span<const std::byte> section) {
   header.shading.angle = in.integer<std::uint8_t>();
   header.vertices = in.integer<std::uint32_t>();
   header.triangles = in.integer<std::uint32_t>();
-  if (!in.good() || mark != kFrontMark || header.bits < exact::kLeastBits || header.bits > exact::kMostBits ||
-      rule > 1 || middles > 1 || header.shading.angle > 180 || header.vertices > SplitGrowth::kMostVertices)
+  if (!in.good() || mark != kFrontMark || header.bits < exact::kMinBits || header.bits > exact::kMaxBits || rule > 1 ||
+      middles > 1 || header.shading.angle > 180 || header.vertices > SplitGrowth::kMaxVertices)
     return {};
   header.middles = middles == 1;
   header.shading.rule = static_cast<exact::Shading::Rule>(rule);
@@ -64,7 +64,7 @@ bool ProgressiveMesh::add(std::span<const std::byte> payload) {
   if (number < next_ || waiting_.contains(number)) return true;
   if (broken_) return false;
   if (number > next_) {
-    if (waiting_bytes_ + payload.size() + kWaitingSegmentCost > kMostWaitingSegmentBytes) return false;
+    if (waiting_bytes_ + payload.size() + kWaitingSegmentCost > kMaxWaitingSegmentBytes) return false;
     waiting_bytes_ += payload.size() + kWaitingSegmentCost;
     waiting_.emplace(number, std::vector<std::byte>(payload.begin(), payload.end()));
     return true;
@@ -84,7 +84,7 @@ bool ProgressiveMesh::read(std::span<const std::byte> payload) {
   displaced::BinaryDecoder decoder(payload.subspan(kSegmentHeaderBytes));
   exact::Decisions<displaced::BinaryDecoder> decisions(decoder);
   NoSplitGuide guide;
-  broken_ = visits > kMostVisitsAByte * payload.size();
+  broken_ = visits > kMaxVisitsAByte * payload.size();
   for (std::size_t i = 0; i < visits && !broken_; ++i) broken_ = !growth_->visit(decisions, guide);
   ++next_;
   if (broken_) waiting_.clear();

@@ -21,9 +21,9 @@ using displaced::SurfaceMesh;
 // need more bits to mark the splits.
 constexpr double kPartOfPass = 0.12;
 constexpr int kFirstBits = 9;
-constexpr std::size_t kFirstSegmentBytes = 150, kSegmentBytes = 700, kMostSegments = 65536;
+constexpr std::size_t kFirstSegmentBytes = 150, kSegmentBytes = 700, kMaxSegments = 65536;
 // Initial triangles per byte in the search for the first mesh.
-constexpr double kMostTrianglesOfFront = 0.9;
+constexpr double kMaxTrianglesOfFront = 0.9;
 // A pass of position bits pays once splits move the surface by at most this many steps.
 constexpr double kStepsOfSplits = 2;
 
@@ -128,7 +128,7 @@ class SegmentWriter {
     writer.integer(visits_);
     const std::vector<std::byte> body = std::exchange(encoder_, {}).finish();
     payload.insert(payload.end(), body.begin(), body.end());
-    const std::size_t least = visits_ / kMostVisitsAByte + 1;
+    const std::size_t least = visits_ / kMaxVisitsAByte + 1;
     if (payload.size() < least) payload.resize(least);
     aimed_ = std::min(aimed_ * 5 / 4, kSegmentBytes);
     visits_ = 0;
@@ -159,7 +159,7 @@ std::optional<CollapsedMesh> collapsed(const exact::ExactMesh& mesh, std::size_t
   CollapsedMesh out;
   out.bits = std::min(kFirstBits, mesh.bits);
   std::size_t left = mesh.vertices.size();
-  const double allowed = kMostTrianglesOfFront * static_cast<double>(most_first);
+  const double allowed = kMaxTrianglesOfFront * static_cast<double>(most_first);
   for (;;) {
     double most = kPartOfPass * static_cast<double>(left);
     const double over = static_cast<double>(simplifier.triangles()) - allowed;
@@ -210,7 +210,7 @@ bool write_segments(const exact::ExactMesh& mesh, const CollapsedMesh& coarse, b
   }
   if (!refine_below(0)) return false;
   segments.finish();
-  return out.segments.size() <= kMostSegments;
+  return out.segments.size() <= kMaxSegments;
 }
 
 }  // namespace

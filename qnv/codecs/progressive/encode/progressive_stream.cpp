@@ -21,7 +21,7 @@ constexpr std::size_t kSplitParityBesides = 3;
 // Piece size near the start of the stream, and the length of that start.
 constexpr std::size_t kSmallPieceBytes = 480, kSmallPiecesUntil = 3000;
 // Maximum number of triangles; a stream of more would begin too coarse.
-constexpr std::size_t kMostGrowingTriangles = 100'000;
+constexpr std::size_t kMaxGrowingTriangles = 100'000;
 
 /// Returns the segments of a progressive mesh, in pieces with parity, so that losses do not stop it.
 std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, const Box& box) {
@@ -68,11 +68,11 @@ std::variant<EncodedStream, EncodeError> encode_progressive(const TriangleSource
   const bool read = source([&](std::span<const Triangle> triangles) {
     s.add(triangles);
     builder.add(triangles);
-    return s.triangles <= kMostGrowingTriangles && !cancelled();
+    return s.triangles <= kMaxGrowingTriangles && !cancelled();
   });
-  if (s.triangles > kMostGrowingTriangles)
+  if (s.triangles > kMaxGrowingTriangles)
     return EncodeError{"the surface has too many triangles to grow by splits; expected at most " +
-                           std::to_string(kMostGrowingTriangles),
+                           std::to_string(kMaxGrowingTriangles),
                        true};
   if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};

@@ -57,7 +57,7 @@ RecordsAssembly::HeaderBits RecordsAssembly::bits_of(const RecordsHeader& h) {
 
 std::size_t RecordsAssembly::add(const RecordsPatch& patch) {
   const std::size_t before = size();
-  if (patch.size() == 0 || nodes_.size() + kDeepestRecordsCell > kMostNodes) return 0;
+  if (patch.size() == 0 || nodes_.size() + kDeepestRecordsCell > kMaxNodes) return 0;
   const RecordsHeader& header = patch.header;
   const std::uint32_t node = node_of(header.cell);
   if (!nodes_[node].known && header.cell_weight > 0) {
@@ -102,7 +102,7 @@ RecordsAssembly::Sums RecordsAssembly::sum() const {
   for (std::size_t node = 0; node < count; ++node) {
     const std::uint32_t around = node == 0 ? kNoOwner : sums.owner[nodes_[node].parent];
     sums.stands[node] =
-        nodes_[node].known && sums.vectors[node] > 0 && (around == kNoOwner || sums.vectors[node] >= kFewestVectors);
+        nodes_[node].known && sums.vectors[node] > 0 && (around == kNoOwner || sums.vectors[node] >= kMinVectors);
     sums.owner[node] = sums.stands[node] ? static_cast<std::uint32_t>(node) : around;
     if (sums.stands[node] && around != kNoOwner) sums.inside[around] += nodes_[node].weight;
   }

@@ -14,22 +14,22 @@ namespace gs::qnv {
 
 /// Received part of a records stream, with weights that keep the integral however much is missing.
 /// The rule is in FORMAT.md, "Conservation". A cell stands if its header was received and it holds at least
-/// kFewestVectors received vectors, or if no enclosing cell can stand. Each vector belongs to the deepest standing cell
+/// kMinVectors received vectors, or if no enclosing cell can stand. Each vector belongs to the deepest standing cell
 /// that contains it. One factor scales all vectors of a cell, so that they and the inner cells weigh what the header
 /// says. If a part of a cell received no vectors, its weight goes to the neighbouring cells. No cell gets more than
 /// kLargestGrowth times its own weight, so no vector weighs more than kLargestGrowth times its cell.
 /// Not thread-safe. Accepts untrusted patches: their size bounds the memory, and any numbers give finite weights.
 class RecordsAssembly {
  public:
-  static constexpr std::size_t kFewestVectors = 8;
+  static constexpr std::size_t kMinVectors = 8;
   static constexpr double kLargestGrowth = 2;
-  static constexpr std::size_t kMostNodes = std::size_t{1} << 22;
+  static constexpr std::size_t kMaxNodes = std::size_t{1} << 22;
 
   /// Uses the box and the total of the stream's `description`.
   explicit RecordsAssembly(const Description& description);
 
   /// Adds the received records of a chunk, in any order, and skips records that are already there. Returns the number
-  /// of new records. Rejects chunks of further cells once there are kMostNodes cells, which a valid stream never has.
+  /// of new records. Rejects chunks of further cells once there are kMaxNodes cells, which a valid stream never has.
   std::size_t add(const RecordsPatch& patch);
 
   [[nodiscard]] std::size_t size() const { return positions_.size(); }

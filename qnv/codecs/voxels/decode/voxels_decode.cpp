@@ -103,7 +103,7 @@ class VolumeLevelDecoder {
     read({p_.magnitude, p_.magnitude, p_.magnitude});
     for_each_child([&](std::size_t parent, unsigned, std::size_t i) {
       const int magnitude = from_.magnitude[parent] + residual_[i] * static_cast<int>(p_.magnitude_step);
-      out.magnitude[i] = static_cast<std::uint8_t>(std::clamp(magnitude, 0, kMostMagnitude));
+      out.magnitude[i] = static_cast<std::uint8_t>(std::clamp(magnitude, 0, kMaxMagnitude));
     });
   }
 
@@ -177,7 +177,7 @@ std::variant<VolumeCluster, PackedError> decode_volume_cluster(std::span<const s
   bits.resize(size + RansDecoder::kPadding);
   RansDecoder rans(std::span<const std::byte>{bits.data(), size});
   std::size_t first = header.first, count = header.count;
-  const std::size_t most = std::min(payload.size() * kVoxelsPerByte, kMostVoxels);
+  const std::size_t most = std::min(payload.size() * kVoxelsPerByte, kMaxVoxels);
   if (count > most)
     return PackedError{"a cluster of " + std::to_string(payload.size()) + " bytes divides " + std::to_string(count) +
                        " voxels; expected " + std::to_string(most) + " at most"};
@@ -204,8 +204,8 @@ void append_vectors(const VolumeCluster& cluster, std::size_t first, std::size_t
   const VolumeVoxels& voxels = cluster.voxels;
   const int level = cluster.level();
   const float reach = lattice.reach(level);
-  std::array<float, kMostMagnitude + 1> magnitudes{};
-  for (int m = 0; m <= kMostMagnitude; ++m) magnitudes[static_cast<unsigned>(m)] = lattice.magnitude(m);
+  std::array<float, kMaxMagnitude + 1> magnitudes{};
+  for (int m = 0; m <= kMaxMagnitude; ++m) magnitudes[static_cast<unsigned>(m)] = lattice.magnitude(m);
   for (std::size_t i = first; i < first + count; ++i) {
     const std::array<int, 3> d = octahedral_normal(voxels.u[i], voxels.v[i]);
     const glm::vec3 gradient = (*world)[0] * static_cast<float>(d[0]) + (*world)[1] * static_cast<float>(d[1]) +

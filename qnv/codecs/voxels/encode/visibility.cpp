@@ -11,8 +11,8 @@
 namespace gs::qnv {
 namespace {
 
-constexpr int kGridLevel = 6;        // 64 cells per axis
-constexpr float kLeastSeen = 0.04f;  // users may clip away the outside to look in
+constexpr int kGridLevel = 6;      // 64 cells per axis
+constexpr float kMinSeen = 0.04f;  // users may clip away the outside to look in
 constexpr int kDirections = 26;
 
 using Grid = std::vector<float>;
@@ -64,7 +64,7 @@ void find_seen(std::span<TrueVoxel> voxels, const VoxelLattice& lattice, std::sp
     const std::size_t cell = cell_of(voxel);
     float sum = 0;
     for (const Grid& one : light) sum += one[cell];
-    voxel.seen = std::clamp(sum * 2 / kDirections, kLeastSeen, 1.0f);
+    voxel.seen = std::clamp(sum * 2 / kDirections, kMinSeen, 1.0f);
   }
 }
 

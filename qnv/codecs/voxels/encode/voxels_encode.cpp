@@ -240,7 +240,7 @@ std::vector<TrueVoxel> true_voxels(std::span<const LatticeVector> vectors, const
     const float octaves =
         vector.magnitude > 0 ? std::log2(vector.magnitude / lattice.unit) : -static_cast<float>(kMagnitudeOne);
     voxel.magnitude =
-        std::clamp(octaves * kMagnitudesAnOctave + kMagnitudeOne, 0.0f, static_cast<float>(kMostMagnitude));
+        std::clamp(octaves * kMagnitudesAnOctave + kMagnitudeOne, 0.0f, static_cast<float>(kMaxMagnitude));
     out.push_back(voxel);
   }
   return out;

@@ -140,7 +140,7 @@ class VolumeQuantizer {
     v.v.push_back(static_cast<std::int16_t>(chosen.v));
     v.value.push_back(value);
     v.magnitude.push_back(static_cast<std::uint8_t>(
-        std::clamp(from_.magnitude[index] + child.magnitude * p_.magnitude_step, 0, kMostMagnitude)));
+        std::clamp(from_.magnitude[index] + child.magnitude * p_.magnitude_step, 0, kMaxMagnitude)));
     const int turned = std::max(std::abs(child.du), std::abs(child.dv));
     v.activity.push_back(static_cast<std::uint8_t>(std::min(turned, 3) | std::min(std::abs(child.value), 3) << 2));
   }
@@ -169,7 +169,7 @@ void copy_run(const std::vector<T>& from, std::size_t first, std::size_t last, s
   to.assign(from.begin() + static_cast<std::ptrdiff_t>(first), from.begin() + static_cast<std::ptrdiff_t>(last));
 }
 
-constexpr int kMostOdds = 256;  // in 1/16; exceeds every sum of table entries
+constexpr int kMaxOdds = 256;  // in 1/16; exceeds every sum of table entries
 
 }  // namespace
 
@@ -237,11 +237,11 @@ VolumeSymbols chosen_symbols(const VolumeSymbols& all, std::size_t first, std::s
 void choose_models(std::span<const VolumeSymbols> levels, VolumeParameters& p) {
   std::array<ResidualHistogram, kResidualContexts> direction{}, value{};
   ResidualHistogram magnitude{};
-  std::vector<std::array<std::uint32_t, 2>> odds(2 * kMostOdds);
+  std::vector<std::array<std::uint32_t, 2>> odds(2 * kMaxOdds);
   for (const VolumeSymbols& level : levels) {
     for (const VolumeSymbols::Parent& parent : level.parents)
       for (unsigned c = 0; c < 8; ++c)
-        ++odds[static_cast<std::size_t>(parent.odds[c] + kMostOdds)][parent.mask >> c & 1];
+        ++odds[static_cast<std::size_t>(parent.odds[c] + kMaxOdds)][parent.mask >> c & 1];
     for (const VolumeSymbols::Child& child : level.children) {
       count(direction[child.direction_context], child.du);
       count(direction[child.direction_context], child.dv);
@@ -258,8 +258,8 @@ void choose_models(std::span<const VolumeSymbols> levels, VolumeParameters& p) {
   for (std::size_t model = 0; model < kSteepness.size(); ++model)
     for (int bias = 0; bias < 32; ++bias) {
       double cost = 0;
-      for (int o = -kMostOdds; o < kMostOdds; ++o) {
-        const auto& n = odds[static_cast<std::size_t>(o + kMostOdds)];
+      for (int o = -kMaxOdds; o < kMaxOdds; ++o) {
+        const auto& n = odds[static_cast<std::size_t>(o + kMaxOdds)];
         if (n[0] + n[1] == 0) continue;
         const double yes = probability_of(o + kOddsOfAll + 2 * (bias - VolumeParameters::kNoBias), logistic_table(),
                                           kSteepness[model]) /

@@ -37,12 +37,12 @@ TEST_CASE("shows lines once, a few at a time, and closes them one by one") {
   REQUIRE(notices.lines().size() == 1);
   CHECK(notices.lines()[0].until == 2 + Notices::kSeconds);
   for (int i = 0; i < 9; ++i) notices.show(std::to_string(i), true, 3);
-  CHECK(notices.lines().size() == Notices::kMost);
+  CHECK(notices.lines().size() == Notices::kMax);
   CHECK(notices.lines().back().text == "8");
   notices.close(0);
   CHECK(notices.lines().front().text == "5");
   notices.close(99);
-  CHECK(notices.lines().size() == Notices::kMost - 1);
+  CHECK(notices.lines().size() == Notices::kMax - 1);
   while (notices.close_one()) {
   }
   CHECK(notices.lines().empty());

@@ -66,8 +66,8 @@ TEST_CASE("docks panels beside the picture, never over it, at any window size") 
     }
   // The picture keeps its minimum size while the window is large enough.
   const DockLayout tight = dock.lay_out({0, 60, 500, 440}, 1);
-  CHECK(tight.picture.width >= Dock::kLeastPicture);
-  CHECK(tight.picture.height >= Dock::kLeastHeight);
+  CHECK(tight.picture.width >= Dock::kMinPicture);
+  CHECK(tight.picture.height >= Dock::kMinHeight);
 }
 
 TEST_CASE("brings the neighbour of a closed panel to the front") {
@@ -123,9 +123,9 @@ TEST_CASE("keeps the size of an area after a divider was dragged") {
   CHECK(middle(DockSide::right) == Approx(900.5f).margin(1));
   CHECK(middle(DockSide::bottom) == Approx(500.5f).margin(1));
   dock.set_size(DockSide::left, -50);
-  CHECK(dock.size(DockSide::left) == Dock::kLeastArea);
+  CHECK(dock.size(DockSide::left) == Dock::kMinArea);
   dock.set_size(DockSide::left, std::numeric_limits<float>::quiet_NaN());
-  CHECK(dock.size(DockSide::left) == Dock::kLeastArea);
+  CHECK(dock.size(DockSide::left) == Dock::kMinArea);
 }
 
 TEST_CASE("ignores numbers that belong to no panel") {

@@ -31,9 +31,9 @@ TEST_CASE("keeps the messages of each file in the session log, and reports them 
   log.note("a.wrl", said({"three"}));  // it was read again
   CHECK(log.take_untold() == Lines{"a.wrl:1:1: error: three"});
   CHECK(log.errors() == 1);
-  for (std::size_t i = 0; i < 2 * SessionLog::kMostFiles; ++i) log.note(std::to_string(i), said({"x"}));
-  CHECK(log.files().size() == SessionLog::kMostFiles);
-  CHECK(log.errors() == SessionLog::kMostFiles);
+  for (std::size_t i = 0; i < 2 * SessionLog::kMaxFiles; ++i) log.note(std::to_string(i), said({"x"}));
+  CHECK(log.files().size() == SessionLog::kMaxFiles);
+  CHECK(log.errors() == SessionLog::kMaxFiles);
 }
 
 Frame steps_until(Session& session, const std::function<bool(const Frame&)>& done) {

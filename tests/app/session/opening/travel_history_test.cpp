@@ -48,13 +48,13 @@ TEST_CASE("drops the forward history after a new destination") {
 
 TEST_CASE("forgets the oldest of very many destinations") {
   TravelHistory history;
-  for (std::size_t i = 0; i < 3 * TravelHistory::kMostVisits; ++i) history.visit(std::to_string(i), std::nullopt);
+  for (std::size_t i = 0; i < 3 * TravelHistory::kMaxVisits; ++i) history.visit(std::to_string(i), std::nullopt);
   std::size_t back = 0;
   while (history.can_go(-1)) {
     (void)history.go(-1, std::nullopt);
     ++back;
   }
-  CHECK(back == TravelHistory::kMostVisits - 1);
+  CHECK(back == TravelHistory::kMaxVisits - 1);
 }
 
 }  // namespace gs::app::travel_history_test

@@ -51,14 +51,14 @@ TEST_CASE("opens each file of the command line in its own viewport, up to the ma
     panes.start(std::span(all).first(count));
     CHECK(layout_of(panes.split()) == layout_for(count));
     CHECK(panes.active() == 0);
-    for (std::size_t i = 0; i < kMostViewportsAtStart; ++i) CHECK(panes.at(i).wanted == (i < count ? all[i] : ""));
+    for (std::size_t i = 0; i < kMaxViewportsAtStart; ++i) CHECK(panes.at(i).wanted == (i < count ? all[i] : ""));
     CHECK(panes.documents().entries().size() == count);
     std::size_t readings = 0;
     while (const auto reading = loading.begin()) {
       CHECK(reading->path == all[readings]);  // the active one first
       ++readings;
     }
-    CHECK(readings == std::min(count, kMostViewportsAtStart));  // hidden files are not read
+    CHECK(readings == std::min(count, kMaxViewportsAtStart));  // hidden files are not read
   }
 }
 

@@ -78,7 +78,7 @@ TEST_CASE("redraws a picture that can improve, unless that delays the user") {
   ledger.note(0, source, drawn(true, 200), PictureLedger::kQuick / 2);
   CHECK_FALSE(ledger.stands(0, true));
   // A picture that always promises a better one ends its refinement.
-  for (int i = 0; i <= Refinement::kMostFramesAlike; ++i) ledger.note(0, source, drawn(true, 200), 0);
+  for (int i = 0; i <= Refinement::kMaxFramesAlike; ++i) ledger.note(0, source, drawn(true, 200), 0);
   CHECK_FALSE(ledger.wants_more(0));
   CHECK(ledger.stands(0, false));
   PictureSource moved = source;

@@ -53,7 +53,7 @@ TEST_CASE("keeps the active viewport visible in every layout") {
   CHECK(panes_in_sight(split_of(ViewportLayout::two, 2)) == Panes_{2, 3});
   CHECK(panes_in_sight(split_of(ViewportLayout::four, 2)) == Panes_{0, 1, 2, 3});
   CHECK(panes_in_sight(split_of(ViewportLayout::four, 5)) == Panes_{4, 5, 6, 7});
-  CHECK(panes_in_sight(split_of(ViewportLayout::one, 99)) == Panes_{kMostViewports - 1});
+  CHECK(panes_in_sight(split_of(ViewportLayout::one, 99)) == Panes_{kMaxViewports - 1});
   for (const ViewportLayout layout : {ViewportLayout::one, ViewportLayout::two, ViewportLayout::four})
     CHECK(layout_of(split_of(layout, 0)) == layout);
   CHECK_FALSE(layout_of(split("1|2|3")));

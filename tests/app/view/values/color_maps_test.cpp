@@ -76,7 +76,7 @@ TEST_CASE("applies the colours of a map to a transfer function, and keeps its op
   const ColorMap* map = find_color_map("magma");
   REQUIRE(map);
   const Transfer mapped = recolored(transfer, *map);
-  CHECK(mapped.size() <= kMostTransferPoints);
+  CHECK(mapped.size() <= kMaxTransferPoints);
   for (int i = 0; i <= 100; ++i) {
     const float place = static_cast<float>(i) / 100;
     CHECK(transfer_at(mapped, place).opacity == Approx(transfer_at(transfer, place).opacity).margin(0.02));

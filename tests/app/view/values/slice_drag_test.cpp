@@ -20,7 +20,7 @@ std::shared_ptr<const VolumeGrid> cube() {
     std::memset(slice.data(), static_cast<int>(z), slice.size());
     return true;
   };
-  auto taken = VolumeGrid::take(source, nullptr, own_budget(), VolumeGrid::kMostVoxels);
+  auto taken = VolumeGrid::take(source, nullptr, own_budget(), VolumeGrid::kMaxVoxels);
   return std::get<std::shared_ptr<const VolumeGrid>>(taken);
 }
 

@@ -27,7 +27,7 @@ qnv::VolumeSource small_volume() {
   return source;
 }
 
-std::shared_ptr<const VolumeGrid> grid_of(std::uint64_t most = VolumeGrid::kMostVoxels) {
+std::shared_ptr<const VolumeGrid> grid_of(std::uint64_t most = VolumeGrid::kMaxVoxels) {
   auto taken = VolumeGrid::take(small_volume(), nullptr, own_budget(), most);
   if (auto* problem = std::get_if<std::string>(&taken)) FAIL(*problem);
   return std::get<std::shared_ptr<const VolumeGrid>>(taken);

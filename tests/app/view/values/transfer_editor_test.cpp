@@ -22,7 +22,7 @@ Transfer ramp() { return {{0.2f, {0, 0, 0}, 0}, {0.6f, {200, 100, 50}, 0.8f}, {1
 
 void check_transfer(const Transfer& transfer) {
   REQUIRE_FALSE(transfer.empty());
-  REQUIRE(transfer.size() <= kMostTransferPoints);
+  REQUIRE(transfer.size() <= kMaxTransferPoints);
   for (std::size_t i = 0; i < transfer.size(); ++i) {
     const qnv::TransferPoint& p = transfer[i];
     REQUIRE((p.value >= 0 && p.value <= 1 && p.opacity >= 0 && p.opacity <= 1));
@@ -84,9 +84,9 @@ TEST_CASE("adds points on the curve under the pointer, in its colour") {
   const auto last = add_point(transfer, 3, -4);
   CHECK(*last == transfer.size() - 1);
   check_transfer(transfer);
-  while (transfer.size() < kMostTransferPoints) REQUIRE(add_point(transfer, 0.5f, 0.5f));
+  while (transfer.size() < kMaxTransferPoints) REQUIRE(add_point(transfer, 0.5f, 0.5f));
   CHECK_FALSE(add_point(transfer, 0.5f, 0.5f));
-  CHECK(transfer.size() == kMostTransferPoints);
+  CHECK(transfer.size() == kMaxTransferPoints);
   check_transfer(transfer);
 }
 
@@ -222,7 +222,7 @@ TEST_CASE("maps sliders proportionally and back") {
   CHECK(scale.place_of(0.01f) == 0);
   CHECK(scale.place_of(kInfinity) == 1);
   CHECK(scale.place_of(kNaN) == 0);
-  CHECK(opacity_scale().place_of(render::CloudLook{}.opacity) == Approx(0.5).margin(1e-5));
+  CHECK(opacity_scale().place_of(render::SplatStyle{}.opacity) == Approx(0.5).margin(1e-5));
   VolumeSummary summary;
   for (const auto& magnitudes : {std::vector<float>{}, {5.0f}, {1e-30f, 1e30f}, {3.0f, 3.0f, 3.0f}}) {
     summary.magnitudes = magnitudes;

@@ -18,7 +18,7 @@
 namespace gs::qnv::displaced::base_mesh_test {
 namespace {
 
-constexpr std::size_t kMost = 1 << 17;
+constexpr std::size_t kMax = 1 << 17;
 
 /// Encodes on a lattice of 2^bits positions per axis.
 BaseMesh base_of(const SurfaceMesh& mesh, int bits) {
@@ -97,7 +97,7 @@ TEST_CASE("restores a base mesh from its bytes") {
     INFO(name);
     const CodedBase coded = encode_base(base, none);
     CHECK(placed(coded.mesh) == placed(base));
-    const auto decoded = decode_base(coded.bytes, kMost);
+    const auto decoded = decode_base(coded.bytes, kMax);
     REQUIRE(decoded);
     CHECK(equal(*decoded, coded.mesh));
     CHECK(decoded->creases.empty());
@@ -115,7 +115,7 @@ TEST_CASE("keeps the creases of a base mesh, without those at its boundary") {
     return (base.vertices[a].x > 256) == (base.vertices[b].x > 256) && (a + b) % 3 == 0;
   };
   const CodedBase coded = encode_base(base, crease);
-  const auto decoded = decode_base(coded.bytes, kMost);
+  const auto decoded = decode_base(coded.bytes, kMax);
   REQUIRE(decoded);
   CHECK(equal(*decoded, coded.mesh));
   const Patches patches(decoded->triangles, static_cast<std::uint32_t>(decoded->vertices.size()));
@@ -140,7 +140,7 @@ TEST_CASE("decodes prefixes and mutations of a base mesh to a valid mesh or reje
     INFO(name);
     const std::vector<std::byte> bytes = encode_base(base, none).bytes;
     for (std::size_t length = 0; length < bytes.size(); ++length)
-      if (const auto decoded = decode_base(std::span(bytes).first(length), kMost)) check_sound(*decoded, length);
+      if (const auto decoded = decode_base(std::span(bytes).first(length), kMax)) check_sound(*decoded, length);
     std::size_t refused = 0;
     constexpr std::size_t kRounds = 4000;
     for (std::size_t round = 0; round < kRounds; round += watched_step(7)) {
@@ -148,7 +148,7 @@ TEST_CASE("decodes prefixes and mutations of a base mesh to a valid mesh or reje
       for (std::size_t i = 0; i <= round % 4; ++i)
         mutated[random() % mutated.size()] = static_cast<std::byte>(random());
       if (round % 5 == 0) mutated.resize(mutated.size() + random() % 40, static_cast<std::byte>(random()));
-      const auto decoded = decode_base(mutated, kMost);
+      const auto decoded = decode_base(mutated, kMax);
       if (decoded)
         check_sound(*decoded, mutated.size());
       else
@@ -164,11 +164,11 @@ TEST_CASE("ends on bytes that always decode to new vertices") {
     for (const int fill : {0x00, 0xff, 0x55}) {
       std::vector<std::byte> bytes(length, static_cast<std::byte>(fill));
       bytes[0] = std::byte{16};
-      if (const auto decoded = decode_base(bytes, kMost)) check_sound(*decoded, length);
+      if (const auto decoded = decode_base(bytes, kMax)) check_sound(*decoded, length);
     }
-  CHECK(!decode_base({}, kMost));
-  CHECK(!decode_base(std::vector<std::byte>(100), kMost));                 // a lattice of 0 bits
-  CHECK(!decode_base(std::vector<std::byte>(100, std::byte{17}), kMost));  // too many bits
+  CHECK(!decode_base({}, kMax));
+  CHECK(!decode_base(std::vector<std::byte>(100), kMax));                 // a lattice of 0 bits
+  CHECK(!decode_base(std::vector<std::byte>(100, std::byte{17}), kMax));  // too many bits
 }
 
 }  // namespace gs::qnv::displaced::base_mesh_test

@@ -139,9 +139,9 @@ TEST_CASE("limits memory however many stages a stream claims") {
   const auto base =
       std::find_if(parts.chunks.begin(), parts.chunks.end(), [](const Bytes& chunk) { return kind_of(chunk) == 0; });
   REQUIRE(base != parts.chunks.end());
-  constexpr std::size_t kMost = 1 << 17;
+  constexpr std::size_t kMax = 1 << 17;
   for (const int flags : {1, 3}) {
-    StreamDecoder decoder(kMost);
+    StreamDecoder decoder(kMax);
     REQUIRE(decoder.push(parts.head));
     for (int stage = 1; stage < 16; ++stage) {
       Bytes chunk = *base;
@@ -159,7 +159,7 @@ TEST_CASE("limits memory however many stages a stream claims") {
       }
     }
     CHECK(decoder.full());
-    CHECK(decoder.vectors() <= kMost);
+    CHECK(decoder.vectors() <= kMax);
     CHECK(decoder.cloud().size() == decoder.vectors());
   }
 }

@@ -17,7 +17,7 @@ namespace gs::qnv::exact::corner_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
-constexpr std::size_t kMost = std::size_t{1} << 20;
+constexpr std::size_t kMax = std::size_t{1} << 20;
 
 /// Maps a point of a triangle to its texture coordinate.
 using Mapped = std::function<glm::vec2(const glm::vec3& place, const Triangle& of)>;
@@ -88,7 +88,7 @@ TEST_CASE("restores the texture coordinates of every corner of a mesh") {
       const ExactMesh mesh = mesh_with(textured(s.triangles, mapped), 11);
       REQUIRE(mesh.coordinates.size() == mesh.triangles.size());
       const Bytes tail = encode_tail(mesh);
-      const auto decoded = decode_tail(tail, kMost);
+      const auto decoded = decode_tail(tail, kMax);
       REQUIRE(decoded);
       CHECK(dressed(*decoded) == dressed(mesh));
       CHECK(decoded->texture.bits == mesh.texture.bits);
@@ -137,9 +137,9 @@ TEST_CASE("computes integer roots rounded down") {
 TEST_CASE("decodes a tail with texture coordinates byte by byte as at once") {
   const ExactMesh mesh = mesh_with(textured(displaced::torus(20, 12), boxed), 10);
   const Bytes tail = encode_tail(mesh);
-  const auto whole = decode_tail(tail, kMost);
+  const auto whole = decode_tail(tail, kMax);
   REQUIRE(whole);
-  TailReader reader(tail.size(), kMost);
+  TailReader reader(tail.size(), kMax);
   std::size_t before = 0, steps = 0;
   for (std::size_t at = 0; at < tail.size(); ++at) {
     reader.push(std::span(tail).subspan(at, 1));
@@ -163,7 +163,7 @@ TEST_CASE("decodes mutated tails with texture coordinates to a mesh or rejects t
       const std::size_t from = round % 3 == 0 ? 0 : 28;  // changes the header in a third of the rounds
       for (std::size_t i = 0; i <= round % 4; ++i)
         mutated[from + random() % (mutated.size() - from)] = static_cast<std::byte>(random());
-      const auto decoded = decode_tail(mutated, kMost);
+      const auto decoded = decode_tail(mutated, kMax);
       if (!decoded || decoded->coordinates.empty()) continue;
       REQUIRE_EACH(decoded->coordinates.size() == decoded->triangles.size());
       for (const CornerCoordinates& corners : decoded->coordinates)
@@ -171,24 +171,24 @@ TEST_CASE("decodes mutated tails with texture coordinates to a mesh or rejects t
           for (int axis = 0; axis < 2; ++axis) REQUIRE_EACH((q[axis] >= 0 && q[axis] <= decoded->texture.top()));
     }
     for (std::size_t length = 0; length + 8 < tail.size(); length += 5 * watched_step(3))
-      REQUIRE_EACH(!decode_tail(std::span(tail).first(length), kMost));
+      REQUIRE_EACH(!decode_tail(std::span(tail).first(length), kMax));
   }
 }
 
 TEST_CASE("keeps the lattice of texture coordinates finite") {
   const Bytes tail = encode_tail(mesh_with(textured(displaced::ball(4), from_above), 11));
-  REQUIRE(decode_tail(tail, kMost));
+  REQUIRE(decode_tail(tail, kMax));
   const auto with = [&](std::size_t at, std::initializer_list<int> values) {
     Bytes changed = tail;
     for (const int value : values) changed[at++] = static_cast<std::byte>(value);
     return changed;
   };
-  CHECK(!decode_tail(with(11, {0}), kMost));  // bits
-  CHECK(!decode_tail(with(11, {17}), kMost));
-  CHECK(!decode_tail(with(12, {0, 0, 0x80, 0x7f}), kMost));  // infinite
-  CHECK(!decode_tail(with(12, {0, 0, 0xc0, 0x7f}), kMost));  // no number
-  CHECK(!decode_tail(with(20, {0, 0, 0x80, 0xbf}), kMost));  // a size of -1
-  CHECK(!decode_tail(with(24, {0xff, 0xff, 0x7f, 0xff}), kMost));
+  CHECK(!decode_tail(with(11, {0}), kMax));  // bits
+  CHECK(!decode_tail(with(11, {17}), kMax));
+  CHECK(!decode_tail(with(12, {0, 0, 0x80, 0x7f}), kMax));  // infinite
+  CHECK(!decode_tail(with(12, {0, 0, 0xc0, 0x7f}), kMax));  // no number
+  CHECK(!decode_tail(with(20, {0, 0, 0x80, 0xbf}), kMax));  // a size of -1
+  CHECK(!decode_tail(with(24, {0xff, 0xff, 0x7f, 0xff}), kMax));
 }
 
 TEST_CASE("shows a texture once enough of one of its files is received, in any order of pieces") {

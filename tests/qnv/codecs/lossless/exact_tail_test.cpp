@@ -11,7 +11,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr std::size_t kMost = std::size_t{1} << 20;
+constexpr std::size_t kMax = std::size_t{1} << 20;
 
 std::vector<Source> all_sources() {
   std::vector<Source> all = smooth_sources();
@@ -47,7 +47,7 @@ TEST_CASE("restores any mesh from its tail, with all triangles, their facing and
       const std::vector<Turned> wanted = triangles_in(s.triangles, bits, s.colored);
       REQUIRE(triangles_in(mesh) == wanted);
       const Bytes tail = encode_tail(mesh);
-      const auto decoded = decode_tail(tail, kMost);
+      const auto decoded = decode_tail(tail, kMax);
       REQUIRE(decoded);
       CHECK(decoded->bits == bits);
       CHECK(decoded->vertices.size() == mesh.vertices.size());
@@ -62,7 +62,7 @@ TEST_CASE("restores any mesh from its tail, with all triangles, their facing and
 
 TEST_CASE("keeps the shared vertices of a mesh") {
   const ExactMesh mesh = mesh_of(displaced::torus(30, 16), 11, false);
-  const auto decoded = decode_tail(encode_tail(mesh), kMost);
+  const auto decoded = decode_tail(encode_tail(mesh), kMax);
   REQUIRE(decoded);
   CHECK(decoded->vertices.size() == 480);  // 30 * 16: no vertex is repeated
   CHECK(std::count(decoded->twins.begin(), decoded->twins.end(), displaced::kNone) == 0);
@@ -74,7 +74,7 @@ TEST_CASE("creases a mesh where the normals of its corners differ") {
     t.normals.fill(glm::normalize(glm::cross(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0])));
   const ExactMesh creased = mesh_of(cube, 11, false);
   CHECK(creased.crease_angle < 90);
-  CHECK(decode_tail(encode_tail(creased), kMost)->crease_angle == creased.crease_angle);
+  CHECK(decode_tail(encode_tail(creased), kMax)->crease_angle == creased.crease_angle);
   CHECK(mesh_of(displaced::ball(8), 11, false).crease_angle > 90);  // vertex normals
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("rejects prefixes of a tail, and decodes mutations to a mesh or reject
     // Zeros at the end may be omitted.
     const std::size_t prefixes = std::max<std::size_t>(1, tail.size() / 40) * watched_step(4);
     for (std::size_t length = 0; length + 8 < tail.size(); length += prefixes)
-      REQUIRE_EACH(!decode_tail(std::span(tail).first(length), kMost));
+      REQUIRE_EACH(!decode_tail(std::span(tail).first(length), kMax));
     std::size_t refused = 0;
     for (std::size_t round = 0; round < 100; round += watched_step(7)) {
       Bytes mutated = tail;
@@ -99,7 +99,7 @@ TEST_CASE("rejects prefixes of a tail, and decodes mutations to a mesh or reject
         const std::size_t from = round % 3 == 0 ? 0 : 107;  // changes the header in a third of the rounds
         mutated[from + random() % (mutated.size() - from)] = static_cast<std::byte>(random());
       }
-      const auto decoded = decode_tail(mutated, kMost);
+      const auto decoded = decode_tail(mutated, kMax);
       if (decoded)
         check_sound(*decoded, mutated.size());
       else
@@ -115,7 +115,7 @@ TEST_CASE("detects a flipped bit in a tail by the mark at its end") {
   for (std::size_t bit = 8 * 107; bit + 100 < 8 * tail.size(); bit += 61 * watched_step(9), ++tried) {
     Bytes damaged = tail;
     damaged[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
-    through += decode_tail(damaged, kMost) ? 1 : 0;
+    through += decode_tail(damaged, kMax) ? 1 : 0;
   }
   CHECK(tried > 10);
   CHECK(through == 0);
@@ -128,14 +128,14 @@ TEST_CASE("rejects a tail that promises too much") {
     for (const int value : values) changed[at++] = static_cast<std::byte>(value);
     return changed;
   };
-  CHECK(decode_tail(tail, kMost));
-  CHECK(!decode_tail(with(0, {2}), kMost));  // a reserved flag
-  CHECK(!decode_tail(with(1, {7}), kMost));  // bits
-  CHECK(!decode_tail(with(1, {21}), kMost));
-  CHECK(!decode_tail(with(2, {181}), kMost));                 // crease angle
-  CHECK(!decode_tail(with(3, {255, 255, 255, 255}), kMost));  // vertices
-  CHECK(!decode_tail(with(7, {255, 255, 255, 127}), ~0u));    // triangles, over 64 per byte
-  CHECK(!decode_tail(with(7, {0, 0, 0, 0}), kMost));
+  CHECK(decode_tail(tail, kMax));
+  CHECK(!decode_tail(with(0, {2}), kMax));  // a reserved flag
+  CHECK(!decode_tail(with(1, {7}), kMax));  // bits
+  CHECK(!decode_tail(with(1, {21}), kMax));
+  CHECK(!decode_tail(with(2, {181}), kMax));                 // crease angle
+  CHECK(!decode_tail(with(3, {255, 255, 255, 255}), kMax));  // vertices
+  CHECK(!decode_tail(with(7, {255, 255, 255, 127}), ~0u));   // triangles, over 64 per byte
+  CHECK(!decode_tail(with(7, {0, 0, 0, 0}), kMax));
   CHECK(!tail_size(std::span(tail).first(100)));
 }
 
@@ -151,7 +151,7 @@ TEST_CASE("ends on tail bytes that repeat one decision") {
       };
       put(3, 64 * length);
       put(7, 64 * length);
-      if (const auto decoded = decode_tail(bytes, kMost << 4)) check_sound(*decoded, length);
+      if (const auto decoded = decode_tail(bytes, kMax << 4)) check_sound(*decoded, length);
     }
 }
 

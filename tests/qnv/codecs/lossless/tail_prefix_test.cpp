@@ -25,7 +25,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr std::size_t kMost = std::size_t{1} << 20;
+constexpr std::size_t kMax = std::size_t{1} << 20;
 
 /// Returns mixed ranks, so that a mesh grows in several areas.
 TailRanks some_ranks() {
@@ -108,7 +108,7 @@ TEST_CASE("decodes a prefix of a tail to its first triangles, wherever it is cut
       const TailRanks ranks = some_ranks();
       TailOrder order;
       const Bytes tail = encode_tail(mesh, false, ranked ? &ranks : nullptr, &order);
-      const auto whole = decode_tail(tail, kMost);
+      const auto whole = decode_tail(tail, kMax);
       REQUIRE(whole);
       CHECK(triangles_in(*whole) == triangles_in(mesh));
       // Triangles come in reading order.
@@ -119,7 +119,7 @@ TEST_CASE("decodes a prefix of a tail to its first triangles, wherever it is cut
           REQUIRE_EACH(std::ranges::count(now, order.vertices[v]) == 1);
       }
       for (const std::size_t step : {std::size_t{1}, std::size_t{37}, tail.size()}) {
-        TailReader reader(tail.size(), kMost);
+        TailReader reader(tail.size(), kMax);
         std::size_t before = 0, middle = 0;
         for (std::size_t at = 0; at < tail.size(); at += step) {
           reader.push(std::span(tail).subspan(at, std::min(step, tail.size() - at)));
@@ -143,7 +143,7 @@ TEST_CASE("grows a mesh first in the cells of the highest ranks") {
   const ExactMesh mesh = mesh_of(displaced::ball(40), 12, false);
   TailRanks ranks{2, std::vector<std::uint8_t>(64, 5)};
   for (std::size_t cell = 0; cell < 32; ++cell) ranks.of[cell] = 1;  // the lower half
-  const auto whole = decode_tail(encode_tail(mesh, false, &ranks), kMost);
+  const auto whole = decode_tail(encode_tail(mesh, false, &ranks), kMax);
   REQUIRE(whole);
   // One half comes before the other, except for cells between them.
   std::size_t low = 0;
@@ -159,7 +159,7 @@ TEST_CASE("decodes mutated tails with ranks to a part of a mesh or rejects them"
   for (std::size_t round = 0; round < 120; round += watched_step(8)) {
     Bytes mutated = tail;
     mutated[random() % (round % 3 == 0 ? 16 : mutated.size())] = static_cast<std::byte>(random());
-    TailReader reader(mutated.size(), kMost);
+    TailReader reader(mutated.size(), kMax);
     for (std::size_t at = 0; at < mutated.size(); at += 301)
       reader.push(std::span(mutated).subspan(at, std::min<std::size_t>(301, mutated.size() - at)));
     const ExactMesh mesh = reader.mesh();

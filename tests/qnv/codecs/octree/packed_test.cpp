@@ -374,7 +374,7 @@ std::string refusal(std::span<const std::byte> payload, const Cluster* parent) {
 TEST_CASE("rejects impossible headers") {
   Cluster parent;
   parent.header.levels = 3;
-  parent.voxels.resize(kMostVoxels, false);
+  parent.voxels.resize(kMaxVoxels, false);
   const ClusterHeader good{1, 0, 0, 8, 3, 1};
   const auto with = [&](auto change) {
     ClusterHeader header = good;

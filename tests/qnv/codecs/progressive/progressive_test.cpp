@@ -13,7 +13,7 @@ namespace {
 using exact::ExactMesh;
 using Bytes = std::vector<std::byte>;
 
-constexpr std::size_t kMost = std::size_t{1} << 20, kFront = 700;
+constexpr std::size_t kMax = std::size_t{1} << 20, kFront = 700;
 
 std::vector<exact::Source> sources() {
   std::vector<exact::Source> all = exact::nasty_sources();
@@ -39,7 +39,7 @@ void check_sound(const ExactMesh& mesh) {
 /// Decodes the first segments of a progressive mesh.
 ProgressiveMesh read(const ProgressiveBytes& bytes, std::size_t segments) {
   ProgressiveMesh mesh;
-  REQUIRE(mesh.begin(bytes.front, kMost));
+  REQUIRE(mesh.begin(bytes.front, kMax));
   for (std::size_t i = 0; i < segments; ++i) REQUIRE(mesh.add(bytes.segments[i]));
   return mesh;
 }
@@ -82,7 +82,7 @@ TEST_CASE("approaches the mesh with every prefix of its segments, in any order")
     check_sound(some.mesh());
   }
   ProgressiveMesh backwards;
-  REQUIRE(backwards.begin(bytes->front, kMost));
+  REQUIRE(backwards.begin(bytes->front, kMax));
   for (std::size_t i = bytes->segments.size(); i-- > 0;) {
     CHECK(!backwards.whole());
     CHECK(backwards.add(bytes->segments[i]));
@@ -108,9 +108,9 @@ TEST_CASE("survives a front that promises too much, and changed segments") {
       of[random() % of.size()] = static_cast<std::byte>(random());
     }
     ProgressiveMesh read;
-    if (!read.begin(changed.front, kMost)) continue;
+    if (!read.begin(changed.front, kMax)) continue;
     for (const Bytes& segment : changed.segments) (void)read.add(segment);
-    REQUIRE_EACH(read.vertices() <= kMost);
+    REQUIRE_EACH(read.vertices() <= kMax);
     check_sound(read.mesh());
   }
 }

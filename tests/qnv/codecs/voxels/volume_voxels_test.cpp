@@ -174,7 +174,7 @@ void check_sound(const VolumeCluster& cluster, std::size_t bytes, const VoxelLat
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     REQUIRE_EACH((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
     REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
-    REQUIRE_EACH(cluster.voxels.magnitude[i] <= kMostMagnitude);
+    REQUIRE_EACH(cluster.voxels.magnitude[i] <= kMaxMagnitude);
   }
 }
 

@@ -15,6 +15,8 @@
 #include <random>
 #include <tuple>
 
+using namespace gs;
+
 using namespace gs::qnv;
 using gs::test::kNaN;
 using gs::test::oblique;

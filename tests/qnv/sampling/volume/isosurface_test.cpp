@@ -17,6 +17,8 @@
 #include <set>
 #include <unordered_map>
 
+using namespace gs;
+
 using namespace gs::qnv;
 using gs::test::kNaN;
 using gs::test::oblique;

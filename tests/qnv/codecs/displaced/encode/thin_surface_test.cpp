@@ -13,6 +13,8 @@
 #include <set>
 #include <utility>
 
+using namespace gs;
+
 using namespace gs::qnv;
 
 namespace {

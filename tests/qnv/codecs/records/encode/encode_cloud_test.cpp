@@ -13,6 +13,8 @@
 #include <numbers>
 #include <span>
 
+using namespace gs;
+
 using namespace gs::qnv;
 
 namespace {

@@ -1,4 +1,4 @@
-#include "app/world/left_out.h"
+#include "app/world/limit_report.h"
 
 #include <string>
 

@@ -10,9 +10,9 @@
 namespace gs::net {
 
 /// Wakes a thread that waits for sockets: `ring` makes the descriptor readable. `ring` is safe on any thread.
-class Bell {
+class EventFd {
  public:
-  Bell() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+  EventFd() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
 
   void ring() const {
     const std::uint64_t one = 1;
