@@ -59,9 +59,9 @@ report "Libraries never print, exit or abort:" \
   "$(sources vrml qnv net render base | xargs -r grep -nE 'std::(cout|cerr|exit|abort)|[^a-z_](printf|fprintf|puts)\(|[^_a-z]exit\(')"
 report "What is printed goes through app/base/console.cpp, which keeps controls off the terminal:" \
   "$(sources app | grep -v '^app/base/console.cpp$' | xargs -r grep -nE 'std::(cout|cerr|clog)|[^a-z_](printf|fprintf|vfprintf|puts|fputs|fwrite|perror)\(')"
-report "Non-ASCII source:" "$(sources app vrml qnv net render tests bench | xargs -r grep -nP '[^\x00-\x7F]')"
+report "Non-ASCII source:" "$(sources app vrml qnv net render base tests bench | xargs -r grep -nP '[^\x00-\x7F]')"
 report "Header without #pragma once:" \
-  "$(sources app vrml qnv net render | grep '\.h$' | xargs -r grep -L '#pragma once')"
+  "$(sources app vrml qnv net render base | grep '\.h$' | xargs -r grep -L '#pragma once')"
 report "CTest cuts the name of a test at a semicolon:" "$(grep -rnE 'TEST_CASE\("[^"]*;' tests --include='*.cpp')"
 
 # The search itself works: it finds the violations of these samples, and nothing else.

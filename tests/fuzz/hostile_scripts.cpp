@@ -178,6 +178,7 @@ int minimise(const fs::path& path) {
 
 int run_all(std::uint64_t seed, std::uint64_t count, const fs::path& findings) {
   const std::string name = "hostile-" + std::to_string(getpid()) + ".log";
+  if (!findings.empty()) fs::create_directories(findings);
   const fs::path log = (findings.empty() ? fs::temp_directory_path() : findings) / name;
   std::uint64_t failures = 0;
   for (std::uint64_t i = seed; i < seed + count; ++i) {
