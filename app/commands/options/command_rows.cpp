@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 // Table of commands.
 namespace gs::app {
@@ -35,7 +36,7 @@ constexpr CommandCalls calls() {
   calls.defaults = []() -> std::unique_ptr<CommandOptions> { return std::make_unique<Options>(); };
   calls.run = [](const CommandOptions& options) { return run(static_cast<const Options&>(options)); };
   calls.check = [](const CommandOptions& options) -> std::optional<std::string> {
-    if constexpr (check == nullptr)
+    if constexpr (std::is_null_pointer_v<decltype(check)>)
       return std::nullopt;
     else
       return check(static_cast<const Options&>(options));
