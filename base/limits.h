@@ -31,7 +31,7 @@ struct ResourceRow {
 };
 
 /// Limits of one world. Shares add up to more than the whole, because no world is large in every way; kHeldShare bounds
-/// the sum of all held resources. Costs include the copies that drawing makes, as if all lay in main memory.
+/// the sum of all held resources. Costs also count the copies made for drawing, even those in GPU memory.
 inline constexpr std::array<ResourceRow, 10> kResources = {{
     {Resource::unpacked, "unpacked data", 32, 1, false},       // output of gzip, even if it is not kept
     {Resource::files, "files in memory", 16, 1, true},         // files read or unpacked as a whole
@@ -60,7 +60,7 @@ struct Limits {
   std::size_t string_bytes = std::size_t{256} << 20;  // per SFString or name
   std::size_t unpack_ratio = 250;  // unpacked bytes per packed byte, after the first unpack_free bytes
   std::size_t unpack_free = std::size_t{64} << 20;
-  std::size_t visits = 4'000'000;                    // node visits per image
+  std::size_t visits = 4'000'000;                    // node visits per drawn picture
   std::size_t files = 20'000;                        // files of all kinds that a world refers to
   std::size_t inline_depth = 32;                     // nested Inlines and EXTERNPROTOs
   double script_seconds = 2;                         // per call of a program

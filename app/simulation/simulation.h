@@ -66,7 +66,7 @@ class Simulation {
   }
   /// Returns the view of the world after `run`.
   [[nodiscard]] const View& look();
-  /// Returns the camera for a picture of `look`.
+  /// Returns the camera for a picture of the view that look() returns.
   [[nodiscard]] render::Camera camera();
   /// Moves the viewer to the camera of a picture. Sensors there, and objects that follow the viewer, are updated at
   /// once. Does nothing if the viewer is there already.

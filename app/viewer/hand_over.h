@@ -22,7 +22,7 @@ namespace gs::app {
 /// to this process.
 [[nodiscard]] bool hand_over(const std::string& folder, const std::vector<std::string>& files);
 
-/// Server of a window for files that other processes open. One per desktop session: the first window.
+/// Receiver of files that other processes hand over to this window. Only the first window of a desktop session has one.
 class HandOver {
  public:
   /// Starts to listen. `wake` is called on another thread when `take` has files. Returns null if another window listens

@@ -114,8 +114,8 @@ struct UrlRequest {
 void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival);
 /// Gives an OutlineGroup its polygons.
 void set_outlines(OpenedWorld& world, const Arrivals::Outlines& arrival);
-/// Applies all updates except `progress` and `outlines`, which become events, `contents` and `prototypes`. Returns the
-/// nodes with a changed appearance.
+/// Applies all updates except `contents`, `prototypes`, `progress` and `outlines`; the last two become events. Returns
+/// the nodes with a changed appearance.
 [[nodiscard]] std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals);
 
 }  // namespace gs::app

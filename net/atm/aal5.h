@@ -53,7 +53,8 @@ struct Pdu {
 ///
 /// Returns a PDU as soon as its last cell is received and its CRC is right. Of an incomplete PDU, it returns the
 /// received cells with their indexes. No checksum covers those cells here; in UDP, the checksum of the datagram does.
-/// It drops a PDU that is complete but has a wrong CRC or length. It gives up a PDU when the next one begins.
+/// It drops a PDU that is complete but has a wrong CRC or length. When the next PDU begins, it stops waiting for the
+/// rest of this one.
 ///
 /// Memory: at most `most_vcs` times `most_pdu`. If a channel is added beyond that, the channel that was silent longest
 /// is removed. One thread. Safe for untrusted cells.

@@ -37,7 +37,7 @@ class ControlServer {
   /// has an event, or when `is_behind` becomes false.
   [[nodiscard]] static std::variant<std::unique_ptr<ControlServer>, std::string> start(ControlServerOptions options,
                                                                                        std::function<void()> wake);
-  /// Disconnects all clients and waits for the thread for some milliseconds.
+  /// Disconnects all clients and waits some milliseconds until the thread ends.
   ~ControlServer();
   ControlServer(const ControlServer&) = delete;
   ControlServer& operator=(const ControlServer&) = delete;

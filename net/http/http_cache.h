@@ -84,8 +84,9 @@ class HttpCache {
   /// Finds a resource. `key` is the requested URL with everything else that the response depends on. `now` is in Unix
   /// seconds in all functions.
   [[nodiscard]] std::optional<CachedResource> find(const std::string& key, std::int64_t now);
-  /// Returns a writer for the version that `head` describes. It continues a stored part of this version; otherwise its
-  /// commit replaces the stored version. Returns null on disk errors. The cache must outlive the writer.
+  /// Returns a writer for the version that `head` describes. If part of this version is stored, the writer continues
+  /// it; otherwise its commit replaces whatever is stored. Returns null on disk errors. The cache must outlive the
+  /// writer.
   [[nodiscard]] std::unique_ptr<CacheWriter> write(const std::string& key, const CachedHead& head);
   /// Extends freshness after the server confirmed the version: it is fresh for `fresh_for` seconds from `now`.
   void confirm(const std::string& key, const Validator& version, std::int64_t fresh_for, std::int64_t now);

@@ -58,7 +58,7 @@ class HttpLoop {
     Instant begin{};
     bool seen = false;             // the headers were read
     bool counted = false;          // counted among the requests of its client behind a proxy
-    std::optional<Instant> until;  // end of the wait for a made file
+    std::optional<Instant> until;  // deadline of the wait for a file that is being made
     std::uint64_t id = 0;
   };
   struct Transfer;  // body of a response

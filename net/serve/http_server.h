@@ -80,7 +80,8 @@ struct HttpServerOptions {
   /// Origins of pages that may read the served files (CORS), such as "https://example.org"; "*" means all. If empty,
   /// only pages of this server may.
   std::vector<std::string> origins;
-  /// Trusted proxies. Per-client limits apply to the X-Forwarded-For client.
+  /// Trusted proxies. For requests through one of them, per-client limits apply to the client that X-Forwarded-For
+  /// names.
   std::vector<AddressBlock> proxies;
   /// Receives messages for the operator, such as the reason why a file could not be made. Any thread.
   std::function<void(const std::string& message)> report;

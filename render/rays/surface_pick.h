@@ -20,9 +20,9 @@ struct PatchHit {
   std::optional<glm::vec3> color;      // 0..1, interpolated; nullopt if the surface has no own colours
 };
 
-/// Returns the nearest triangle on the line, from either side. The surface is that drawn for an eye at the line's
-/// origin, with pixels of width `pixel` at distance 1. Takes a few ns per patch, and microseconds per candidate patch.
-/// `line` is in the surface's space.
+/// Returns the nearest triangle on the line, from either side. Uses the triangles that would be drawn for an eye at the
+/// line's origin, with pixels of width `pixel` at distance 1. Takes a few ns per patch, and microseconds per candidate
+/// patch. `line` is in the surface's space.
 [[nodiscard]] std::optional<PatchHit> pick_patches(const qnv::SurfacePatches& surface, const SightLine& line,
                                                    float pixel);
 

@@ -17,7 +17,7 @@ struct VolumeItem {
   const qnv::Cloud* cloud = nullptr;
   const VolumeModel* model = nullptr;  // model of the point set
   glm::mat4 camera_from_node{1.0f};    // any affine matrix
-  std::size_t count = 0;               // length of the prefix, at most model->spacing.size()
+  std::size_t count = 0;               // number of vectors to draw, from the first, at most model->spacing.size()
   VolumeOptions options;               // lights in camera space
 };
 

@@ -90,7 +90,7 @@ class EventNodes {
   /// Makes a record and calls Behaviour::initialize. `entry`, where the caller keeps the node, is set before that call.
   /// Returns 0 if the budget is exhausted.
   EventNode make(SceneGraph& scene, NodeId id, EventNode& entry);
-  /// Frees the record of a node without connections. Its index is reused after reuse_removed().
+  /// Frees a node's record. The node must have no connections. Its index is reused after reuse_removed().
   void remove(EventNode node);
   [[nodiscard]] bool is_removed(EventNode node) const { return members_[node].scene == nullptr; }
   void reuse_removed();

@@ -39,7 +39,7 @@ class NodeLifetime {
   /// nodes. An Inline's scene becomes the only content of the root. Returns false if a node is not in the scene, or the
   /// scene is not in the world.
   bool replace_world(SceneGraph& scene, const MFNode& nodes);
-  /// Replaces the world by nodes of the root.
+  /// Replaces the world with nodes of the root scene.
   bool replace_world(const MFNode& nodes);
   /// Returns the number of replacements of the world.
   [[nodiscard]] std::uint32_t replaced() const { return replaced_; }

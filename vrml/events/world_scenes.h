@@ -19,7 +19,7 @@ struct SceneState {
   std::vector<NodeId> waiting;      // instances without content
   std::vector<NodeId> at_run_time;  // nodes made at run time
   bool files_hold = true;           // the nodes of its file are held
-  bool lives = false;               // attached before: additions count as made at run time
+  bool lives = false;               // already attached; nodes added from now on count as made at run time
 
   [[nodiscard]] EventNode member_of(NodeId id) const { return id.index < members.size() ? members[id.index] : 0; }
 };

@@ -49,7 +49,7 @@ struct CloudFile {
 /// Wraps decoded geometry with the budget share for it and the renderer's copy. Returns null if the budget is exceeded.
 [[nodiscard]] std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget);
 
-/// Returns the max number of gradients to search in a volume.
+/// Returns how many volume gradients the remaining budget allows.
 [[nodiscard]] std::uint64_t most_gradients(const Budget& budget);
 
 /// Memory in bytes per vector for decoding and display of a records stream.

@@ -30,7 +30,7 @@ class PaneLoading {
   /// Ends a failed reading. The viewports that waited for it report the error and return to the previous file, or show
   /// a file that no other viewport shows. Returns these viewports; empty if none waited.
   std::vector<std::size_t> fail(std::uint64_t reading, const std::string& error = {});
-  /// Reports in all viewports of a file that it was read but has nothing to draw.
+  /// Reports, in every viewport that shows this file, that it was read but has nothing to draw.
   void note_failure(const std::string& path, const std::string& error);
   /// Cancels the file that a viewport waits for and returns to the previous one. Returns false if it waits for none.
   bool cancel(std::size_t pane);

@@ -61,7 +61,7 @@ struct ClusterHeader {
 /// Returns nullopt if a field is out of range. Safe for untrusted bytes.
 [[nodiscard]] std::optional<ClusterHeader> decode_cluster_header(std::span<const std::byte> payload);
 
-/// Numbers of the vertices of one level; empty if none were received.
+/// Coded displacements of the vertices of one level; empty if none were received.
 struct LevelNumbers {
   NumberArray normal, sideways;  // as in ClusterCoder
 };

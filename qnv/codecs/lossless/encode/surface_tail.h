@@ -51,7 +51,7 @@ void set_picture(SurfaceTail& tail, const TexturedSurface& surface);
 /// choices.
 [[nodiscard]] int fewest_tail_bits(const exact::ExactMesh& mesh);
 
-/// Default bits of the tail itself; finer position bits follow it, and any part of them refines the mesh.
+/// Default number of position bits in the tail. Finer bits follow, and any part of those refines the mesh.
 inline constexpr int kTailBits = 12;
 
 /// Appends the tail in pieces after `others`, which it replaces.

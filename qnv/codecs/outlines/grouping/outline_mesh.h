@@ -27,7 +27,7 @@ struct Mesh {
   std::vector<std::uint32_t> begins;       // first half-edge of each face, and one more at the end
   std::vector<std::uint32_t> sources;      // polygon of the model, by face
   std::vector<std::uint32_t> appearances;  // by face
-  std::vector<glm::dvec3> normals;         // by face, unit; 0 without area
+  std::vector<glm::dvec3> normals;         // unit normal per face; zero for faces without area
   std::vector<double> areas;               // by face
   std::vector<std::uint8_t> thin;          // by face: so thin that rounding may turn its normal in any direction
   double rounding = 0;                     // error of coordinates due to float32
