@@ -10,7 +10,7 @@
 #include "app/simulation/simulation.h"
 #include "app/view/navigation.h"
 #include "app/viewer/offscreen.h"
-#include "app/world/limit_report.h"
+#include "app/world/updates/limit_report.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "base/json_value.h"

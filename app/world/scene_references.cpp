@@ -21,13 +21,6 @@ std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& fr
   return key;
 }
 
-std::string why_missing(const vrml::MFString& urls, const std::string& why) {
-  if (urls.empty()) return "has no url";
-  std::string text = "cannot find '" + std::string(urls.front().view().substr(0, 200)) + "'";
-  if (urls.size() > 1) text += " or the " + std::to_string(urls.size() - 1) + " others of its url list";
-  return why.empty() ? text : text + " (" + why.substr(0, 300) + ")";
-}
-
 /// Vectors that several QNV nodes show.
 struct WorldLoading::State::SharedCloud {
   std::shared_ptr<const qnv::Cloud> cloud;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "app/base/load_limit.h"
-#include "app/world/arrivals.h"
-#include "app/world/opened_world.h"
+#include "app/world/updates/arrivals.h"
+#include "app/world/updates/opened_world.h"
 #include "app/world/world_loader.h"
 #include "net/cells/cell_receiver.h"
 #include "render/scene/render_list.h"

@@ -4,8 +4,9 @@
 #include "app/formats/qnv/surface_pictures.h"
 #include "app/streams/cell_stream.h"
 #include "app/streams/load_ledger.h"
-#include "app/world/arrivals.h"
 #include "app/world/content_handler.h"
+#include "app/world/updates/arrivals.h"
+#include "app/world/updates/missing_url.h"
 #include "app/world/world_loading.h"
 #include "base/budget.h"
 
@@ -41,9 +42,6 @@ class Waker {
   std::condition_variable something_;
   bool awake_ = false;  // guarded by mutex_
 };
-
-/// Returns the message for a url list without a working URL. `why` is the problem of the first URL, or empty.
-[[nodiscard]] std::string why_missing(const vrml::MFString& urls, const std::string& why);
 
 struct WorldLoading::State {
   State(const std::string& asked, const LoadOptions& options);

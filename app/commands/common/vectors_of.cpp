@@ -7,7 +7,7 @@
 #include "app/encode/textured_surface.h"
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"
-#include "app/world/limit_report.h"
+#include "app/world/updates/limit_report.h"
 #include "app/world/world_loader.h"
 #include "base/text.h"
 #include "net/base/url.h"

@@ -1,7 +1,7 @@
 #include "app/session/documents/documents.h"
 
 #include "app/view/navigation.h"
-#include "app/world/limit_report.h"
+#include "app/world/updates/limit_report.h"
 #include "app/world/world_loading.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/session/documents/world_runtime.h"
-#include "app/world/opened_world.h"
+#include "app/world/updates/opened_world.h"
 #include "app/world/world_loading.h"
 #include "qnv/base/cloud.h"
 #include "render/scene/render_list.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/media/movie_player.h"
-#include "app/world/opened_world.h"
+#include "app/world/updates/opened_world.h"
 #include "vrml/events/execution.h"
 
 #include <cstdint>

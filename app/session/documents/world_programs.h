@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/script/script_runner.h"
-#include "app/world/opened_world.h"
+#include "app/world/updates/opened_world.h"
 #include "vrml/events/execution.h"
 #include "vrml/syntax/parser.h"
 

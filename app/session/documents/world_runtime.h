@@ -3,8 +3,8 @@
 #include "app/session/documents/run_time_requests.h"
 #include "app/session/documents/world_movies.h"
 #include "app/session/documents/world_programs.h"
-#include "app/world/arrivals.h"
-#include "app/world/opened_world.h"
+#include "app/world/updates/arrivals.h"
+#include "app/world/updates/opened_world.h"
 #include "render/scene/render_scene.h"
 #include "vrml/events/execution.h"
 

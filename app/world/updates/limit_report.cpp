@@ -1,4 +1,4 @@
-#include "app/world/limit_report.h"
+#include "app/world/updates/limit_report.h"
 
 #include <string>
 

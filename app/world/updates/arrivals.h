@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/world/external_prototypes.h"
-#include "app/world/opened_world.h"
+#include "app/world/updates/external_prototypes.h"
+#include "app/world/updates/opened_world.h"
 #include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 

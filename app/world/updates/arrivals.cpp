@@ -1,4 +1,4 @@
-#include "app/world/arrivals.h"
+#include "app/world/updates/arrivals.h"
 
 #include "app/formats/qnv/cloud_reader.h"
 

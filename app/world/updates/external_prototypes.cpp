@@ -1,6 +1,6 @@
-#include "app/world/external_prototypes.h"
+#include "app/world/updates/external_prototypes.h"
 
-#include "app/world/world_loading_state.h"
+#include "app/world/updates/missing_url.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/stand_ins.h"
 

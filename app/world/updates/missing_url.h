@@ -1,0 +1,12 @@
+#pragma once
+
+#include "vrml/scene/field_value.h"
+
+#include <string>
+
+namespace gs::app {
+
+/// Returns the message for a url list without a working URL. `why` is the problem of the first URL, or empty.
+[[nodiscard]] std::string why_missing(const vrml::MFString& urls, const std::string& why);
+
+}  // namespace gs::app
