@@ -32,7 +32,8 @@ struct BasicBox {
     add(other.upper);
   }
   [[nodiscard]] Vector center() const { return (lower + upper) * Number(0.5); }
-  [[nodiscard]] Vector size() const { return upper - lower; }
+  /// Returns the extents in single precision, infinite if they do not fit.
+  [[nodiscard]] glm::vec3 size() const { return glm::vec3(upper - lower); }
   friend bool operator==(const BasicBox&, const BasicBox&) = default;
 };
 

@@ -23,8 +23,7 @@ struct OwnBox {
 };
 
 bool fills_something(const WideBox& bounds) {
-  return !bounds.empty() && std::isfinite(glm::length(glm::vec3(bounds.size()))) &&
-         glm::length(glm::vec3(bounds.size())) > 0;
+  return !bounds.empty() && std::isfinite(glm::length(bounds.size())) && glm::length(bounds.size()) > 0;
 }
 
 OwnBox own_box(const WideBox& bounds, const Upright& upright) {

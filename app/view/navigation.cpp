@@ -274,7 +274,7 @@ Navigation start_navigation(const NavigationRules& rules, const WideBox& bounds,
   if (!bounds.empty()) {
     const glm::vec3 center = bounds.center();
     if (finite(center)) state.center = clean_place(center);
-    const float size = glm::length(glm::vec3(bounds.size()));
+    const float size = glm::length(bounds.size());
     if (finite(size) && size > 0) state.scene_size = std::clamp(size, 1e-6f, static_cast<float>(kFarthest));
   } else {
     state.center = state.pose.position + glm::dvec3(state.pose.forward() * 10.0f);
@@ -359,7 +359,7 @@ Navigation approach(Navigation state, const glm::dvec3& point, const WideBox& bo
   if (!finite(point)) return state;
   constexpr double kNearer = 1.0 / 3;  // remaining fraction of the distance for a viewer inside the bounds
   const glm::dvec3 position = state.pose.position;
-  const bool around = !bounds.empty() && finite(bounds.center()) && glm::length(glm::vec3(bounds.size())) > 0 &&
+  const bool around = !bounds.empty() && finite(bounds.center()) && glm::length(bounds.size()) > 0 &&
                       (glm::any(glm::lessThan(position, glm::dvec3(bounds.lower))) ||
                        glm::any(glm::greaterThan(position, glm::dvec3(bounds.upper))));
   const glm::dvec3 target = clean_place(around ? glm::dvec3(bounds.center()) : point);

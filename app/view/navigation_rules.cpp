@@ -57,7 +57,7 @@ NavigationRules default_navigation_rules(const WideBox& bounds, bool has_viewpoi
   NavigationRules rules;
   rules.allowed.fill(true);
   rules.start = has_viewpoint ? NavigationMode::walk : NavigationMode::examine;
-  const float size = bounds.empty() ? 0.0f : glm::length(glm::vec3(bounds.size()));
+  const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
   if (std::isfinite(size) && size > 0) {
     rules.speed = size / 8;
     // Shrink the avatar in a model of a few centimetres.

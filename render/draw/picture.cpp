@@ -101,7 +101,7 @@ double distance_to(const RenderList& list, const Camera& camera) {
   const double ahead =
       glm::dot(middle - glm::dvec3(camera.world_from_camera[3]), -glm::dvec3(camera.world_from_camera[2]));
   // Inside the scene, use some minimum distance.
-  const double least = static_cast<double>(glm::length(glm::vec3(list.bounds.size()))) * 0.05;
+  const double least = static_cast<double>(glm::length(list.bounds.size())) * 0.05;
   return std::max({ahead, least, 1e-6});
 }
 

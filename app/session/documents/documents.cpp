@@ -27,7 +27,7 @@ void inspect(Document& document, const vrml::SceneGraph& from, std::uint32_t fir
 }
 
 glm::vec3 size_of_all(const render::RenderList& list) {
-  return list.bounds.empty() ? glm::vec3(0) : glm::vec3(list.bounds.size());
+  return list.bounds.empty() ? glm::vec3(0) : list.bounds.size();
 }
 
 void inspect_clouds(Document& document) {

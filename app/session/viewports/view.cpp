@@ -10,7 +10,7 @@ namespace gs::app {
 namespace {
 
 bool usable(const WideBox& bounds) {
-  const float size = bounds.empty() ? 0.0f : glm::length(glm::vec3(bounds.size()));
+  const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
   return size > 0 && std::isfinite(size);
 }
 
@@ -115,8 +115,8 @@ void follow_growth(View& view) {
     whole = now;
     view.first_size = glm::length(now.size());
   }
-  if (glm::length(glm::vec3(whole.size())) > kMaxGrowth * view.first_size) return;
-  const float air = kAir * glm::length(glm::vec3(whole.size()));
+  if (glm::length(whole.size()) > kMaxGrowth * view.first_size) return;
+  const float air = kAir * glm::length(whole.size());
   const WideBox before = std::exchange(view.framed, whole);
   for (int axis = 0; axis < 3 && usable(before); ++axis) {
     if (const float growth = before.lower[axis] - whole.lower[axis]; growth > 0)
@@ -214,7 +214,7 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
     view.home_size = viewport;
   } else {
     choose_home(view, list.bounds, viewport);
-    if (usable(list.bounds)) view.first_size = glm::length(glm::vec3(list.bounds.size()));
+    if (usable(list.bounds)) view.first_size = glm::length(list.bounds.size());
   }
   view.navigation = start_navigation(view.rules, list.bounds, view.home);
   view.navigation.up = upright_of(view).up;
