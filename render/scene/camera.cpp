@@ -138,7 +138,7 @@ Camera orbit_camera(const WideBox& bounds, float azimuth, float elevation, float
 
 Camera first_camera(const WideBox& bounds, float field_of_view, float width, float height) {
   constexpr float kFlat = 0.12f, kAside = 0.6f;
-  const glm::vec3 size = bounds.empty() ? glm::vec3(1) : glm::vec3(bounds.size());
+  const glm::vec3 size = bounds.empty() ? glm::vec3(1) : bounds.size();
   const bool lies = size.y <= kFlat * std::max(size.x, size.z) && size.z > kFlat * size.x;
   const bool edge_on = size.x <= kFlat * std::max(size.y, size.z) && size.z > kFlat * size.y;
   return orbit_camera(bounds, edge_on ? kAside : 0, lies ? kAside : 0, field_of_view, width, height);

@@ -97,7 +97,7 @@ class SceneSink {
   void end_body();
   void end_external(NodeType& type, MFString url);
 
-  /// Adds a ROUTE. If a DEF of its nodes is missing, the ROUTE waits until the scope ends.
+  /// Adds a ROUTE. If one of its nodes is not defined yet, the ROUTE waits until the scope ends.
   void add_route(const RouteNames& route);
   /// Ends the text: adds the waiting ROUTEs. Call once, after all constructs have ended.
   void finish() { add_waiting_routes(); }

@@ -6,13 +6,6 @@
 
 namespace gs::vrml {
 
-std::string quoted(std::string_view word) {
-  constexpr std::size_t kMaxShown = 40;
-  std::string text = "'";
-  for (const char c : word.substr(0, kMaxShown)) text += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-  return text + (word.size() > kMaxShown ? "...'" : "'");
-}
-
 bool TextLimits::is_first_excess() { return !std::exchange(exceeded_, true); }
 
 bool TextLimits::is_exhausted(SourceLocation location) {

@@ -3,6 +3,7 @@
 #include "base/diagnostic.h"
 #include "vrml/scene/source_text.h"
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,6 +31,11 @@ class TextProblems {
 };
 
 /// Returns a word as messages show it: in quotes, shortened, without control characters.
-[[nodiscard]] std::string quoted(std::string_view word);
+[[nodiscard]] inline std::string quoted(std::string_view word) {
+  constexpr std::size_t kMaxShown = 40;
+  std::string text = "'";
+  for (const char c : word.substr(0, kMaxShown)) text += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+  return text + (word.size() > kMaxShown ? "...'" : "'");
+}
 
 }  // namespace gs::vrml
