@@ -29,7 +29,7 @@ constexpr KeyHelp kPointerHelp[] = {
 };
 // Keys that move the viewer while held.
 constexpr KeyHelp kHeldKeyHelp[] = {
-    {"Arrows", "Examine: turn.  Fly, Walk: move forward and back, turn"},
+    {"Arrows", "Turn in Examine; move forward or back and turn in Fly and Walk"},
     {"W A S D, Q E", "Forward, left, back, right, down, up; with Shift faster"},
     {"Gamepad, 3D mouse", "Left stick and triggers move, right stick turns; the 3D mouse cap moves and turns"},
 };

@@ -49,8 +49,9 @@ struct Projection {
   /// Window depth at distance d along the view axis is `depth_offset` + `depth_scale` / d.
   float depth_offset = 0, depth_scale = 0;
 
-  /// Return half of the visible extent at distance 1, and its centre.
+  /// Returns half of the visible extent at distance 1.
   [[nodiscard]] glm::vec2 tangents() const { return {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]}; }
+  /// Returns the centre of the visible extent at distance 1.
   [[nodiscard]] glm::vec2 center() const {
     return {clip_from_camera[2][0] / clip_from_camera[0][0], clip_from_camera[2][1] / clip_from_camera[1][1]};
   }

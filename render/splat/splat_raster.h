@@ -89,7 +89,7 @@ struct SurfaceMeasure {
   double samples = 0;     // covered in total by the bounds of all splats in view
 };
 
-/// Examines about `most` splats, evenly spread over the pieces; exact if they have no more.
+/// Estimates from about `most` splats, evenly spread over the pieces. Examines all splats if there are no more.
 [[nodiscard]] SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatView& view,
                                              std::size_t most);
 

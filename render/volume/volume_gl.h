@@ -63,7 +63,7 @@ class VolumeGl {
   struct Viewport {
     std::unique_ptr<VolumeSorter> sorter;
     Buffer order;
-    std::uint64_t number = 0;    // number of the thread's order in the buffer; 0 means none
+    std::uint64_t number = 0;    // serial number of the order in the buffer; 0 means none
     std::vector<Sorted> sorted;  // input of the compute shaders' order
     std::uint64_t used = 0;
   };

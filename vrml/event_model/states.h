@@ -55,7 +55,7 @@ struct PointingState {
   bool owes_over = false, owes_active = false;  // FALSE events owed since it was disabled
   std::uint32_t wanted = 0;                     // number of the last pointer update that found it
   std::uint32_t enabled_in = 0;                 // number of the button press during which it was enabled
-  // Drag sensors, since activation (4.6.7.4); in the sensor's coordinate system at activation.
+  // State of a drag since activation (4.6.7.4), in the sensor's coordinate system at activation.
   bool tracks = false;            // that coordinate system is invertible
   bool sent = false;              // a value was sent in this drag
   bool disk = false;              // CylinderSensor: disk mode instead of cylinder mode

@@ -165,8 +165,9 @@ Problem set_confine(LoadingOptions& options, const std::string& value) {
 Problem set_rate(CommandOptions& options, const std::string& value) {
   auto* served = dynamic_cast<ArchiveOptions*>(&options);
   std::uint64_t& rate = served ? served->rate : dynamic_cast<LoadOptions&>(options).rate;
-  return read_count(value, rate) && rate > 0 ? Problem{}
-                                             : "expected bits per second above 0, optionally with k, M or G: 200k";
+  return read_count(value, rate) && rate > 0
+             ? Problem{}
+             : "expected bits per second above 0, such as 200k (k, M and G are allowed)";
 }
 
 Problem set_control_token(OpenCommand& options, const std::string& value) {

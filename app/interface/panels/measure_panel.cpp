@@ -165,7 +165,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   ImGui::BeginDisabled(!tools.bar);
   ImGui::Checkbox("Colour bar", &wish.request.color_bar);
   ImGui::EndDisabled();
-  static constexpr std::array<const char*, 3> kEyes{"One eye", "Side by side", "Red and cyan"};
+  static constexpr std::array<const char*, 3> kEyes{"Off", "Side by side", "Red and cyan"};
   tool_label("Stereo", frame.scale);
   auto eyes = static_cast<int>(wish.request.stereo);
   ImGui::SetNextItemWidth(tool_width());

@@ -49,7 +49,7 @@ struct NewVertex {
   std::uint32_t vertex = 0, a = 0, b = 0;  // numbers in Patches
   std::uint32_t edge = kNone;              // edge of the base that contains it, or kNone
   std::uint32_t slot_a = 0, slot_b = 0;    // slots of a and b in the patches cut along creases
-  std::uint32_t other_a = 0, other_b = 0;  // of a crease: slots on its other side
+  std::uint32_t other_a = 0, other_b = 0;  // slots on the other side of a crease
 };
 
 /// Calls visit(NewVertex) for every new vertex of a level (1 and up). Calls keep(vertex, before) for every other

@@ -270,7 +270,7 @@ TEST_CASE("places VTI cell values at the cell centres") {
   CHECK(source.layout.origin == glm::dvec3(-1, 1, 1));
 }
 
-TEST_CASE("reports VTI files of another content") {
+TEST_CASE("reports VTI files with unexpected content") {
   ScratchFolder folder;
   const std::string array = "<DataArray type=\"UInt8\" Name=\"s\" format=\"appended\" offset=\"0\"/>";
   const auto problem = [&](const std::string& content) { return problem_of(folder.write("p.vti", content)); };

@@ -177,7 +177,7 @@ TEST_CASE("refuses FTP to the ports of system services") {
   CHECK(refusal("", "ftp://b:25/x").empty());
 }
 
-TEST_CASE("limits the hosts that a text may reach by its address space") {
+TEST_CASE("limits which hosts a document may reach, depending on its address space") {
   CHECK(Origin{"file:///a", AddressSpace::global}.reach() == AddressSpace::loopback);
   CHECK(Origin{"http://a/", AddressSpace::global}.reach() == AddressSpace::global);
   CHECK(Origin{"http://a/", AddressSpace::local}.reach() == AddressSpace::local);

@@ -133,7 +133,7 @@ TEST_CASE("counts requests and connections per client") {
   CHECK(counts.admit(key_of(1), Instant(500'000)));
 }
 
-TEST_CASE("counts clients behind a proxy by their requests, and the proxy's connections only in the total") {
+TEST_CASE("limits clients behind a proxy by requests, the proxy's connections count only towards the total") {
   HttpLimits limits;
   limits.connections = 5;
   limits.connections_of_client = 2;

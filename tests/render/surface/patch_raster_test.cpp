@@ -243,7 +243,7 @@ TEST_CASE("draws a tile with the samples of the whole picture") {
   CHECK(std::abs(static_cast<double>(together) - static_cast<double>(covered(whole))) < 16);
 }
 
-TEST_CASE("draws the backs of two-sided surfaces only") {
+TEST_CASE("draws back faces only if the surface is two-sided") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 2), 2);
   const SplatView inside = view_from({0.01f, 0.02f, 0.03f}, 32, 1);
   const qnv::SurfaceCut cut = cut_for(surface, inside, 8, false);

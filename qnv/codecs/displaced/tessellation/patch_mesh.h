@@ -29,8 +29,8 @@ class PatchMesh {
   [[nodiscard]] std::span<const Triangle> border() const { return border_; }
 
  private:
-  /// Part of an edge that is a side of a triangle: `left` is the number of remaining halvings, `from` its start on the
-  /// edge's finest positions.
+  /// Part of an edge that is a side of a triangle: `left` is the number of remaining halvings, `from` the index of
+  /// its start among the edge's finest positions.
   struct Side {
     int left = 0;
     std::uint8_t edge = PatchTable::Side::kNone;

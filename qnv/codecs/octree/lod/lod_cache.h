@@ -62,7 +62,8 @@ class LodCache {
   /// Mark data as used now.
   void use_voxels(std::uint32_t node, std::uint64_t now);
   void use_discs(std::uint32_t node, std::uint64_t now);
-  /// Pin data for a viewport's last cut: splats that it shows, or all data of a cluster that it does not show.
+  /// Pin data that a viewport's last cut needs. `pin_discs` pins splats that it shows, `pin` the data of a cluster that
+  /// the cut needs but does not show.
   void pin_discs(std::uint32_t node, std::uint64_t now);
   void pin(std::uint32_t node, std::uint64_t now);
   /// Frees the least recently used data until the limit holds, except data pinned now.
