@@ -7,6 +7,7 @@
 
 namespace {
 
+using gs::net::has_scheme;
 using gs::net::parse_url;
 using gs::net::path_of_url;
 using gs::net::resolve;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+using namespace gs;
 using namespace gs::vrml;
 
 namespace {

@@ -8,6 +8,7 @@
 
 #include <string>
 
+using namespace gs;
 using namespace gs::vrml;
 
 namespace {
