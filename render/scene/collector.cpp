@@ -147,17 +147,27 @@ void Collector::leave() {
   path_.pop_back();
 }
 
-void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children) {
-  if (!children || children->empty()) return;
-  Frame frame{parent.scene,    parent.on_path,          id.index, children->begin(),
-              children->end(), parent.world_from_local, 0,        parent.main};
+// Returns the frame of a node's children, in the coordinate system of `parent`.
+Collector::Frame Collector::frame_below(const Frame& parent, vrml::NodeId id, std::span<const vrml::NodeId> children) {
+  Frame frame{parent.scene,
+              parent.on_path,
+              id.index,
+              children.data(),
+              children.data() + children.size(),
+              parent.world_from_local,
+              0,
+              parent.main};
   frame.frame = parent.frame;
   frame.presence = parent.presence;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
   frame.place = add_place(parent, id);
-  enter(frame);
+  return frame;
+}
+
+void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children) {
+  if (children && !children->empty()) enter(frame_below(parent, id, children->span()));
 }
 
 void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const dmat4& local,
@@ -168,16 +178,11 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
     if (sources_) sources_->unshown.push_back({&parent.scene->node(id), parent.scene});
     return;
   }
-  Frame frame{parent.scene,    parent.on_path,   id.index, children->begin(),
-              children->end(), world_from_local, 0,        parent.main};
-  frame.presence = parent.presence;
-  frame.places_before = static_cast<std::uint32_t>(list_.places.size());
-  frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
-  frame.content_before = content();
-  frame.place = add_place(parent, id);
+  Frame frame = frame_below(parent, id, children->span());
+  frame.world_from_local = world_from_local;
   // Beyond the limit of coordinate systems, content has no path and is collected anew on changes.
-  frame.frame = frame.place == kNoPlace ? parent.frame : frame.frames_before;
   if (frame.place != kNoPlace) {
+    frame.frame = frame.frames_before;
     list_.places[frame.place].frame = frame.frame;
     list_.world_from_frame.push_back(world_from_local);
     if (sources_) {
@@ -204,14 +209,7 @@ void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::M
 
 /// Enters a single node in a field of the open node.
 void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
-  Frame frame{parent.scene, parent.on_path, id.index, &child, &child + 1, parent.world_from_local, 0, parent.main};
-  frame.frame = parent.frame;
-  frame.presence = parent.presence;
-  frame.places_before = static_cast<std::uint32_t>(list_.places.size());
-  frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
-  frame.content_before = content();
-  frame.place = add_place(parent, id);
-  enter(frame);
+  enter(frame_below(parent, id, std::span(&child, 1)));
 }
 
 // Enters a Collision: the proxy is collidable but invisible, instead of the children (6.8).
@@ -244,14 +242,11 @@ void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
     open->second.resize(inlined->node_count() + 1);
     list_.scenes.push_back(parent.scene->inlines().at(id.index));
   }
-  Frame frame{inlined, &open->second, 0, inlined->roots().begin(), inlined->roots().end(), parent.world_from_local,
-              0,       false};
-  frame.frame = parent.frame;
-  frame.presence = parent.presence;
-  frame.places_before = static_cast<std::uint32_t>(list_.places.size());
-  frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
-  frame.content_before = content();
-  frame.place = add_place(parent, id);
+  Frame frame = frame_below(parent, id, {inlined->roots().begin(), inlined->roots().end()});
+  frame.scene = inlined;
+  frame.on_path = &open->second;
+  frame.node = 0;
+  frame.main = false;
   enter(frame);
 }
 

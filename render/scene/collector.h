@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -101,6 +102,7 @@ class Collector {
     std::size_t content_before = 0;
   };
 
+  Frame frame_below(const Frame& parent, vrml::NodeId id, std::span<const vrml::NodeId> children);
   void enter(Frame frame);
   void enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children);
   void enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const glm::dmat4& local,

@@ -60,7 +60,7 @@ const SplatGl::Shader* SplatGl::shader(Stage stage, const Kind& kind) {
                            : stage == Stage::blend ? kSplatBlendFragmentShader
                                                    : kSplatResolveFragmentShader;
     const std::string vertex =
-        discs ? std::string(kSplatVectorShader) + kSplatDiscVertexShader : std::string(kSplatVertexShader);
+        discs ? std::string(kSplatVectorShader) + kSplatDiscVertexShader : std::string(kScreenVertexShader);
     auto made = make_program(gl_, defines, vertex, fragment);
     if (auto* program = std::get_if<Program>(&made)) {
       entry.program = std::move(*program);
