@@ -78,12 +78,12 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
       leave();
       continue;
     }
-    if (++visits_ % kBetweenLooks == 0 || resources_.take_made_mesh()) stopped = budget_->stopped();
+    if (++visits_ % kBetweenLooks == 0 || resources_.clear_made_mesh()) stopped = budget_->stopped();
     if (visits_ > budget_->limits().visits) {
       stopped = true;
-      resources_.leave_out("more nodes, including copies by USE, than the " + std::to_string(budget_->limits().visits) +
-                               " that one picture may visit",
-                           *top.scene, *top.next);
+      resources_.report_limit("more nodes, including copies by USE, than the " +
+                                  std::to_string(budget_->limits().visits) + " that one picture may visit",
+                              *top.scene, *top.next);
       continue;
     }
     const vrml::NodeId id = *top.next++;
@@ -93,8 +93,8 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
   for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
   if (sources_)
     sources_->viewpoints.insert(sources_->viewpoints.end(), inlined_sources_.begin(), inlined_sources_.end());
-  list_.left_out = std::move(resources_.left_out());
-  resources_.left_out().clear();
+  list_.limit_reports = std::move(resources_.limit_reports());
+  resources_.limit_reports().clear();
   return std::move(list_);
 }
 

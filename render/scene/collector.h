@@ -123,7 +123,7 @@ class Collector {
   void add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
                   const std::shared_ptr<const qnv::Cloud>& cloud, float detail, const RenderSources::Item& source);
   bool has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles);
-  bool take_triangles(std::size_t count);
+  bool charge_triangles(std::size_t count);
   void coarsen_primitives();
   [[nodiscard]] glm::dvec3 viewer_in(const glm::dmat4& world_from_local) const;
   [[nodiscard]] std::size_t content() const;

@@ -94,7 +94,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
     auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
     source.text_level = ShapeResources::kCoarsestText;
     // If the image has no room for the finer mesh, the coarsest is shown.
-    if (mesh == item.mesh || take_triangles(mesh->indices.size() / 3)) {
+    if (mesh == item.mesh || charge_triangles(mesh->indices.size() / 3)) {
       item.mesh = std::move(mesh);
       source.bounds = world_bounds(item.mesh->bounds, world_from_node);
       source.text_level = made;
@@ -139,17 +139,17 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
 bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
   const std::size_t items = budget_->limit(Resource::items);
   if (list_.items.size() >= items) {
-    resources_.leave_out(budget_->refusal(Resource::items), scene, geometry);
+    resources_.report_limit(budget_->refusal(Resource::items), scene, geometry);
     return false;
   }
-  if (!take_triangles(triangles)) {
-    resources_.leave_out(budget_->refusal(Resource::triangles), scene, geometry);
+  if (!charge_triangles(triangles)) {
+    resources_.report_limit(budget_->refusal(Resource::triangles), scene, geometry);
     return false;
   }
   return true;
 }
 
-bool Collector::take_triangles(std::size_t count) {
+bool Collector::charge_triangles(std::size_t count) {
   const std::size_t most = budget_->limit(Resource::triangles);
   if (count > most - std::min(most, triangles_)) return false;
   triangles_ += count;

@@ -104,7 +104,7 @@ std::shared_ptr<const Image> ShapeResources::image_of_texture(const vrml::SceneG
     entry.image = nullptr;
     entry.share = Share(budget_, Resource::pixels);
     if (!entry.share.grow(pixels->pixels().size() * (pixels->components() + kPixelCopy))) {
-      leave_out("PixelTexture: " + budget_->refusal(Resource::pixels), scene, id);
+      report_limit("PixelTexture: " + budget_->refusal(Resource::pixels), scene, id);
       return nullptr;
     }
     Image image = image_of(*pixels);
@@ -113,14 +113,14 @@ std::shared_ptr<const Image> ShapeResources::image_of_texture(const vrml::SceneG
   return entry.image;
 }
 
-void ShapeResources::leave_out(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node) {
-  for (LeftOut& known : left_out_)
+void ShapeResources::report_limit(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node) {
+  for (LimitReport& known : limit_reports_)
     if (known.why == why) {
       ++known.count;
       return;
     }
   const bool exists = scene.contains(node);
-  left_out_.push_back({why, 1, scene.file_name(), exists ? scene.node(node).location : SourceLocation{}});
+  limit_reports_.push_back({why, 1, scene.file_name(), exists ? scene.node(node).location : SourceLocation{}});
 }
 
 std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
@@ -170,7 +170,7 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::mesh_of(const vrml::SceneGraph
                                                           bool textured) {
   MeshCache::Entry& entry = meshes_.meshes[&scene.node(geometry)];
   bring_up_to_date(entry, scene, geometry, textured, kCoarsestText);
-  if (entry.refused) leave_out(budget_->refusal(Resource::meshes), scene, geometry);
+  if (entry.refused) report_limit(budget_->refusal(Resource::meshes), scene, geometry);
   return entry.mesh;
 }
 

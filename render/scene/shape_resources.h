@@ -64,9 +64,9 @@ class ShapeResources {
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                             std::size_t fineness);
   /// Reports whether a mesh was made since the last call.
-  [[nodiscard]] bool take_made_mesh() { return std::exchange(made_mesh_, false); }
-  void leave_out(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
-  [[nodiscard]] std::vector<LeftOut>& left_out() { return left_out_; }
+  [[nodiscard]] bool clear_made_mesh() { return std::exchange(made_mesh_, false); }
+  void report_limit(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
+  [[nodiscard]] std::vector<LimitReport>& limit_reports() { return limit_reports_; }
   /// Clears the relation of OutlineGroups to their refiners after it may have changed.
   void forget_refiners() { refiners_.clear(); }
 
@@ -85,7 +85,7 @@ class ShapeResources {
   Schemas schemas_;
   // Refiners of OutlineGroups, by scene and node index.
   std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;
-  std::vector<LeftOut> left_out_;
+  std::vector<LimitReport> limit_reports_;
   bool made_mesh_ = false;
 };
 

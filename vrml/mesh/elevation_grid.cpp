@@ -79,7 +79,7 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
   constexpr std::uint64_t kBytesOfPoint = 40;
   Share share(scene.budget(), Resource::meshes);
   if (!share.grow(columns * rows * kBytesOfPoint)) {
-    nothing.left_out = true;
+    nothing.limited = true;
     return nothing;
   }
   faces.budget = scene.budget();

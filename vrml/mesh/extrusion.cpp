@@ -204,14 +204,14 @@ Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOp
     const std::size_t points = scene.budget()->left(Resource::meshes) / (2 * kBytesAtWorst);
     extrusion.rings = std::min(extrusion.spine.size(), points / columns);
     Share share(scene.budget(), Resource::meshes);
-    mesh.left_out = extrusion.rings < extrusion.spine.size();
+    mesh.limited = extrusion.rings < extrusion.spine.size();
     if (extrusion.rings >= 2 && share.grow(extrusion.rings * columns * kBytesOfPoint)) {
-      const bool cut = mesh.left_out;
+      const bool cut = mesh.limited;
       const MFVec3f placed = extrusion.place_cross_sections();
       mesh = extrusion.sides(placed);
       if (scene.get<SFBool>(geometry, "beginCap")) append(mesh, extrusion.cap(placed, true));
       if (scene.get<SFBool>(geometry, "endCap")) append(mesh, extrusion.cap(placed, false));
-      mesh.left_out = mesh.left_out || cut;
+      mesh.limited = mesh.limited || cut;
     }
   }
   mesh.solid = extrusion.solid;

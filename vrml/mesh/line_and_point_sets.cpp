@@ -101,7 +101,7 @@ Mesh tessellate_indexed_line_set(const SceneGraph& scene, NodeId geometry, const
   Share share(scene.budget(), Resource::meshes);
   const bool allowed = share.grow(lines.coord_index.size() * kBytesOfEntry + lines.points.size() * kBytesOfPoint);
   Mesh mesh = allowed ? make_lines(std::move(lines)) : Mesh{};
-  mesh.left_out = !allowed;
+  mesh.limited = !allowed;
   mesh.primitive = Mesh::Primitive::lines;
   mesh.solid = false;
   mesh.lit = false;
@@ -118,7 +118,7 @@ Mesh tessellate_point_set(const SceneGraph& scene, NodeId geometry, const MeshOp
   constexpr std::uint64_t kBytesOfOne = 17;
   Share share(scene.budget(), Resource::meshes);
   if (!share.grow(points.size() * kBytesOfOne)) {
-    mesh.left_out = true;
+    mesh.limited = true;
     return mesh;
   }
   const UsableVertices vertices(points.span());

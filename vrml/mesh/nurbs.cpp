@@ -215,7 +215,7 @@ Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const Me
   constexpr std::uint64_t kBytesOfPoint = 64;
   Share share(scene.budget(), Resource::meshes);
   if (!share.grow(count * kBytesOfPoint)) {
-    nothing.left_out = true;
+    nothing.limited = true;
     return nothing;
   }
   FaceSet faces;

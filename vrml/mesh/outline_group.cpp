@@ -190,7 +190,7 @@ Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const Me
   Share share(scene.budget(), Resource::meshes);
   if (!share.grow((entries(geometry) + entries(options.refiner)) * kBytesOfEntry)) {
     Mesh nothing;
-    nothing.left_out = true;
+    nothing.limited = true;
     return nothing;
   }
   Gatherer gatherer(scene, groups);

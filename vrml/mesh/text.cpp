@@ -131,15 +131,15 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
   std::size_t points = 0, corners = 0;
   std::vector<Line> lines;
   if (!share.grow(strings.size() * sizeof(Line))) {
-    mesh.left_out = true;
+    mesh.limited = true;
     return mesh;
   }
   lines.resize(strings.size());
-  for (std::size_t i = 0; i < strings.size() && !mesh.left_out; ++i) {
+  for (std::size_t i = 0; i < strings.size() && !mesh.limited; ++i) {
     const std::string_view text = strings[i].view();
     if (text.empty()) continue;  // an empty line keeps its position
     if (budget->stopped() || !share.grow(text.size() * kBytesOfCharacter)) {
-      mesh.left_out = true;
+      mesh.limited = true;
       break;
     }
     ShapedText& shaped = lines[i].shaped = shaper.shape(style.font, text, direction, options.text_level);
@@ -152,7 +152,7 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
     }
     if (points + more_points >= std::numeric_limits<std::uint32_t>::max() ||
         !share.grow(more_points * kBytesOfPoint + more_corners * kBytesOfIndex)) {
-      mesh.left_out = true;
+      mesh.limited = true;
       shaped = {};
       break;
     }

@@ -40,7 +40,7 @@ GHOSTSPACE_AVX2_INLINE __m128 signed_floats(__m256d magnitudes, __m256i positive
 
 // Reads four floats. `doubtful` has a bit for each with uncertain rounding or mantissa.
 GHOSTSPACE_AVX2_INLINE __m128 four_floats(Cutter& cutter, unsigned& doubtful) {
-  const Four four = take_four(cutter);
+  const Four four = cut_four(cutter);
   const __m256d powers = _mm256_setr_pd(kPoints[four.cuts[0].point].power, kPoints[four.cuts[1].point].power,
                                         kPoints[four.cuts[2].point].power, kPoints[four.cuts[3].point].power);
   const __m256d quotients = _mm256_div_pd(doubles_of(four.mantissas), powers);
@@ -53,7 +53,7 @@ GHOSTSPACE_AVX2_INLINE __m128 four_floats(Cutter& cutter, unsigned& doubtful) {
 
 // Reads four integers of up to 16 characters. `doubtful` has a bit for each that does not fit 32 bits.
 GHOSTSPACE_AVX2_INLINE __m128i four_integers(Cutter& cutter, unsigned& doubtful) {
-  const Four four = take_four(cutter);
+  const Four four = cut_four(cutter);
   const __m256i negative = _mm256_xor_si256(four.positive, _mm256_set1_epi64x(-1));
   const __m256i values = _mm256_sub_epi64(_mm256_xor_si256(four.mantissas, negative), negative);
   const __m256i shifted = _mm256_add_epi64(values, _mm256_set1_epi64x(std::int64_t{1} << 31));
@@ -193,9 +193,9 @@ GHOSTSPACE_AVX2 bool read_long_floats(NumberRun& run, const Window& w, std::uint
   unsigned doubtful[2] = {};
   const unsigned count = round_size(w);
   _mm_storeu_ps(out + run.count,
-                four_long_floats(take_four(cutter), _mm256_castsi256_si128(exponents), cut_off, doubtful[0]));
+                four_long_floats(cut_four(cutter), _mm256_castsi256_si128(exponents), cut_off, doubtful[0]));
   if (count > 4) {
-    _mm_storeu_ps(out + run.count + 4, four_long_floats(take_four(cutter), _mm256_extracti128_si256(exponents, 1),
+    _mm_storeu_ps(out + run.count + 4, four_long_floats(cut_four(cutter), _mm256_extracti128_si256(exponents, 1),
                                                         cut_off >> 4, doubtful[1]));
   }
   const unsigned again = _bzhi_u32(doubtful[0] | doubtful[1] << 4, count);

@@ -190,7 +190,7 @@ struct Four {
   __m256i positive;
 };
 template <class AnyCutter>
-GHOSTSPACE_AVX2_INLINE Four take_four(AnyCutter& cutter) {
+GHOSTSPACE_AVX2_INLINE Four cut_four(AnyCutter& cutter) {
   const Cut c0 = cut(cutter), c1 = cut(cutter), c2 = cut(cutter), c3 = cut(cutter);
   const Pair even = pair(cutter.p, c0, c2);
   const Pair odd = pair(cutter.p, c1, c3);

@@ -64,20 +64,21 @@ TEST_CASE("limits the shapes of nested USEs, and names the first one that is lef
   const std::size_t most = world.budget().limit(Resource::items);
   CHECK(most == 2048);
   CHECK(list.items.size() == most);
-  REQUIRE(list.left_out.size() == 1);
-  CHECK(list.left_out[0].why == "more than the limit for shapes in a picture, 2048 of one world (--memory raises it)");
-  CHECK(list.left_out[0].count > 1000);
-  CHECK(list.left_out[0].file == "bomb.wrl");
-  CHECK(list.left_out[0].location == SourceLocation{3, 42});
-  CHECK(world.collect().left_out.size() == 1);  // in each picture
+  REQUIRE(list.limit_reports.size() == 1);
+  CHECK(list.limit_reports[0].why ==
+        "more than the limit for shapes in a picture, 2048 of one world (--memory raises it)");
+  CHECK(list.limit_reports[0].count > 1000);
+  CHECK(list.limit_reports[0].file == "bomb.wrl");
+  CHECK(list.limit_reports[0].location == SourceLocation{3, 42});
+  CHECK(world.collect().limit_reports.size() == 1);  // in each picture
 }
 
 TEST_CASE("stops a walk over empty groups at the limit for visits") {
   SmallWorld world(nested_uses("Group { }", 40), 2048 * kMega);
   const RenderList list = world.collect();
   CHECK(list.items.empty());
-  REQUIRE(list.left_out.size() == 1);
-  CHECK(list.left_out[0].why.find(std::to_string(kVisits / watched_step(16)) + " that one picture may visit") !=
+  REQUIRE(list.limit_reports.size() == 1);
+  CHECK(list.limit_reports[0].why.find(std::to_string(kVisits / watched_step(16)) + " that one picture may visit") !=
         std::string::npos);
 }
 
@@ -92,8 +93,8 @@ TEST_CASE("leaves out Shapes beyond the triangle limit, and shows the others") {
   CHECK(triangles_of(list) <= kMega);
   CHECK(list.items.size() == 53);
   CHECK(list.items.back().mesh->indices.size() == 36);  // the box after them
-  REQUIRE(list.left_out.size() == 1);
-  CHECK(list.left_out[0].why.find("triangles in a picture") != std::string::npos);
+  REQUIRE(list.limit_reports.size() == 1);
+  CHECK(list.limit_reports[0].why.find("triangles in a picture") != std::string::npos);
 }
 
 TEST_CASE("leaves out meshes beyond the memory limit, at all their USEs") {
@@ -105,9 +106,9 @@ TEST_CASE("leaves out meshes beyond the memory limit, at all their USEs") {
   CHECK(list.items.size() > 10);
   CHECK(list.items.size() < 90);
   CHECK(list.items.back().mesh->indices.size() == 36);
-  REQUIRE(list.left_out.size() == 1);
-  CHECK(list.left_out[0].why.find("more than the limit for meshes") != std::string::npos);
-  CHECK(list.left_out[0].count + list.items.size() == 101);
+  REQUIRE(list.limit_reports.size() == 1);
+  CHECK(list.limit_reports[0].why.find("more than the limit for meshes") != std::string::npos);
+  CHECK(list.limit_reports[0].count + list.items.size() == 101);
   CHECK(world.budget().used(Resource::meshes) <= world.budget().limit(Resource::meshes));
   const std::uint64_t used = world.budget().used(Resource::meshes);
   CHECK(world.collect().items.size() == list.items.size());
@@ -127,7 +128,7 @@ TEST_CASE("uses no more memory for meshes that are made again") {
   CHECK(used > 0);
   for (int i = 0; i < 100; ++i) {
     world.meshes.meshes.clear();
-    CHECK(world.collect().left_out.empty());
+    CHECK(world.collect().limit_reports.empty());
   }
   CHECK(world.budget().used(Resource::meshes) == used);
 }
@@ -149,7 +150,7 @@ TEST_CASE("shares one mesh between thousands of spheres, and makes it coarser as
   CHECK(fine.items[0].mesh->indices.size() > coarse.items[0].mesh->indices.size());
   CHECK(triangles_of(coarse) <= std::size_t{1} << 24);
   CHECK(coarse.items.back().mesh->indices.size() == 36);  // a box cannot become coarser
-  CHECK(coarse.left_out.empty());
+  CHECK(coarse.limit_reports.empty());
   CHECK(many.meshes.meshes.empty());
   CHECK(many.meshes.primitives.size() <= 2 * ShapeResources::kSegments.size());
   CHECK(many.budget().used(Resource::meshes) == 0);
@@ -165,8 +166,8 @@ TEST_CASE("charges PixelTextures to the budget for pixels") {
   REQUIRE(list.items.size() == 200);
   CHECK(list.items.front().texture.image);
   CHECK_FALSE(list.items.back().texture.image);
-  REQUIRE(list.left_out.size() == 1);
-  CHECK(list.left_out[0].why.find("pixels of textures") != std::string::npos);
+  REQUIRE(list.limit_reports.size() == 1);
+  CHECK(list.limit_reports[0].why.find("pixels of textures") != std::string::npos);
   CHECK(world.budget().used(Resource::pixels) <= world.budget().limit(Resource::pixels));
 }
 
@@ -177,7 +178,7 @@ TEST_CASE("stops collecting when the budget's stop function returns true") {
   const RenderList list = world.collect();
   CHECK(list.items.size() > 0);
   CHECK(list.items.size() < 10'000);
-  CHECK(list.left_out.empty());
+  CHECK(list.limit_reports.empty());
 }
 
 TEST_CASE("calls the budget's stop function between any two meshes") {

@@ -297,7 +297,7 @@ TEST_CASE("leaves out Text that exceeds the memory limit") {
   MeshOptions options;
   options.text_shaper = &blocks;
   const Mesh mesh = tessellate(scene, text, options);
-  CHECK(mesh.left_out);
+  CHECK(mesh.limited);
   CHECK(mesh.positions.size() < 100 * 1000 * 4);
   CHECK(scene.budget()->used(Resource::meshes) == 0);
 }
