@@ -1,5 +1,6 @@
+#include "vrml/syntax/value_parser.h"
+
 #include "vrml/syntax/number.h"
-#include "vrml/syntax/parser_state.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,10 +46,6 @@ bool is_keyword_number(std::string_view word) {
   return lower == "nan" || lower == "inf" || lower == "infinity";
 }
 
-bool is_access_name(std::string_view word) {
-  return word == "eventIn" || word == "eventOut" || word == "field" || word == "exposedField";
-}
-
 float to_float(double number) { return static_cast<float>(number); }
 
 void append_element(FieldValue& list, const std::array<double, 4>& n) {
@@ -73,8 +70,8 @@ void shrink(FieldValue& list) {
 }  // namespace
 
 // Parses a number token. Floats are rounded from text to float once; only SFTime is a double.
-bool Parser::State::number_of(const Token& token, double& number) {
-  const FieldType type = number_type;
+bool ValueParser::number_of(const Token& token, double& number) {
+  const FieldType type = number_type_;
   if (type == FieldType::SFTime || type == FieldType::MFTime) return parse_number(token.text, number);
   if (type == FieldType::SFInt32 || type == FieldType::MFInt32) {
     std::int32_t integer = 0;
@@ -84,8 +81,8 @@ bool Parser::State::number_of(const Token& token, double& number) {
     }
     double real = 0;
     if (!parse_number(token.text, real)) return false;
-    problems.warn_once(said_number_form, token.location,
-                       "expected an integer of 32 bits, found " + describe(token) + "; converted");
+    text_.problems.warn_once(said_number_form_, token.location,
+                             "expected an integer of 32 bits, found " + describe(token) + "; converted");
     number = std::isnan(real) ? 0 : std::trunc(std::clamp(real, -2147483648.0, 2147483647.0));
     return true;
   }
@@ -102,36 +99,36 @@ bool Parser::State::number_of(const Token& token, double& number) {
 
 // Splits a token without a blank after a number, as Annex A permits: "80level", "10-1", "-.5.75". If the token as a
 // whole is no number, it is cut after its leading number if a name or another number follows.
-void Parser::State::cut_number(Token& token) {
+void ValueParser::cut_number(Token& token) {
   const std::size_t length = number_length(token.text);
   if (length == 0 || length >= token.text.size()) return;
   const char next = token.text[length];
   const bool name = (next >= 'a' && next <= 'z') || (next >= 'A' && next <= 'Z') || next == '_';
   if (!name && next != '+' && next != '-' && next != '.') return;
   token.text = token.text.substr(0, length);
-  Lexer::Position place = lexer.position();
+  Lexer::Position place = text_.lexer.position();
   place.next = token.text.data() + length;
-  lexer.go_back(place);
+  text_.lexer.go_back(place);
 }
 
-String Parser::State::string_of(const Token& token) {
-  if (!sink.limits().admits_string(token.text.size(), token.location)) return {};
+String ValueParser::string_of(const Token& token) {
+  if (!text_.sink.limits().admits_string(token.text.size(), token.location)) return {};
   bool latin1 = false;
   const std::string text = decode_string(token.text, token.has_escapes, latin1);
-  if (latin1) problems.warn_once(said_latin1, token.location, "a string is not UTF-8; read as Latin-1");
+  if (latin1) text_.problems.warn_once(said_latin1_, token.location, "a string is not UTF-8; read as Latin-1");
   return String(text);
 }
 
 // Reads a single value of floats in the plain form of nearly all files. Returns false and reads nothing for other text.
-bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
+bool ValueParser::plain_floats(FieldType type, FieldValue& into) {
   if (type != FieldType::SFFloat && type != FieldType::SFVec2f && type != FieldType::SFVec3f &&
       type != FieldType::SFColor && type != FieldType::SFRotation)
     return false;
   float f[4];
   const auto wanted = static_cast<std::size_t>(arity(type));
-  const NumberRun run = parse_floats(lexer.unread(), lexer.window_end(), f, wanted);
+  const NumberRun run = parse_floats(text_.lexer.unread(), text_.lexer.window_end(), f, wanted);
   if (run.count != wanted) return false;
-  lexer.advance(run.next, run.lines, run.line_start);
+  text_.lexer.advance(run.next, run.lines, run.line_start);
   switch (type) {
     case FieldType::SFFloat:
       into.emplace<SFFloat>(f[0]);
@@ -152,66 +149,28 @@ bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
   return true;
 }
 
-// Parses the value of a field. `name` is for diagnostics, `restricts` for the field of a NodeTarget. On need_more it
-// reads nothing and leaves `into` unchanged.
-Step Parser::State::value(FieldType type, FieldValue& into, std::string_view name, std::string_view restricts) {
-  if (plain_floats(type, into)) return Step::done;
-  const Lexer::Position before = lexer.position();
-  const Token token = lexer.next();
-  if (token.kind == TokenKind::need_more) return Step::need_more;
-  if (token.kind == TokenKind::open_bracket && is_multiple(type)) {
-    into = initial_value(type);
-    Frame frame;
-    frame.kind = type == FieldType::MFNode ? Frame::Kind::node_list : Frame::Kind::values;
-    frame.start = token.location;
-    frame.into = &into;
-    frame.name = type == FieldType::MFNode ? restricts : name;
-    open(std::move(frame));
-    return Step::done;
-  }
-  if (holds_nodes(type)) {
-    if (token.kind == TokenKind::word && token.text == "NULL") {
-      into = initial_value(type);
-      return Step::done;
-    }
-    if (token.kind == TokenKind::word && !looks_like_number(token.text)) {
-      FieldValue fresh = initial_value(type);
-      FieldValue old = std::exchange(into, std::move(fresh));
-      const Step step = node_head(token, {&into, restricts});
-      if (step == Step::need_more) into = std::move(old);
-      return step;
-    }
-    unexpected(token, "a node for " + std::string(name));
-    lexer.go_back(before);
-    skip_value();
-    return Step::done;
-  }
-  if (type == FieldType::SFImage) return image_head(into, token, name);
-  return single_value(type, into, token, name);
-}
-
 // Parses one value of a type other than nodes and images, starting with `token`. An MF type gets one element.
-Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, std::string_view name) {
+Step ValueParser::single_value(FieldType type, FieldValue& into, Token token, std::string_view name) {
   const auto refuse_token = [&](const Token& found, const Lexer::Position& before) {
-    unexpected(found, std::string(element_name(type)) + " for " + std::string(name));
-    lexer.go_back(before);
+    text_.unexpected(found, std::string(element_name(type)) + " for " + std::string(name));
+    text_.lexer.go_back(before);
     if (found.kind == TokenKind::open_bracket || found.kind == TokenKind::string ||
         (found.kind == TokenKind::word &&
          (looks_like_number(found.text) || found.text == "TRUE" || found.text == "FALSE")))
-      skip_value();
+      text_.skip_value();
     return Step::done;
   };
   // Start of the first token; its text always lies in the window.
-  Lexer::Position before = lexer.position();
+  Lexer::Position before = text_.lexer.position();
   before.next = token.text.data() - (token.kind == TokenKind::string ? 1 : 0);
   if (token.text.data() == nullptr || token.kind == TokenKind::string || token.kind == TokenKind::unterminated_string)
-    before = lexer.position();
+    before = text_.lexer.position();
 
   switch (type) {
     case FieldType::SFString:
     case FieldType::MFString: {
       if (token.kind != TokenKind::string) return refuse_token(token, before);
-      note_url_place(frames.empty() ? nullptr : &frames.back(), name, token);
+      note_url_place(text_.frames.empty() ? nullptr : &text_.frames.back(), name, token);
       if (type == FieldType::SFString) {
         into = string_of(token);
       } else {
@@ -225,7 +184,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
       const bool no = word == "FALSE" || word == "false" || word == "False" || word == "0";
       if (!yes && !no) return refuse_token(token, before);
       if (word != "TRUE" && word != "FALSE")
-        problems.warn_once(said_bool_form, token.location, "expected TRUE or FALSE, found " + describe(token));
+        text_.problems.warn_once(said_bool_form_, token.location, "expected TRUE or FALSE, found " + describe(token));
       into.emplace<SFBool>(yes);
       return Step::done;
     }
@@ -244,16 +203,16 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
     cut_number(token);
     tokens[count] = token;
     if (++count == wanted) break;
-    before = lexer.position();
-    token = lexer.next();
+    before = text_.lexer.position();
+    token = text_.lexer.next();
     if (token.kind == TokenKind::need_more) return Step::need_more;
   }
   std::array<double, 4> numbers{};
-  number_type = type;
+  number_type_ = type;
   for (int i = 0; i < wanted; ++i)
     if (!number_of(tokens[i], numbers[i]))
-      problems.error(tokens[i].location,
-                     "expected a number for " + std::string(name) + ", found " + describe(tokens[i]) + "; 0 is used");
+      text_.problems.error(tokens[i].location, "expected a number for " + std::string(name) + ", found " +
+                                                   describe(tokens[i]) + "; 0 is used");
   const auto f = [&](int i) { return to_float(numbers[i]); };
   switch (type) {
     case FieldType::SFFloat:
@@ -285,53 +244,14 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
   return Step::done;
 }
 
-Step Parser::State::node_list_step() {
-  const Lexer::Position start = lexer.position();
-  const Token token = lexer.next();
-  switch (token.kind) {
-    case TokenKind::need_more:
-      return Step::need_more;
-    case TokenKind::end:
-      return Step::finished;
-    case TokenKind::close_bracket:
-      rubbish = false;
-      shrink(*frames.back().into);
-      frames.pop_back();
-      return Step::done;
-    case TokenKind::close_brace: {
-      problems.error(token.location, "expected ']' at the end of the list that begins at line " +
-                                         std::to_string(frames.back().start.line) + ", found '}'");
-      frames.pop_back();
-      lexer.go_back(start);
-      return Step::done;
-    }
-    default:
-      break;
-  }
-  if (token.kind == TokenKind::word && token.text == "NULL") return Step::done;
-  bool was_statement = false;
-  if (token.kind == TokenKind::word) {
-    const Step read = statement(token, was_statement);
-    if (was_statement) {
-      if (read == Step::done)
-        problems.warn_once(said_route_in_list, token.location,
-                           std::string(token.text) + " inside a list of nodes; moved before the node");
-      return read;
-    }
-    if (is_id(token.text)) return node_head(token, {frames.back().into, frames.back().name});
-  }
-  rubbish_token(token, "a node or ']'");
-  return Step::done;
-}
-
 template <class T>
-void Parser::State::bulk_floats(Frame& frame, Array<T>& array) {
+void ValueParser::bulk_floats(Frame& frame, Array<T>& array) {
   constexpr std::size_t kArity = sizeof(T) / sizeof(float);
   const auto take = [&](float* at, std::size_t capacity) {
     for (std::size_t i = 0; i < frame.partial_count; ++i) at[i] = to_float(frame.partial[i]);
-    const NumberRun run =
-        parse_floats(lexer.unread(), lexer.window_end(), at + frame.partial_count, capacity - frame.partial_count);
-    lexer.advance(run.next, run.lines, run.line_start);
+    const NumberRun run = parse_floats(text_.lexer.unread(), text_.lexer.window_end(), at + frame.partial_count,
+                                       capacity - frame.partial_count);
+    text_.lexer.advance(run.next, run.lines, run.line_start);
     const std::size_t count = run.count + frame.partial_count;
     frame.partial_count = static_cast<std::uint8_t>(count % kArity);
     for (std::size_t i = 0; i < frame.partial_count; ++i) frame.partial[i] = at[count - frame.partial_count + i];
@@ -347,15 +267,15 @@ void Parser::State::bulk_floats(Frame& frame, Array<T>& array) {
   }
 }
 
-void Parser::State::bulk_integers(MFInt32& array) {
+void ValueParser::bulk_integers(MFInt32& array) {
   std::int32_t buffer[kShortRun];
-  NumberRun run = parse_integers(lexer.unread(), lexer.window_end(), buffer, kShortRun);
-  lexer.advance(run.next, run.lines, run.line_start);
+  NumberRun run = parse_integers(text_.lexer.unread(), text_.lexer.window_end(), buffer, kShortRun);
+  text_.lexer.advance(run.next, run.lines, run.line_start);
   array.append(std::span<const std::int32_t>(buffer, run.count));
   bool full = run.count == kShortRun;
   while (full) {
-    run = parse_integers(lexer.unread(), lexer.window_end(), array.prepare(kLongRun), kLongRun);
-    lexer.advance(run.next, run.lines, run.line_start);
+    run = parse_integers(text_.lexer.unread(), text_.lexer.window_end(), array.prepare(kLongRun), kLongRun);
+    text_.lexer.advance(run.next, run.lines, run.line_start);
     array.commit(run.count);
     full = run.count == kLongRun;
   }
@@ -363,10 +283,10 @@ void Parser::State::bulk_integers(MFInt32& array) {
 
 // Parses the content of `[ ... ]` of an MF type other than MFNode: in bulk if the text is plain, else token by token.
 // Values already read stay when more bytes are needed.
-Step Parser::State::values_step() {
-  Frame& frame = frames.back();
+Step ValueParser::values_step() {
+  Frame& frame = text_.frames.back();
   FieldValue& list = *frame.into;
-  number_type = type_of(list);
+  number_type_ = type_of(list);
   if (auto* a = std::get_if<MFVec3f>(&list)) {
     bulk_floats(frame, *a);
   } else if (auto* b = std::get_if<MFInt32>(&list)) {
@@ -380,11 +300,11 @@ Step Parser::State::values_step() {
   } else if (auto* g = std::get_if<MFRotation>(&list)) {
     bulk_floats(frame, *g);
   }
-  sink.limits().charge_growth(list, frame.charged, false);
-  const Lexer::Position before = lexer.position();
-  Token token = lexer.next();
+  text_.sink.limits().charge_growth(list, frame.charged, false);
+  const Lexer::Position before = text_.lexer.position();
+  Token token = text_.lexer.next();
   if (token.kind == TokenKind::need_more) {
-    lexer.go_back(before);
+    text_.lexer.go_back(before);
     return Step::need_more_kept;
   }
   if (token.kind == TokenKind::end) return Step::finished;
@@ -393,37 +313,37 @@ Step Parser::State::values_step() {
 }
 
 // Notes the position of a url string, since errors of a program refer to its position in the file.
-void Parser::State::note_url_place(const Frame* node, std::string_view name, const Token& token) {
+void ValueParser::note_url_place(const Frame* node, std::string_view name, const Token& token) {
   if (node && node->kind == Frame::Kind::node_body && node->declaring && !node->pending && name == "url")
     node->declaring->url_places.push_back(token.location);
 }
 
-Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::Position& before) {
+Step ValueParser::value_token(Frame& frame, const Token& token, const Lexer::Position& before) {
   FieldValue& list = *frame.into;
   const FieldType type = type_of(list);
   const auto leave = [&] {
     if (frame.partial_count > 0)
-      problems.error(token.location, "the last value of " + std::string(frame.name) + " has " +
-                                         std::to_string(frame.partial_count) + " numbers; expected " +
-                                         std::to_string(arity(type)));
+      text_.problems.error(token.location, "the last value of " + std::string(frame.name) + " has " +
+                                               std::to_string(frame.partial_count) + " numbers; expected " +
+                                               std::to_string(arity(type)));
     shrink(list);
-    sink.limits().charge_growth(list, frame.charged, true);
-    frames.pop_back();
+    text_.sink.limits().charge_growth(list, frame.charged, true);
+    text_.frames.pop_back();
     return Step::done;
   };
   if (token.kind == TokenKind::close_bracket) return leave();
   if (token.kind == TokenKind::string && type == FieldType::MFString) {
-    note_url_place(frames.size() < 2 ? nullptr : &frames[frames.size() - 2], frame.name, token);
+    note_url_place(text_.frames.size() < 2 ? nullptr : &text_.frames[text_.frames.size() - 2], frame.name, token);
     std::get_if<MFString>(&list)->push_back(string_of(token));
-    rubbish = false;
+    text_.rubbish = false;
     return Step::done;
   }
   double number = 0;
   if (token.kind == TokenKind::word && type != FieldType::MFString) {
     bool taken = number_of(token, number);
     if (!taken && (looks_like_number(token.text) || is_keyword_number(token.text))) {
-      problems.error(token.location,
-                     "expected a number in " + std::string(frame.name) + ", found " + describe(token) + "; 0 is used");
+      text_.problems.error(token.location, "expected a number in " + std::string(frame.name) + ", found " +
+                                               describe(token) + "; 0 is used");
       taken = true;
       number = 0;
     }
@@ -433,21 +353,21 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
         append_element(list, frame.partial);
         frame.partial_count = 0;
       }
-      rubbish = false;
+      text_.rubbish = false;
       return Step::done;
     }
   }
   // Missing bracket: the next field of the node, or its end, follows.
-  const Frame* owner = frames.size() >= 2 ? &frames[frames.size() - 2] : nullptr;
+  const Frame* owner = text_.frames.size() >= 2 ? &text_.frames[text_.frames.size() - 2] : nullptr;
   const bool next_field = token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
-                          (owner->node.type->find(token.text) || (owner->declaring && is_access_name(token.text)));
+                          (owner->node.type->find(token.text) || (owner->declaring && access_named(token.text)));
   if (token.kind == TokenKind::close_brace || next_field) {
-    problems.error(token.location,
-                   "expected ']' at the end of " + std::string(frame.name) + ", found " + describe(token));
-    lexer.go_back(before);
+    text_.problems.error(token.location,
+                         "expected ']' at the end of " + std::string(frame.name) + ", found " + describe(token));
+    text_.lexer.go_back(before);
     return leave();
   }
-  rubbish_token(token, std::string(element_name(type)) + " or ']' in " + std::string(frame.name));
+  text_.rubbish_token(token, std::string(element_name(type)) + " or ']' in " + std::string(frame.name));
   return Step::done;
 }
 

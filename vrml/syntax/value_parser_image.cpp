@@ -1,5 +1,6 @@
+#include "vrml/syntax/value_parser.h"
+
 #include "vrml/syntax/number.h"
-#include "vrml/syntax/parser_state.h"
 
 #include <array>
 #include <string>
@@ -8,22 +9,22 @@
 namespace gs::vrml {
 
 // Parses `width height components`; the pixels follow.
-Step Parser::State::image_head(FieldValue& into, Token token, std::string_view name) {
+Step ValueParser::image_head(FieldValue& into, Token token, std::string_view name) {
   std::array<double, 3> head{};
-  number_type = FieldType::SFInt32;
+  number_type_ = FieldType::SFInt32;
   for (int i = 0; i < 3; ++i) {
-    const Lexer::Position before = lexer.position();
-    if (i > 0) token = lexer.next();
+    const Lexer::Position before = text_.lexer.position();
+    if (i > 0) token = text_.lexer.next();
     if (token.kind == TokenKind::need_more) return Step::need_more;
     if (token.kind == TokenKind::word) cut_number(token);
     if (token.kind != TokenKind::word || !number_of(token, head[i])) {
-      unexpected(token, "width, height and components of an image for " + std::string(name));
-      if (i > 0) lexer.go_back(before);
+      text_.unexpected(token, "width, height and components of an image for " + std::string(name));
+      if (i > 0) text_.lexer.go_back(before);
       return Step::done;
     }
   }
-  if (!sink.limits().admits_image(head[0], head[1], head[2], token.location)) {
-    skip_value();
+  if (!text_.sink.limits().admits_image(head[0], head[1], head[2], token.location)) {
+    text_.skip_value();
     return Step::done;
   }
   const double pixels = head[0] * head[1];
@@ -38,23 +39,23 @@ Step Parser::State::image_head(FieldValue& into, Token token, std::string_view n
   frame.into = &into;
   frame.pixels_left = static_cast<std::uint64_t>(pixels);
   frame.name = name;
-  open(std::move(frame));
+  text_.open(std::move(frame));
   return Step::done;
 }
 
-Step Parser::State::image_step() {
-  Frame& frame = frames.back();
+Step ValueParser::image_step() {
+  Frame& frame = text_.frames.back();
   Array<std::uint32_t>& words = std::get_if<SFImage>(frame.into)->words;
   const std::uint32_t components = words[2];
   const std::uint32_t mask = components == 4 ? 0xffffffffu : (1u << (8 * components)) - 1;
   for (; frame.pixels_left > 0; --frame.pixels_left) {
-    const Lexer::Position before = lexer.position();
-    Token token = lexer.next();
+    const Lexer::Position before = text_.lexer.position();
+    Token token = text_.lexer.next();
     if (token.kind == TokenKind::word) cut_number(token);
     if (token.kind == TokenKind::need_more) {
-      sink.limits().charge_growth(*frame.into, frame.charged, false);
+      text_.sink.limits().charge_growth(*frame.into, frame.charged, false);
       // Whole pixels were taken; the next window begins after them.
-      lexer.go_back(before);
+      text_.lexer.go_back(before);
       return Step::need_more_kept;
     }
     std::int32_t number = 0;
@@ -63,11 +64,12 @@ Step Parser::State::image_step() {
         token.kind == TokenKind::word &&
         (parse_number(token.text, number) || (parse_number(token.text, large) && large >= 0 && large < 4294967296.0));
     if (!is_number) {
-      problems.error(token.location, std::to_string(frame.pixels_left) +
-                                         " pixels of an image are missing; expected a pixel, found " + describe(token));
-      lexer.go_back(before);
+      text_.problems.error(token.location, std::to_string(frame.pixels_left) +
+                                               " pixels of an image are missing; expected a pixel, found " +
+                                               describe(token));
+      text_.lexer.go_back(before);
       // A few numbers may declare many pixels.
-      if (frame.pixels_left * sizeof(std::uint32_t) > scene.budget()->left(Resource::nodes) / 4)
+      if (frame.pixels_left * sizeof(std::uint32_t) > text_.scene.budget()->left(Resource::nodes) / 4)
         words.clear();
       else
         words.resize(words.size() + frame.pixels_left);
@@ -76,8 +78,8 @@ Step Parser::State::image_step() {
     words.push_back((large > 0 ? static_cast<std::uint32_t>(large) : static_cast<std::uint32_t>(number)) & mask);
   }
   words.shrink_to_fit();
-  sink.limits().charge_growth(*frame.into, frame.charged, true);
-  frames.pop_back();
+  text_.sink.limits().charge_growth(*frame.into, frame.charged, true);
+  text_.frames.pop_back();
   return Step::done;
 }
 
