@@ -12,10 +12,10 @@
 #include <unistd.h>
 
 #include "net/base/reference_policy.h"
-#include "net/base/token_bucket.h"
 #include "net/http/curl_library.h"
 #include "net/http/http_headers.h"
 #include "net/http/http_proxy.h"
+#include "net/limits/token_bucket.h"
 #include "net/load/curl_failures.h"
 #include "net/load/transport.h"
 

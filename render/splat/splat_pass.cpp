@@ -1,7 +1,7 @@
 #include "render/splat/splat_pass.h"
 
+#include "render/collection/collector.h"
 #include "render/gl/shaders.h"
-#include "render/scene/collector.h"
 #include "render/splat/splat_budget.h"
 #include "render/splat/splat_closing.h"
 #include "render/splat/splat_pieces.h"

@@ -1,6 +1,6 @@
 #include "vrml/syntax/value_parser.h"
 
-#include "vrml/syntax/number.h"
+#include "vrml/syntax/numbers/number.h"
 
 #include <algorithm>
 #include <cmath>
