@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+using namespace gs;
 using namespace gs::vrml;
 namespace fs = std::filesystem;
 
