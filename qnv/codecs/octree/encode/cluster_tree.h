@@ -13,7 +13,7 @@
 
 namespace gs::qnv {
 
-// What the encoders of surfaces and volumes share: exact voxels level by level, and the tree of their clusters.
+// Parts of the encoders of surfaces and of volumes: exact voxels level by level, and the tree of their clusters.
 
 /// Exact voxels of every level, and the index of each voxel's first child in the next level.
 template <class Voxel>
