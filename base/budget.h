@@ -34,7 +34,7 @@ class Budget {
 
   /// Reserves `count` generations for NodeIds, unique in the world, and returns the first. They wrap at 2^32; only an
   /// id kept for that long could be mistaken for another.
-  [[nodiscard]] std::uint32_t take_generations(std::uint32_t count) {
+  [[nodiscard]] std::uint32_t draw_generations(std::uint32_t count) {
     return generations_.fetch_add(count, std::memory_order_relaxed);
   }
 

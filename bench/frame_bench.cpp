@@ -3,10 +3,10 @@
 // rest, and while the viewer moves sideways by a thousandth of the view. Milliseconds elapsed, and of the processor
 // (all threads).
 #include "bench/world_file.h"
+#include "render/collection/render_scene.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
-#include "render/scene/render_scene.h"
 
 #include <glm/glm.hpp>
 

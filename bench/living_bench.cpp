@@ -3,9 +3,9 @@
 // events, and median times of updating the render list and, with software rendering at 1024 x 768, of the whole.
 // Milliseconds of one core; drawing uses all cores.
 #include "bench/world_file.h"
+#include "render/collection/render_scene.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
-#include "render/scene/render_scene.h"
 #include "vrml/events/execution.h"
 
 #include <algorithm>

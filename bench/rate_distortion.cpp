@@ -8,6 +8,7 @@
 // the best of several simplifications and quantisations. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/world/world_loader.h"
+#include "bench/curve_table.h"
 #include "bench/mesh_files.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
@@ -246,20 +247,8 @@ int main(int count, char** arguments) {
       measure_meshes(studio, full, references, original, curves[4], curves[5]);
     }
     const std::string name = std::filesystem::path(file).filename().string();
-    std::printf("### %s (%zu triangles)\n\n| budget, bytes |", name.c_str(), summary.triangles);
-    for (const char* codec : kCodecs) std::printf(" %s |", codec);
-    std::printf("\n|---:|---:|---:|---:|---:|---:|---:|\n");
-    for (const std::size_t budget : kBudgets) {
-      std::printf("| %zu |", budget);
-      for (const Curve& curve : curves) {
-        const auto found = curve.find(budget);
-        if (found == curve.end())
-          std::printf(" - |");
-        else
-          std::printf(" %.1f / %.3f |", found->second.error.psnr, found->second.error.ssim);
-      }
-      std::printf("\n");
-    }
+    std::printf("### %s (%zu triangles)\n\n", name.c_str(), summary.triangles);
+    bench::print_curve_table(kCodecs, kBudgets, curves);
     print_distances(curves);
     std::fflush(stdout);
     models.emplace_back(name, std::move(curves));

@@ -67,15 +67,8 @@ void measure(std::size_t count, int runs, bool markdown) {
   rows.push_back({"unpack", kMovedBytes,
                   [&] { qnv::unpack_records(a.records, frame, out.positions, out.normals, out.weights, out.colors); }});
   rows.push_back({"unpack, portable", kMovedBytes, [&] { paths::unpack_portable(records, count, frame, out); }});
-  for (const paths::Store store : {paths::Store::cached, paths::Store::streamed}) {
-    const std::string how = store == paths::Store::cached ? " cached" : " streamed";
-    if (paths::has_avx2())
-      rows.push_back(
-          {"unpack, AVX2" + how, kMovedBytes, [&, store] { paths::unpack_avx2(records, count, frame, out, store); }});
-    if (paths::has_avx512())
-      rows.push_back({"unpack, AVX-512" + how, kMovedBytes,
-                      [&, store] { paths::unpack_avx512(records, count, frame, out, store); }});
-  }
+  if (paths::has_avx2())
+    rows.push_back({"unpack, AVX2", kMovedBytes, [&] { paths::unpack_avx2(records, count, frame, out); }});
   rows.push_back({"pack", kMovedBytes,
                   [&] { qnv::pack_records(a.positions, a.normals, a.weights, a.colors, frame, a.records.data()); }});
   for (int run = 0; run < runs; ++run) {

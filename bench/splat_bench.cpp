@@ -2,12 +2,11 @@
 //
 // Draws N small splats of a bumpy sphere at 1024x768 with one and four samples per pixel, unshaded. Each of R rounds
 // runs in sequence: the processor with one and two threads and with each vector instruction set; a plain sum over the
-// same arrays, the minimum for any splatter; OpenGL with splats in its memory, and with 8-byte records that the vertex
-// shader unpacks, each until glFinish. Prints medians and minima as a Markdown table: splats per second, of all and of
-// those in view. A first round, which uploads and compiles, is not counted.
+// same arrays, the minimum for any splatter; and OpenGL with splats in its memory, until glFinish. Prints medians and
+// minima as a Markdown table: splats per second, of all and of those in view. A first round, which uploads and
+// compiles, is not counted.
 
 #include "base/parallel.h"
-#include "qnv/codecs/records/record.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
 #include "render/splat/splat_gl.h"
@@ -98,19 +97,14 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& clou
   view.near_plane = 0.1f;
   view.supersample = supersample;
   render::SplatGl splats(gl);
-  std::vector<std::byte> bytes(cloud->size() * qnv::kRecordBytes);
-  const qnv::RecordFrame frame = qnv::frame_for(cloud->description.box, cloud->weights[0]);
-  qnv::pack_records(cloud->positions, cloud->normals, cloud->weights, {}, frame, bytes.data());
-  render::SplatRecords records(gl, {}, false);
   const render::SharedSplatPiece whole{cloud, 0, cloud->size()};
-  bool good = records.add(bytes, frame);
+  bool good = true;
   const render::SplatPiece all{cloud.get(), 0, cloud->size()};
   const std::size_t in_view = render::rasterize_surface(std::span(&all, 1), view).discs;
   const auto finished = [&](const std::optional<render::SplatTextures>& drawn) {
     good = good && drawn && drawn->normals != 0;
     gl.Finish();
   };
-  const std::string with = "OpenGL (" + gl.renderer + ")";
   std::vector<Row> rows;
   volatile float kept = 0;  // prevents optimisation
   for (const unsigned threads : {1u, 2u}) {
@@ -123,8 +117,7 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& clou
                       }});
     rows.push_back({"sum over the arrays, 28 bytes a disc" + on, [&, threads] { kept = sum_of(*cloud, threads); }});
   }
-  rows.push_back({with, [&] { finished(splats.draw(std::span(&whole, 1), view)); }});
-  rows.push_back({with + ", records", [&] { finished(splats.draw(records, view)); }});
+  rows.push_back({"OpenGL (" + gl.renderer + ")", [&] { finished(splats.draw(std::span(&whole, 1), view)); }});
   for (int run = -1; run < runs; ++run) {
     for (Row& row : rows) {
       const auto start = std::chrono::steady_clock::now();
@@ -137,7 +130,7 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& clou
               supersample * supersample, supersample > 1 ? "s" : "", runs);
   std::printf(
       "| | ms | least ms | M discs/s | M discs/s in view | of OpenGL |\n| --- | --- | --- | --- | --- | --- |\n");
-  const double gl_seconds = median(rows[rows.size() - 2].seconds);
+  const double gl_seconds = median(rows.back().seconds);
   for (const Row& row : rows) {
     const double seconds = median(row.seconds);
     std::printf("| %s | %.1f | %.1f | %.2f | %.2f | %.2f |\n", row.name.c_str(), seconds * 1e3,

@@ -8,7 +8,6 @@
 
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
-#include "qnv/codecs/records/record.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
@@ -280,35 +279,6 @@ bool compare_surface(const std::string& name, const std::vector<render::SharedSp
   return true;
 }
 
-bool compare_records(const std::shared_ptr<const qnv::Cloud>& cloud, render::SplatGl& splats, const render::Gl& gl,
-                     const Settings& settings) {
-  // Palette of 256 of the point set's colours.
-  std::vector<qnv::Rgb8> palette;
-  std::vector<std::uint8_t> indices;
-  for (std::size_t i = 0; i < 256; ++i) palette.push_back(cloud->colors[i * cloud->size() / 256]);
-  for (const qnv::Rgb8& c : cloud->colors) {
-    const auto distance = [&](const qnv::Rgb8& p) {
-      return (p.r - c.r) * (p.r - c.r) + (p.g - c.g) * (p.g - c.g) + (p.b - c.b) * (p.b - c.b);
-    };
-    const auto nearest = std::min_element(palette.begin(), palette.end(), [&](const qnv::Rgb8& a, const qnv::Rgb8& b) {
-      return distance(a) < distance(b);
-    });
-    indices.push_back(static_cast<std::uint8_t>(nearest - palette.begin()));
-  }
-  const qnv::RecordFrame frame = qnv::frame_for(cloud->description.box, cloud->weights[0]);
-  std::vector<std::byte> bytes(cloud->size() * qnv::kRecordBytes);
-  qnv::pack_records(cloud->positions, cloud->normals, cloud->weights, indices, frame, bytes.data());
-  auto unpacked = std::make_shared<qnv::Cloud>(*cloud);
-  qnv::unpack_records(bytes, frame, unpacked->positions.data(), unpacked->normals.data(), unpacked->weights.data(),
-                      indices.data());
-  for (std::size_t i = 0; i < indices.size(); ++i) unpacked->colors[i] = palette[indices[i]];
-  render::SplatRecords records(gl, palette, false);
-  if (!records.add(bytes, frame)) return false;
-  return compare_surface(
-      "8-byte records of the torus", {{unpacked, 0, unpacked->size()}}, splats,
-      [&] { return splats.draw(records, view_of(settings)); }, gl, settings);
-}
-
 bool compare_volume(const std::shared_ptr<const qnv::Cloud>& cloud, render::GlContext& context,
                     const Settings& settings) {
   auto made = render::Renderer::create(context);
@@ -388,7 +358,6 @@ int run(const Settings& settings) {
   const std::shared_ptr<const qnv::Cloud> sphere = bumpy_sphere(20000), torus = colored_torus(20000);
   good = surface("bumpy sphere", {{sphere, 0, sphere->size()}}) && good;
   good = surface("coloured torus", {{torus, 0, torus->size()}}) && good;
-  good = compare_records(torus, splats, gl, settings) && good;
   const auto stream = packed_stream(100'000);
   render::CutOptions cut;
   cut.budget = 20000;

@@ -10,6 +10,7 @@
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
 #include "app/world/world_loader.h"
+#include "bench/curve_table.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
 #include "qnv/codecs/payloads.h"
@@ -326,22 +327,10 @@ int main(int count, char** arguments) {
     curves[1] = measure_stream(studio, full, references, qnv::Payload::displaced, summary.two_sided, false);
     if (others) curves[2] = measure_stream(studio, full, references, qnv::Payload::packed, summary.two_sided, false);
     if (others) curves[3] = DracoAndJpeg(studio, full, *item, references).measured();
-    std::printf("### %s (%zu triangles, texture of %u x %u)\n\n| budget, bytes |",
+    std::printf("### %s (%zu triangles, texture of %u x %u)\n\n",
                 std::filesystem::path(arguments[i]).filename().c_str(), summary.triangles, item->texture.image->width,
                 item->texture.image->height);
-    for (const char* codec : kCodecs) std::printf(" %s |", codec);
-    std::printf("\n|---:|---:|---:|---:|---:|\n");
-    for (const std::size_t budget : kBudgets) {
-      std::printf("| %zu |", budget);
-      for (const Curve& curve : curves) {
-        const auto found = curve.find(budget);
-        if (found == curve.end())
-          std::printf(" - |");
-        else
-          std::printf(" %.1f / %.3f |", found->second.error.psnr, found->second.error.ssim);
-      }
-      std::printf("\n");
-    }
+    bench::print_curve_table(kCodecs, kBudgets, curves);
     std::printf("\n");
     std::fflush(stdout);
   }

@@ -9,6 +9,7 @@
 // parts of the gradients. Needs zfp, cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; without them their columns
 // are empty. `--pictures` writes pictures of prefixes of 4, 15, 60 and 600 kB.
 #include "app/formats/volume/volume.h"
+#include "bench/curve_table.h"
 #include "bench/picture_error.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/reader/stream_decoder.h"
@@ -331,20 +332,7 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
   }
   for (const char* ending : {".f32", ".zfp", ".out", ".pgm", ".jxl", ".out.pgm"})
     std::filesystem::remove(base + ending);
-  std::printf("| budget, bytes |");
-  for (const char* codec : kCodecs) std::printf(" %s |", codec);
-  std::printf("\n|---:|---:|---:|---:|---:|---:|\n");
-  for (const std::size_t budget : kBudgets) {
-    std::printf("| %zu |", budget);
-    for (const Curve& curve : curves) {
-      const auto at = curve.find(budget);
-      if (at == curve.end())
-        std::printf(" - |");
-      else
-        std::printf(" %.1f / %.3f |", at->second.error.psnr, at->second.error.ssim);
-    }
-    std::printf("\n");
-  }
+  bench::print_curve_table(kCodecs, kBudgets, curves);
   std::printf("\n");
   std::fflush(stdout);
   if (folder.empty()) return true;

@@ -197,9 +197,9 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
       simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
   if (options.display != render::DisplayMode::surface && !has_faces(list))
     complain("%s: warning: splats and volumes have no faces; --display has no effect", file.c_str());
-  Diagnostics left_out;
-  report_left_out(list, left_out);
-  print_diagnostics(left_out);
+  Diagnostics limits;
+  report_limits(list, limits);
+  print_diagnostics(limits);
 
   release_lists(*simulation.world().scene);
   phases.enter(Phase::compile);
@@ -250,7 +250,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
     stats.put("backend", std::string(context.backend()));
     stats.put("renderer", renderer.gl_renderer());
     stats.put("splats", statistics.splats);
-    stats.put("errors", errors + left_out.errors());
+    stats.put("errors", errors + limits.errors());
     stats.put("warnings", warnings);
     if (const int status = write_stats(options.stats, stats.json()); status != kDone) return status;
   }

@@ -110,17 +110,6 @@ Unit unit_of(const vrml::NodeType& type, const vrml::InterfaceDeclaration& field
   return Unit::none;
 }
 
-std::size_t element_count(const vrml::FieldValue& value) {
-  return std::visit(
-      [](const auto& one) -> std::size_t {
-        if constexpr (requires { one.span(); })
-          return one.size();
-        else
-          return 1;
-      },
-      value);
-}
-
 vrml::FieldValue element_of(const vrml::FieldValue& value, std::size_t index) {
   return std::visit(
       [&](const auto& one) -> vrml::FieldValue {
@@ -160,7 +149,7 @@ std::string value_text(const vrml::FieldValue& value, const vrml::SceneGraph& sc
     vrml::print_value(text, cut_text(*string), scene);
     return on_a_line(std::move(text));
   }
-  const std::size_t count = element_count(value);
+  const std::size_t count = vrml::element_count(value);
   std::visit(
       [&](const auto& one) {
         using Value = std::decay_t<decltype(one)>;
@@ -184,7 +173,7 @@ std::optional<std::string> editable_text(const vrml::FieldValue& value, const vr
     return std::nullopt;
   if (const auto* string = std::get_if<vrml::SFString>(&value); string && string->view().size() > kEditedText)
     return std::nullopt;
-  if (element_count(value) > kEdited) return std::nullopt;
+  if (vrml::element_count(value) > kEdited) return std::nullopt;
   if (const auto* strings = std::get_if<vrml::MFString>(&value))
     for (const vrml::SFString& one : *strings)
       if (one.view().size() > kEditedText) return std::nullopt;

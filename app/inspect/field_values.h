@@ -18,8 +18,6 @@ enum class Unit : std::uint8_t { none, metres, radians, seconds, metres_a_second
 /// Returns the unit of a field. For a rotation, this is the unit of its angle.
 [[nodiscard]] Unit unit_of(const vrml::NodeType& type, const vrml::InterfaceDeclaration& field);
 
-/// Returns the number of elements of an MF value, else 1.
-[[nodiscard]] std::size_t element_count(const vrml::FieldValue& value);
 /// Returns one element as a value of its own, or the value itself if it is not a list.
 [[nodiscard]] vrml::FieldValue element_of(const vrml::FieldValue& value, std::size_t index);
 /// Replaces one element of a list. Returns false if the type differs or the index is out of range.

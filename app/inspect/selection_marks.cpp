@@ -1,6 +1,6 @@
 #include "app/inspect/selection_marks.h"
 
-#include "render/scene/collector.h"
+#include "render/collection/collector.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/scene/sound_state.h"
+#include "render/collection/sound_state.h"
 
 #include <glm/mat4x4.hpp>
 

@@ -130,16 +130,6 @@ class ListHandler final : public LiveProxyHandler {
     found.set(mozilla::Some(JS::PropertyDescriptor::Data(element, attributes)));
     return true;
   }
-  bool defineProperty(JSContext* context, JS::HandleObject proxy, JS::HandleId id,
-                      JS::Handle<JS::PropertyDescriptor> descriptor, JS::ObjectOpResult& result) const override {
-    if (descriptor.isAccessorDescriptor()) return result.failInvalidDescriptor();
-    JS::RootedValue value(context, descriptor.hasValue() ? descriptor.value().get() : JS::UndefinedValue());
-    JS::RootedValue receiver(context, JS::ObjectValue(*proxy));
-    return set(context, proxy, id, value, receiver, result);
-  }
-  bool delete_(JSContext*, JS::HandleObject, JS::HandleId, JS::ObjectOpResult& result) const override {
-    return result.succeed();
-  }
   bool has(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) const override {
     std::uint32_t index = 0;
     const FieldValue* const value = list_value(*list_of(proxy));

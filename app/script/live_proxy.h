@@ -8,7 +8,7 @@
 namespace gs::app::script {
 
 /// Base of the proxies for values of a world. They have an ordinary prototype, accept new properties at any time, and
-/// are finalized on the world's thread.
+/// are finalized on the world's thread. A definition sets the value; a deletion does nothing.
 class LiveProxyHandler : public js::BaseProxyHandler {
  public:
   explicit constexpr LiveProxyHandler(const void* family) : BaseProxyHandler(family) {}
@@ -22,6 +22,16 @@ class LiveProxyHandler : public js::BaseProxyHandler {
   }
   bool preventExtensions(JSContext*, JS::HandleObject, JS::ObjectOpResult& result) const override {
     return result.failCantPreventExtensions();
+  }
+  bool defineProperty(JSContext* context, JS::HandleObject proxy, JS::HandleId id,
+                      JS::Handle<JS::PropertyDescriptor> descriptor, JS::ObjectOpResult& result) const override {
+    if (descriptor.isAccessorDescriptor()) return result.failInvalidDescriptor();
+    JS::RootedValue value(context, descriptor.hasValue() ? descriptor.value().get() : JS::UndefinedValue());
+    JS::RootedValue receiver(context, JS::ObjectValue(*proxy));
+    return set(context, proxy, id, value, receiver, result);
+  }
+  bool delete_(JSContext*, JS::HandleObject, JS::HandleId, JS::ObjectOpResult& result) const override {
+    return result.succeed();
   }
   bool isExtensible(JSContext*, JS::HandleObject, bool* extensible) const override {
     *extensible = true;

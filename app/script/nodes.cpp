@@ -106,16 +106,6 @@ class NodeHandler final : public LiveProxyHandler {
         {JS::PropertyAttribute::Enumerable, JS::PropertyAttribute::Writable, JS::PropertyAttribute::Configurable})));
     return true;
   }
-  bool defineProperty(JSContext* context, JS::HandleObject proxy, JS::HandleId id,
-                      JS::Handle<JS::PropertyDescriptor> descriptor, JS::ObjectOpResult& result) const override {
-    if (descriptor.isAccessorDescriptor()) return result.failInvalidDescriptor();
-    JS::RootedValue value(context, descriptor.hasValue() ? descriptor.value().get() : JS::UndefinedValue());
-    JS::RootedValue receiver(context, JS::ObjectValue(*proxy));
-    return set(context, proxy, id, value, receiver, result);
-  }
-  bool delete_(JSContext*, JS::HandleObject, JS::HandleId, JS::ObjectOpResult& result) const override {
-    return result.succeed();
-  }
   bool has(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) const override {
     std::string name;
     if (!name_of_id(context, id, name)) return false;

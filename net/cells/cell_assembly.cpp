@@ -75,15 +75,15 @@ bool CellAssembly::continues(const GrantMessage& grant) const {
 void CellAssembly::take(std::span<const Cell> cells, std::vector<CellEvent>& out) {
   for (Stream& stream : streams_) stream.group.current = false;
   for (const Cell& cell : cells)
-    if (cell.vc.vpi == path_) take_cell(cell, out);
+    if (cell.vc.vpi == path_) handle_cell(cell, out);
 }
 
 void CellAssembly::gap(std::vector<CellEvent>& out) {
   reassembler_.lost_anywhere(pdus_);
-  take_pdus(out);
+  handle_pdus(out);
 }
 
-void CellAssembly::take_cell(const Cell& cell, std::vector<CellEvent>& out) {
+void CellAssembly::handle_cell(const Cell& cell, std::vector<CellEvent>& out) {
   const std::size_t stream = std::size_t{cell.vc.vci} - kFirstDataVci;
   const bool data = cell.vc.vci >= kFirstDataVci && stream < streams_.size();
   if (!data && cell.vc.vci != kBaseVci && cell.vc.vci != kPlaceVci) return;
@@ -96,27 +96,27 @@ void CellAssembly::take_cell(const Cell& cell, std::vector<CellEvent>& out) {
     reassembler_.seek(cell.vc, key_of(group.place.chunk, number / kPduCells), number % kPduCells, pdus_);
   }
   reassembler_.push(cell, pdus_);
-  take_pdus(out);
+  handle_pdus(out);
 }
 
-void CellAssembly::take_pdus(std::vector<CellEvent>& out) {
+void CellAssembly::handle_pdus(std::vector<CellEvent>& out) {
   for (const Pdu& pdu : pdus_) {
     if (pdu.vc.vci == kPlaceVci) {
-      take_place(pdu);
+      handle_place(pdu);
     } else if (pdu.vc.vci == kBaseVci) {
-      take_base(pdu, out);
+      handle_base(pdu, out);
     } else {
       const std::size_t stream = std::size_t{pdu.vc.vci} - kFirstDataVci;
       if (streams_[stream].records)
-        take_records(stream, pdu, out);
+        handle_records(stream, pdu, out);
       else
-        take_piece(stream, pdu, out);
+        handle_piece(stream, pdu, out);
     }
   }
   pdus_.clear();
 }
 
-void CellAssembly::take_place(const Pdu& pdu) {
+void CellAssembly::handle_place(const Pdu& pdu) {
   std::span<const std::byte> head;
   const auto place = pdu.whole ? decode_place(pdu.bytes, head) : std::nullopt;
   if (!place || place->kind != PlaceKind::records || place->version != version_ || place->stream >= streams_.size())
@@ -129,7 +129,7 @@ void CellAssembly::take_place(const Pdu& pdu) {
   stream.group = {true, *place, {head.begin(), head.end()}, place->at};
 }
 
-void CellAssembly::take_base(const Pdu& pdu, std::vector<CellEvent>& out) {
+void CellAssembly::handle_base(const Pdu& pdu, std::vector<CellEvent>& out) {
   std::span<const std::byte> symbol;
   const auto place = pdu.whole ? decode_place(pdu.bytes, symbol) : std::nullopt;
   if (!place || place->kind != PlaceKind::base || place->version != version_) return;
@@ -151,7 +151,7 @@ void CellAssembly::take_base(const Pdu& pdu, std::vector<CellEvent>& out) {
   base_done_ = true;
 }
 
-void CellAssembly::take_piece(std::size_t stream, const Pdu& pdu, std::vector<CellEvent>& out) {
+void CellAssembly::handle_piece(std::size_t stream, const Pdu& pdu, std::vector<CellEvent>& out) {
   std::span<const std::byte> bytes;
   const auto place = pdu.whole ? decode_place(pdu.bytes, bytes) : std::nullopt;
   if (!place || place->kind != PlaceKind::piece || place->version != version_ || place->stream != stream) return;
@@ -183,7 +183,7 @@ void CellAssembly::take_piece(std::size_t stream, const Pdu& pdu, std::vector<Ce
   out.push_back(std::move(event));
 }
 
-void CellAssembly::take_records(std::size_t stream, const Pdu& pdu, std::vector<CellEvent>& out) {
+void CellAssembly::handle_records(std::size_t stream, const Pdu& pdu, std::vector<CellEvent>& out) {
   if (pdu.key == 0) return;
   const auto chunk = static_cast<std::uint32_t>((pdu.key - 1) >> 32);
   const std::uint64_t first = ((pdu.key - 1) & 0xffffffff) * kRecordPdu;

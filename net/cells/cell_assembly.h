@@ -81,12 +81,12 @@ class CellAssembly {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;  // begin and end; disjoint and sorted
     std::vector<std::byte> bytes;                                 // bytes of chunks without records
   };
-  void take_cell(const Cell& cell, std::vector<CellEvent>& out);
-  void take_pdus(std::vector<CellEvent>& out);
-  void take_place(const Pdu& pdu);
-  void take_base(const Pdu& pdu, std::vector<CellEvent>& out);
-  void take_piece(std::size_t stream, const Pdu& pdu, std::vector<CellEvent>& out);
-  void take_records(std::size_t stream, const Pdu& pdu, std::vector<CellEvent>& out);
+  void handle_cell(const Cell& cell, std::vector<CellEvent>& out);
+  void handle_pdus(std::vector<CellEvent>& out);
+  void handle_place(const Pdu& pdu);
+  void handle_base(const Pdu& pdu, std::vector<CellEvent>& out);
+  void handle_piece(std::size_t stream, const Pdu& pdu, std::vector<CellEvent>& out);
+  void handle_records(std::size_t stream, const Pdu& pdu, std::vector<CellEvent>& out);
   void put_records(std::size_t stream, const Group& group, std::uint32_t offset, std::span<const std::byte> bytes,
                    std::vector<CellEvent>& out);
   void hand_out_records(const ChunkName& name, const Group& group, std::uint32_t offset,

@@ -3,9 +3,9 @@
 #include "net/atm/cells.h"
 #include "net/base/address_space.h"
 #include "net/base/siphash.h"
-#include "net/base/token_bucket.h"
 #include "net/cells/cell_source.h"
 #include "net/cells/erasure.h"
+#include "net/limits/token_bucket.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "net/cells/cell_driver.h"
 
-#include "net/base/clock.h"
 #include "net/base/event_fd.h"
+#include "net/limits/clock.h"
 
 #include <algorithm>
 #include <atomic>

@@ -2,9 +2,9 @@
 
 #include "net/atm/aal5.h"
 #include "net/atm/cells.h"
-#include "net/base/token_bucket.h"
 #include "net/cells/cell_contract.h"
 #include "net/cells/erasure.h"
+#include "net/limits/token_bucket.h"
 
 #include <algorithm>
 #include <bitset>

@@ -91,28 +91,28 @@ void CellClient::receive(std::span<const std::byte> bytes, Instant now) {
       cookie_ = *cookie;
       phase_ = Phase::active;
     } else if (const auto* grant = std::get_if<GrantMessage>(&*message)) {
-      take_grant(*grant, now);
+      handle_grant(*grant, now);
     } else if (const auto* refusal = std::get_if<RefuseMessage>(&*message)) {
-      take_refusal(*refusal);
+      handle_refusal(*refusal);
     } else if (const auto* sync = std::get_if<SyncMessage>(&*message)) {
-      take_sync(*sync, now);
+      handle_sync(*sync, now);
     } else if (const auto* bye = std::get_if<ByeMessage>(&*message)) {
-      take_bye(*bye, now);
+      handle_bye(*bye, now);
     } else {
       ++statistics_.foreign;
     }
   } else {
-    take_datagram(bytes, now);
+    handle_datagram(bytes, now);
   }
 }
 
-void CellClient::take_datagram(std::span<const std::byte> bytes, Instant now) {
+void CellClient::handle_datagram(std::span<const std::byte> bytes, Instant now) {
   const auto decoded = decode_datagram(bytes);
   const auto* datagram = std::get_if<CellDatagram>(&decoded);
   if (!datagram || datagram->label != kCellLabel || datagram->sequence == 0)
     ++statistics_.foreign;
   else if (session_ != 0)
-    take_cells(*datagram, bytes, now);
+    handle_cells(*datagram, bytes, now);
   else if (cookie_ && early_.size() < kMaxEarly && bytes.size() <= kMaxDatagram)
     early_.push_back({{bytes.begin(), bytes.end()}, now});
 }
@@ -124,14 +124,14 @@ void CellClient::append(std::vector<CellEvent> made) {
   }
 }
 
-void CellClient::take_grant(const GrantMessage& grant, Instant now) {
+void CellClient::handle_grant(const GrantMessage& grant, Instant now) {
   Slot& slot = slots_[grant.slot];
   if (slot.state != Slot::State::asking || slot.number != grant.number || grant.session == 0) return;
   heard_ = now;
   if (session_ == 0) {
     session_ = grant.session;
     report_at_ = now;
-    (void)history_.take_receive_rate(now);
+    (void)history_.measure_receive_rate(now);
   }
   delay_aware_ = grant.delay_aware;
   statistics_.granted = grant.rate;
@@ -149,10 +149,10 @@ void CellClient::take_grant(const GrantMessage& grant, Instant now) {
   event.version = grant.version;
   event.rate = grant.rate;
   events_.push_back(std::move(event));
-  for (const Early& early : std::exchange(early_, {})) take_datagram(early.bytes, early.at);
+  for (const Early& early : std::exchange(early_, {})) handle_datagram(early.bytes, early.at);
 }
 
-void CellClient::take_refusal(const RefuseMessage& refusal) {
+void CellClient::handle_refusal(const RefuseMessage& refusal) {
   Slot& slot = slots_[refusal.slot];
   if (refusal.nonce != nonce_ || slot.state != Slot::State::asking || slot.number != refusal.number) return;
   slot = Slot{};
@@ -163,7 +163,7 @@ void CellClient::take_refusal(const RefuseMessage& refusal) {
   events_.push_back(std::move(event));
 }
 
-void CellClient::take_sync(const SyncMessage& sync, Instant now) {
+void CellClient::handle_sync(const SyncMessage& sync, Instant now) {
   if (session_ == 0 || sync.session != session_) return;
   heard_ = now;
   stamp(sync.time, now);
@@ -200,7 +200,7 @@ void CellClient::tell_complete(std::size_t number) {
   events_.push_back(std::move(event));
 }
 
-void CellClient::take_bye(const ByeMessage& bye, Instant now) {
+void CellClient::handle_bye(const ByeMessage& bye, Instant now) {
   if (session_ == 0 || bye.session != session_) return;
   if (!bye.text.empty()) return fail("the server ended the session: " + bye.text);
   // The server has forgotten this client; start again.
@@ -213,7 +213,7 @@ void CellClient::stamp(std::uint32_t time, Instant now) {
   echo_at_ = now;
 }
 
-void CellClient::take_cells(const CellDatagram& datagram, std::span<const std::byte> bytes, Instant now) {
+void CellClient::handle_cells(const CellDatagram& datagram, std::span<const std::byte> bytes, Instant now) {
   heard_ = now;
   if (waiting_ > options_.most_waiting) {
     // The owner is slow. Dropped datagrams make the server slow down.
@@ -237,9 +237,9 @@ void CellClient::take_cells(const CellDatagram& datagram, std::span<const std::b
   } else if (!datagram.cells.empty() && datagram.cells[0].vc.vci != kBaseVci) {
     rebuilder_.add(number, bytes.subspan(kDatagramHeader), rebuilt);
   }
-  take_rebuilt(rebuilt);
+  handle_rebuilt(rebuilt);
   history_.arrived(number, bytes.size() + kPacketHeaders, now, round_trip_, !delay_aware_ || delay_.queued());
-  if (history_.take_new_event()) report_now_ = true;
+  if (history_.clear_new_event()) report_now_ = true;
   ++statistics_.datagrams;
   statistics_.bytes += bytes.size();
 }
@@ -263,7 +263,7 @@ void CellClient::assemble(std::span<const Cell> cells, bool gap, Instant now) {
 }
 
 /// Passes on restored datagrams like late ones, but ignores their time and number, because they were not received.
-void CellClient::take_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt) {
+void CellClient::handle_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt) {
   for (const CellRebuilder::Rebuilt& datagram : rebuilt) {
     ++statistics_.rebuilt;
     for (Slot& slot : slots_) {
@@ -322,7 +322,7 @@ std::vector<std::byte> CellClient::report(Instant now) {
   message.received = history_.received();
   message.lost = history_.lost();
   message.loss_rate = static_cast<std::uint32_t>(history_.event_rate() * 4294967295.0);
-  message.receive_rate = static_cast<std::uint64_t>(history_.take_receive_rate(now));
+  message.receive_rate = static_cast<std::uint64_t>(history_.measure_receive_rate(now));
   message.echo = echo_;
   message.held = static_cast<std::uint32_t>((now - echo_at_).count());
   message.rate = options_.rate;

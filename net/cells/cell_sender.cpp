@@ -31,7 +31,7 @@ void CellServer::receive(const Endpoint& from, std::span<const std::byte> bytes,
   if (const auto* hello = std::get_if<HelloMessage>(&*message)) {
     if (bytes.size() >= kHelloBytes) answer(from, cookies_.make(from, hello->nonce, now));
   } else if (const auto* request = std::get_if<RequestMessage>(&*message)) {
-    take_request(from, *request, now);
+    handle_request(from, *request, now);
   } else if (const auto* report = std::get_if<ReportMessage>(&*message)) {
     const auto found = sessions_.find(from);
     if (found == sessions_.end() || found->second->id() != report->session)
@@ -60,7 +60,7 @@ void CellServer::refuse(const Endpoint& to, const RequestMessage& request, Refus
   answer(to, RefuseMessage{request.cookie.nonce, request.number, request.slot, why, std::move(text)});
 }
 
-void CellServer::take_request(const Endpoint& from, const RequestMessage& request, Instant now) {
+void CellServer::handle_request(const Endpoint& from, const RequestMessage& request, Instant now) {
   const auto age = cookies_.age(request.cookie, from, now);
   if (!age) return;  // not made by this server: no answer, so that it cannot be used to attack others
   CellSession* session = session_for(from, request, *age, now);

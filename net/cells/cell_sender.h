@@ -55,7 +55,7 @@ class CellServer {
 
  private:
   using Sessions = std::map<Endpoint, std::unique_ptr<CellSession>>;
-  void take_request(const Endpoint& from, const RequestMessage& request, Instant now);
+  void handle_request(const Endpoint& from, const RequestMessage& request, Instant now);
   CellSession* session_for(const Endpoint& from, const RequestMessage& request, Instant age, Instant now);
   void open(const Endpoint& from, CellSession& session, const RequestMessage& request);
   void refuse(const Endpoint& to, const RequestMessage& request, Refusal why, std::string text);

@@ -122,7 +122,8 @@ void CellSession::report(const ReportMessage& report, Instant now) {
   }
   report_loss(report, now);
   for (const SlotReport& slot : report.slots)
-    if (slots_[slot.slot].source && slots_[slot.slot].number == slot.number) take_report(slots_[slot.slot], slot, now);
+    if (slots_[slot.slot].source && slots_[slot.slot].number == slot.number)
+      handle_report(slots_[slot.slot], slot, now);
 }
 
 void CellSession::report_loss(const ReportMessage& report, Instant now) {
@@ -137,7 +138,7 @@ void CellSession::report_loss(const ReportMessage& report, Instant now) {
   if (!settled && parity_.settled(~std::uint64_t{0})) sync_now_ = true;  // slots that have ended can be reported now
 }
 
-void CellSession::take_report(Slot& slot, const SlotReport& report, Instant now) {
+void CellSession::handle_report(Slot& slot, const SlotReport& report, Instant now) {
   slot.known = true;
   slot.base_done = report.base_done;
   if (report.regions != slot.regions && now >= slot.regions_changed + kRegionsAtMostEvery) {
@@ -201,7 +202,7 @@ std::optional<ChunkName> CellSession::next_chunk(Slot& slot, Instant now) {
 }
 
 /// Starts the next chunk if none is in progress. Returns false if there is none.
-bool CellSession::take_chunk(Slot& slot, std::size_t number, Instant now) {
+bool CellSession::start_chunk(Slot& slot, std::size_t number, Instant now) {
   if (slot.cutter && !slot.cutter->done()) return true;
   slot.cutter.reset();
   if (slot.ended) return false;
@@ -299,7 +300,7 @@ void CellSession::put_base(Slot& slot, std::size_t number, Instant now, std::vec
 void CellSession::put_data(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells) {
   const bool guarded = parity_.on();
   const std::size_t most = guarded ? protected_cells(slot.cells) : slot.cells;
-  while (take_chunk(slot, number, now)) {
+  while (start_chunk(slot, number, now)) {
     const std::size_t left = most - cells.size();
     // Add only a complete second chunk, so that a lost datagram costs one chunk. With parity, fill datagrams, because a
     // symbol is as long as the longest datagram.

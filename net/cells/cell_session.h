@@ -86,7 +86,7 @@ class CellSession {
   };
   [[nodiscard]] bool base_waits(const Slot& slot) const { return slot.source && !slot.base_done; }
   [[nodiscard]] Instant slot_ready(const Slot& slot, Instant now) const;
-  bool take_chunk(Slot& slot, std::size_t number, Instant now);
+  bool start_chunk(Slot& slot, std::size_t number, Instant now);
   std::optional<ChunkName> next_chunk(Slot& slot, Instant now);
   std::optional<ChunkName> next_wish(Slot& slot, Instant now);
   std::optional<ChunkName> next_in(Slot& slot, std::size_t region);
@@ -94,7 +94,7 @@ class CellSession {
   void put_data(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells);
   [[nodiscard]] Datagram encode(const std::vector<Cell>& cells, bool parity, Instant now);
   void report_loss(const ReportMessage& report, Instant now);
-  void take_report(Slot& slot, const SlotReport& report, Instant now);
+  void handle_report(Slot& slot, const SlotReport& report, Instant now);
   void update_rate(Instant now);
 
   Options options_;

@@ -121,9 +121,9 @@ double LossHistory::event_rate() const {
   return std::min(1.0, 1 / std::max(mean, 1.0));
 }
 
-bool LossHistory::take_new_event() { return std::exchange(new_event_, false); }
+bool LossHistory::clear_new_event() { return std::exchange(new_event_, false); }
 
-double LossHistory::take_receive_rate(Instant now) {
+double LossHistory::measure_receive_rate(Instant now) {
   const double span = seconds(now - window_start_);
   if (span > 0) last_rate_ = static_cast<double>(window_bytes_) / span;
   window_bytes_ = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/base/token_bucket.h"
+#include "net/limits/token_bucket.h"
 
 #include <array>
 #include <cstdint>
@@ -64,9 +64,9 @@ class LossHistory {
   /// Returns the loss events per datagram, 0 to 1.
   [[nodiscard]] double event_rate() const;
   /// Reports whether a loss event began since the last call.
-  [[nodiscard]] bool take_new_event();
+  [[nodiscard]] bool clear_new_event();
   /// Returns the bytes per second since the last call.
-  [[nodiscard]] double take_receive_rate(Instant now);
+  [[nodiscard]] double measure_receive_rate(Instant now);
 
  private:
   void lose(std::uint64_t number, Instant now, Instant round_trip, bool counts);

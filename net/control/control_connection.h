@@ -1,8 +1,8 @@
 #pragma once
 
 #include "net/base/host_names.h"
-#include "net/base/token_bucket.h"
 #include "net/control/websocket_frames.h"
+#include "net/limits/token_bucket.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #include "net/control/control_server.h"
 
-#include "net/base/clock.h"
 #include "net/base/descriptor.h"
 #include "net/base/event_fd.h"
+#include "net/limits/clock.h"
 
 #include <algorithm>
 #include <array>

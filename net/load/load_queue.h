@@ -31,7 +31,7 @@ class LoadQueue {
   [[nodiscard]] std::vector<LoadEvent> poll(std::size_t max_bytes);
   [[nodiscard]] std::size_t queued_bytes() const { return queued_.load(std::memory_order_relaxed); }
   /// Reports whether the loader found no room since the last call.
-  [[nodiscard]] bool take_starved() { return starved_.exchange(false); }
+  [[nodiscard]] bool clear_starved() { return starved_.exchange(false); }
 
   // Functions for the loader. They ignore closed requests.
   void push_head(RequestId id, LoadHead head);

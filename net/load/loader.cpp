@@ -186,7 +186,7 @@ struct Loader::Parts {
 
   /// Wakes lanes that found the queue full.
   void wake_the_starved() {
-    if (queue.take_starved())
+    if (queue.clear_starved())
       for (const auto& each : lanes) each->wake();
   }
   LaneThread& lane(Lane which) { return *lanes[static_cast<std::size_t>(which)]; }

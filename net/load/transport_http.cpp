@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <memory>
@@ -12,10 +11,10 @@
 #include <unistd.h>
 
 #include "net/base/reference_policy.h"
-#include "net/base/token_bucket.h"
 #include "net/http/curl_library.h"
 #include "net/http/http_headers.h"
 #include "net/http/http_proxy.h"
+#include "net/limits/shared_rate.h"
 #include "net/load/curl_failures.h"
 #include "net/load/transport.h"
 
@@ -32,8 +31,8 @@ constexpr long kCompressedBlock = 16 << 10;
 constexpr long kPlainBlock = 64 << 10;
 /// Maximum time for which curl blocks while it waits for an FTP server.
 constexpr Milliseconds kLongestHold{1000};
-/// With a rate limit: bytes that are delivered at once, and bytes that the system may buffer for a connection.
-constexpr std::uint64_t kMinBlock = 1 << 10, kMinAhead = 4 << 10, kMaxAhead = 1 << 20;
+/// With a rate limit: bytes that the system may buffer for a connection.
+constexpr std::uint64_t kMinAhead = 4 << 10, kMaxAhead = 1 << 20;
 
 std::string environment_variable(const std::string& name) {
   const char* const value = std::getenv(name.c_str());
@@ -42,7 +41,7 @@ std::string environment_variable(const std::string& name) {
 
 class CurlTransport final : public HttpTransport {
  public:
-  explicit CurlTransport(const LoaderOptions& options) : options_(options), asked_rate_(options.bytes_per_second) {
+  explicit CurlTransport(const LoaderOptions& options) : options_(options), rate_(options.bytes_per_second) {
     // curl counts the calls; they are thread-safe since 7.84.
     curl().curl_global_init(CURL_GLOBAL_DEFAULT);
     multi_.reset(curl().curl_multi_init());
@@ -61,7 +60,7 @@ class CurlTransport final : public HttpTransport {
                            static_cast<int>(time.count()), nullptr);
   }
   void wake() override { curl().curl_multi_wakeup(multi_.get()); }
-  void set_rate(std::uint64_t bytes_per_second) override { asked_rate_ = bytes_per_second; }
+  void set_rate(std::uint64_t bytes_per_second) override { rate_.set(bytes_per_second); }
 
   void start(TransferId id, const TransferRequest& request, TimePoint now) override;
   void cancel(TransferId id) override {
@@ -97,6 +96,10 @@ class CurlTransport final : public HttpTransport {
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
     std::optional<TimePoint> slowed;  // start of its wait for the shared rate
+
+    /// Pauses a transfer only after its head. Before that, curl lets all transfers to a host wait, because the first
+    /// response shows whether they can share the connection (CURLOPT_PIPEWAIT). on_body pauses the rest.
+    [[nodiscard]] bool pause_is_due() const { return wants_pause != paused && (head_done || !wants_pause); }
   };
 
   static std::size_t header_callback(char* data, std::size_t, std::size_t count, void* user) {
@@ -115,7 +118,7 @@ class CurlTransport final : public HttpTransport {
       return CURL_SOCKET_BAD;
     const int socket = ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
     // Limit the system's buffer, because its bytes have already used the line.
-    if (const std::uint64_t rate = transfer.transport->rate_.rate(); rate > 0 && socket >= 0) {
+    if (const std::uint64_t rate = transfer.transport->rate_.bytes_per_second(); rate > 0 && socket >= 0) {
       const int room = static_cast<int>(std::clamp<std::uint64_t>(rate / 2, kMinAhead, kMaxAhead));
       (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
     }
@@ -142,13 +145,7 @@ class CurlTransport final : public HttpTransport {
   bool tell_head(Transfer& transfer);
   bool begin_file(Transfer& transfer);
   std::size_t on_body(Transfer& transfer, std::string_view bytes);
-  /// Pauses a transfer only after its head. Before that, curl lets all transfers to a host wait, because the first
-  /// response shows whether they can share the connection (CURLOPT_PIPEWAIT). on_body pauses the rest.
-  static bool pause_is_due(const Transfer& transfer) {
-    return transfer.wants_pause != transfer.paused && (transfer.head_done || !transfer.wants_pause);
-  }
   void apply_pauses();
-  void follow_rate();
   void go_on_at_rate();
   void end_refused();
   void collect();
@@ -158,14 +155,6 @@ class CurlTransport final : public HttpTransport {
     sink_->on_end(transfer.id, how);
   }
   void remove_over();
-  [[nodiscard]] long block_size(long most) const {
-    const std::uint64_t rate = asked_rate_;
-    if (rate == 0) return most;
-    return static_cast<long>(std::clamp<std::uint64_t>(rate / 10, kMinBlock, static_cast<std::uint64_t>(most)));
-  }
-  [[nodiscard]] static Instant instant(TimePoint time) {
-    return std::chrono::duration_cast<Instant>(time.time_since_epoch());
-  }
   [[nodiscard]] Milliseconds patience(const Transfer& transfer) const {
     return transfer.head_done ? options_.stall_timeout : options_.head_timeout;
   }
@@ -176,9 +165,7 @@ class CurlTransport final : public HttpTransport {
   TransferSink* sink_ = nullptr;  // during step
   TimePoint now_{};
   std::chrono::steady_clock::time_point step_began_{};
-  mutable TokenBucket rate_;  // shared by all transfers if the rate is limited; mutable because queries refill it
-  std::atomic<std::uint64_t> asked_rate_;
-  std::uint64_t followed_rate_ = 0;
+  SharedRate rate_;
   bool dirty_ = false;  // work is pending that no socket reports
 };
 
@@ -263,11 +250,11 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
     add("If-Range", request.if_range);
     // Ranges of a compressed form would be useless.
     add("Accept-Encoding", "identity");
-    curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
+    curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, rate_.block_size(kPlainBlock));
   } else {
     // Only encodings with bounded growth per block.
     curl().curl_easy_setopt(easy, CURLOPT_ACCEPT_ENCODING, "gzip, deflate");
-    curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kCompressedBlock));
+    curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, rate_.block_size(kCompressedBlock));
   }
   add("If-None-Match", request.if_none_match);
   add("If-Modified-Since", request.if_modified_since);
@@ -282,7 +269,7 @@ void CurlTransport::set_ftp_options(Transfer& transfer) {
   curl().curl_easy_setopt(easy, CURLOPT_FTP_FILEMETHOD, static_cast<long>(CURLFTPMETHOD_NOCWD));
   curl().curl_easy_setopt(easy, CURLOPT_FTP_SKIP_PASV_IP, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_FORBID_REUSE, 1L);
-  curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
+  curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, rate_.block_size(kPlainBlock));
   curl().curl_easy_setopt(easy, CURLOPT_NOPROGRESS, 0L);
   curl().curl_easy_setopt(easy, CURLOPT_XFERINFOFUNCTION, &progress_callback);
   curl().curl_easy_setopt(easy, CURLOPT_XFERINFODATA, &transfer);
@@ -349,13 +336,11 @@ std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
     transfer.paused = true;
     return CURL_WRITEFUNC_PAUSE;
   }
-  if (rate_.rate() > 0) {
-    if (!rate_.has(1, instant(now_))) {
-      transfer.slowed = now_;
-      return CURL_WRITEFUNC_PAUSE;
-    }
-    rate_.take(bytes.size(), instant(now_));
+  if (!rate_.admits(now_)) {
+    transfer.slowed = now_;
+    return CURL_WRITEFUNC_PAUSE;
   }
+  rate_.use(bytes.size(), now_);
   transfer.progress = now_;
   if (transfer.discarding) {
     transfer.discarded += bytes.size();
@@ -372,7 +357,7 @@ std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
 
 void CurlTransport::apply_pauses() {
   for (auto& [id, transfer] : transfers_) {
-    if (transfer->over || !pause_is_due(*transfer)) continue;
+    if (transfer->over || !transfer->pause_is_due()) continue;
     transfer->paused = transfer->wants_pause;
     transfer->slowed.reset();
     transfer->progress = now_;
@@ -381,21 +366,9 @@ void CurlTransport::apply_pauses() {
   }
 }
 
-void CurlTransport::follow_rate() {
-  const std::uint64_t rate = asked_rate_;
-  if (rate == std::exchange(followed_rate_, rate)) return;
-  const std::uint64_t burst = std::max(rate / 10, kMinBlock);
-  const bool was_limited = rate_.rate() > 0;
-  rate_.set_rate(rate, burst, instant(now_));
-  if (was_limited) return;
-  // Start with an empty bucket, because unused time before now does not count.
-  rate_ = TokenBucket(rate, burst, instant(now_));
-  rate_.take(burst, instant(now_));
-}
-
 // Delivers one block per transfer, the longest waiting first.
 void CurlTransport::go_on_at_rate() {
-  while (rate_.rate() == 0 || rate_.has(1, instant(now_))) {
+  while (rate_.admits(now_)) {
     Transfer* first = nullptr;
     for (auto& [id, transfer] : transfers_)
       if (!transfer->over && !transfer->paused && transfer->slowed && (!first || transfer->slowed < first->slowed))
@@ -411,7 +384,7 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
   sink_ = &sink;
   now_ = now;
   dirty_ = false;
-  follow_rate();
+  rate_.follow(now_);
   remove_over();
   apply_pauses();
   go_on_at_rate();
@@ -478,11 +451,9 @@ void CurlTransport::remove_over() {
 std::optional<TimePoint> CurlTransport::deadline(TimePoint now) const {
   std::optional<TimePoint> first;
   for (const auto& [id, transfer] : transfers_) {
-    if (transfer->over || pause_is_due(*transfer)) return now;
+    if (transfer->over || transfer->pause_is_due()) return now;
     if (transfer->paused) continue;
-    const TimePoint time = transfer->slowed
-                               ? TimePoint(std::chrono::ceil<TimePoint::duration>(rate_.when(1, instant(now))))
-                               : transfer->progress + patience(*transfer);
+    const TimePoint time = transfer->slowed ? rate_.next(now) : transfer->progress + patience(*transfer);
     if (!first || time < *first) first = time;
   }
   return dirty_ ? std::optional(now) : first;

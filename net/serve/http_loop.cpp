@@ -1,6 +1,6 @@
 #include "net/serve/http_loop.h"
 
-#include "net/base/clock.h"
+#include "net/limits/clock.h"
 #include "net/serve/microhttpd_library.h"
 
 #include <algorithm>

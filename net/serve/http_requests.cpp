@@ -1,6 +1,6 @@
 // Callbacks of libmicrohttpd for connections, requests and bodies.
-#include "net/base/clock.h"
 #include "net/base/host_names.h"
+#include "net/limits/clock.h"
 #include "net/serve/http_loop.h"
 #include "net/serve/microhttpd_library.h"
 #include "net/serve/request_fields.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "net/base/address_space.h"
-#include "net/base/client_limits.h"
+#include "net/limits/client_limits.h"
 #include "net/serve/access_log.h"
 #include "net/serve/made_files.h"
 #include "net/serve/served_folder.h"

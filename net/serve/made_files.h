@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/base/clock.h"
+#include "net/limits/clock.h"
 
 #include <chrono>
 #include <condition_variable>

@@ -1,10 +1,10 @@
 #include "render/draw/renderer.h"
 
 #include "base/parallel.h"
+#include "render/collection/collector.h"
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
-#include "render/scene/collector.h"
 #include "render/splat/splat_pass.h"
 #include "render/surface/surface_pass.h"
 #include "render/volume/volume_pass.h"

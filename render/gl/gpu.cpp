@@ -27,38 +27,22 @@ std::variant<Shader, ContextError> compile(const Gl& gl, GLenum stage, std::stri
   return ContextError{"shader: " + log};
 }
 
+/// Makes an object with a function such as glGenBuffers.
+template <class Handle, class Generate>
+Handle generated(const Gl& gl, Generate generate) {
+  GLuint name = 0;
+  generate(1, &name);
+  return {gl, name};
+}
+
 }  // namespace
 
-Buffer make_buffer(const Gl& gl) {
-  GLuint name = 0;
-  gl.GenBuffers(1, &name);
-  return {gl, name};
-}
-Texture make_texture(const Gl& gl) {
-  GLuint name = 0;
-  gl.GenTextures(1, &name);
-  return {gl, name};
-}
-Sampler make_sampler(const Gl& gl) {
-  GLuint name = 0;
-  gl.GenSamplers(1, &name);
-  return {gl, name};
-}
-VertexArray make_vertex_array(const Gl& gl) {
-  GLuint name = 0;
-  gl.GenVertexArrays(1, &name);
-  return {gl, name};
-}
-Framebuffer make_framebuffer(const Gl& gl) {
-  GLuint name = 0;
-  gl.GenFramebuffers(1, &name);
-  return {gl, name};
-}
-Renderbuffer make_renderbuffer(const Gl& gl) {
-  GLuint name = 0;
-  gl.GenRenderbuffers(1, &name);
-  return {gl, name};
-}
+Buffer make_buffer(const Gl& gl) { return generated<Buffer>(gl, gl.GenBuffers); }
+Texture make_texture(const Gl& gl) { return generated<Texture>(gl, gl.GenTextures); }
+Sampler make_sampler(const Gl& gl) { return generated<Sampler>(gl, gl.GenSamplers); }
+VertexArray make_vertex_array(const Gl& gl) { return generated<VertexArray>(gl, gl.GenVertexArrays); }
+Framebuffer make_framebuffer(const Gl& gl) { return generated<Framebuffer>(gl, gl.GenFramebuffers); }
+Renderbuffer make_renderbuffer(const Gl& gl) { return generated<Renderbuffer>(gl, gl.GenRenderbuffers); }
 
 std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view defines, std::string_view vertex_source,
                                                  std::string_view fragment_source) {

@@ -263,7 +263,7 @@ void main() {
 )glsl";
 
 /// One triangle that covers the viewport.
-inline constexpr char kSplatVertexShader[] = R"glsl(
+inline constexpr char kScreenVertexShader[] = R"glsl(
 void main() {
   vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
   gl_Position = vec4(corner, 0.0, 1.0);

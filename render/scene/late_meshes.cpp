@@ -52,7 +52,7 @@ void MeshWorker::work() {
         if (prepare_) prepare_(mesh);
       } catch (const std::bad_alloc&) {
         *mesh = {};
-        mesh->left_out = true;
+        mesh->limited = true;
       }
       job->copy = {};  // makes arrays without other owners exclusive to the mesh
       job->mesh = std::move(mesh);

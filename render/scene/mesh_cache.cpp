@@ -28,9 +28,9 @@ void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::
   // If the budget does not permit the mesh, it is not tried again for every USE.
   if (!entry.share.grow(mesh->cost())) {
     *mesh = {};
-    mesh->left_out = true;
+    mesh->limited = true;
   }
-  entry.refused = mesh->left_out && !budget->stopped();
+  entry.refused = mesh->limited && !budget->stopped();
   entry.mesh = std::move(mesh);
 }
 

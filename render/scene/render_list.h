@@ -141,7 +141,7 @@ struct BoundNodes {
 inline constexpr float kUsualPixelsPerRadian = 930;
 
 /// Content that a limit excluded from an image.
-struct LeftOut {
+struct LimitReport {
   std::string why;    // names the limit
   std::size_t count;  // shapes, images or traversal steps
   std::string file;   // location of the first one
@@ -177,7 +177,7 @@ struct RenderList {
   Fog fog;
   WideBox bounds;                                               // world space, of all items except overlays
   bool overlays = false;                                        // some items are overlays
-  std::vector<LeftOut> left_out;                                // one per reason
+  std::vector<LimitReport> limit_reports;                       // one per reason
   std::vector<Place> places;                                    // instances of all content, parents before children
   std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of places
   std::vector<std::shared_ptr<const vrml::SceneGraph>> scenes;  // Inline scenes referenced by `places`, kept alive
@@ -188,7 +188,7 @@ struct RenderList {
 
 /// Traverses the scene, including PROTO instances and attached Inlines, and collects its visible content. Accepts any
 /// graph that a file can describe: it cuts cycles; the scene's budget bounds depth, items, triangles and mesh memory,
-/// and `left_out` reports omissions. Many primitives get coarser meshes. Stops early if the budget is cancelled.
+/// and `limit_reports` reports omissions. Many primitives get coarser meshes. Stops early if the budget is cancelled.
 /// `viewer` is the camera position in world space, for LOD. Geometry nodes in `clouds` become splats. `bound` selects
 /// NavigationInfo, Background and Fog; null means the first ones outside Inlines. `pixels_per_radian` determines the
 /// detail of Text.

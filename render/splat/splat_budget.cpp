@@ -28,6 +28,16 @@ double demand_of(const SplatItem& item, double pixels) {
 
 }  // namespace
 
+SplatView viewport_view(const Camera& camera, const Projection& projection, const DrawOptions& options) {
+  SplatView view;
+  view.tangents = projection.tangents();
+  view.center = projection.center();
+  view.width = options.width;
+  view.height = options.height;
+  view.near_plane = camera.near_plane;
+  return view;
+}
+
 SplatView whole_view(SplatView view, const Camera& camera) {
   const glm::vec2 size(view.width, view.height), whole = whole_size(camera, size);
   const Projection lens = projection(whole_camera(camera), whole.x, whole.y);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/scene/camera.h"
+#include "render/scene/draw_options.h"
 #include "render/scene/render_list.h"
 #include "render/splat/splat_raster.h"
 
@@ -21,6 +22,8 @@ struct BudgetView {
   glm::vec2 center{0.0f};  // tangents of the image centre
 };
 
+/// Returns the view of a viewport, with one sample per pixel. The caller sets `camera_from_node`.
+[[nodiscard]] SplatView viewport_view(const Camera& camera, const Projection& projection, const DrawOptions& options);
 /// Returns the full-image view of which `view` is a tile, according to `camera`.
 [[nodiscard]] SplatView whole_view(SplatView view, const Camera& camera);
 [[nodiscard]] BudgetView budget_view(const SplatView& view, const glm::dmat4& camera_from_world);

@@ -57,8 +57,6 @@ void unite(Rectangle& all, const Rectangle& other) {
          std::max(all.y1, other.y1)};
 }
 
-float largest_radius(float weight) { return std::sqrt(weight * (1 / splat::kPi)); }
-
 std::size_t step_for(const SurfaceMeasure& survey) {
   return static_cast<std::size_t>(std::clamp(survey.samples / kMaxCoveredSamples, 0.0, 1e6)) + 1;
 }
@@ -156,44 +154,6 @@ std::optional<SplatTextures> SplatGl::draw(std::span<const SharedSplatPiece> pie
   return draw(surface, survey, view);
 }
 
-std::optional<SplatTextures> SplatGl::draw(const SplatRecords& records, const SplatView& view) {
-  const auto camera = splat_camera(view);
-  if (!camera || view.width < 1 || view.height < 1) return SplatTextures{};
-  Surface surface;
-  surface.kind.records = true;
-  surface.kind.sides = records.two_sided();
-  surface.color_by_normal = view.color_by_normal;
-  surface.kind.colored = records.colored() || view.color_by_normal;
-  surface.palette = records.palette().name();
-  std::vector<SplatPiece> samples;
-  std::vector<const SplatRecords::Chunk*> in_view;
-  std::size_t sampled = 0, all = 0;
-  for (const SplatRecords::Chunk& chunk : records.chunks()) {
-    const qnv::RecordFrame& frame = chunk.frame;
-    const float radius = largest_radius(frame.weight_step * static_cast<float>(qnv::kRecordLargestWeight));
-    const auto rectangle = covered<Rectangle>(frame.box(), 3 * double{radius}, view, *camera);
-    if (!rectangle) continue;
-    unite(surface.rectangle, *rectangle);
-    in_view.push_back(&chunk);
-    surface.pieces.push_back(
-        {glm::vec4(frame.lower, frame.weight_step), glm::vec4(frame.cell * 0.5f, 0), glm::vec4(0, 0, 1, -1)});
-    samples.push_back({chunk.sample.get(), 0, chunk.sample->size(), 1});
-    sampled += chunk.sample->size();
-    all += chunk.records;
-  }
-  SurfaceMeasure survey = measure_surface(samples, view, kSurveyedDiscs);
-  const double share = static_cast<double>(all) / static_cast<double>(std::max<std::size_t>(sampled, 1));
-  survey.discs = static_cast<std::size_t>(static_cast<double>(survey.discs) * share);
-  survey.samples *= share;
-  surface.step = step_for(survey);
-  for (std::size_t i = 0; i < in_view.size(); ++i) {
-    const std::size_t first = surface.instances.size();
-    add_instances(surface.instances, i, 0, in_view[i]->records, surface.step);
-    surface.batches.push_back({in_view[i]->texture.name(), 0, first, surface.instances.size() - first});
-  }
-  return draw(surface, survey, view);
-}
-
 // Returns false if memory does not suffice.
 bool SplatGl::upload(const Surface& surface) {
   const PhaseScope phase(gl_.phases, Phase::upload);
@@ -228,7 +188,6 @@ std::optional<SplatTextures> SplatGl::draw(Surface& surface, const SurfaceMeasur
   if (!upload(surface)) return std::nullopt;
   const auto camera = splat_camera(view);
   if (!camera) return result;
-  if (surface.kind.records && !normal_table_) normal_table_ = make_normal_table(gl_);
 
   gl_.Enable(GL_SCISSOR_TEST);
   gl_.Disable(GL_CULL_FACE);
@@ -332,14 +291,8 @@ void SplatGl::draw_batches(const Shader& shader, const Surface& surface, const S
   gl_.Uniform2f(at[middle], camera.center.x, camera.center.y);
   gl_.Uniform2f(at[margin], 2 * kMargin / static_cast<float>(camera.width),
                 2 * kMargin / static_cast<float>(camera.height));
-  // Positions are taken relative to the eye before they are rounded.
-  vector(eye, kind.records ? camera.eye : glm::vec3(0));
   gl_.Uniform1i(at[stride], static_cast<GLint>(surface.step));
   gl_.Uniform1i(at[by_normal], surface.color_by_normal ? 1 : 0);
-  if (kind.records) {
-    texture(shader, normal_table, 1, normal_table_.name());
-    texture(shader, palette, 2, surface.palette);
-  }
   texture(shader, piece_table, 3, pieces_.name());
   gl_.BindVertexArray(attributes_.name());
   gl_.BindBuffer(GL_ARRAY_BUFFER, instances_.name());

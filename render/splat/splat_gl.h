@@ -47,8 +47,6 @@ class SplatGl {
   /// Draws pieces of one surface: all or none with cells, all or none two-sided. Images too large for memory are drawn
   /// without supersampling. Returns nullopt if the context lacks float targets, memory or the program.
   std::optional<SplatTextures> draw(std::span<const SharedSplatPiece> pieces, const SplatView& view);
-  /// Draws records, which the vertex shader unpacks.
-  std::optional<SplatTextures> draw(const SplatRecords& records, const SplatView& view);
 
   /// Reads the result back as a layer of the viewport's size.
   [[nodiscard]] SplatLayer read(const SplatTextures& textures, const SplatView& view);
@@ -60,7 +58,7 @@ class SplatGl {
  private:
   /// Variant of a program.
   struct Kind {
-    bool records = false, cells = false, sides = false, colored = false, smooth = false;
+    bool cells = false, sides = false, colored = false, smooth = false;
   };
   enum class Stage : std::uint8_t { depth, blend, resolve };
   enum Uniform : std::size_t {
@@ -69,9 +67,6 @@ class SplatGl {
     piece_table,
     stride,
     by_normal,
-    normal_table,
-    palette,
-    eye,
     row_x,
     row_y,
     row_z,
@@ -119,7 +114,6 @@ class SplatGl {
     std::vector<Instance> instances;
     std::vector<Batch> batches;
     std::size_t step = 1;  // draws only every step-th splat
-    GLuint palette = 0;
     Rectangle rectangle;
     bool color_by_normal = false;
   };
@@ -150,7 +144,7 @@ class SplatGl {
   Targets targets_;
   VertexArray no_attributes_, attributes_;
   Buffer corners_, instances_;
-  Texture pieces_, normal_table_;
+  Texture pieces_;
   std::unordered_map<unsigned, Shader> shaders_;
 };
 

@@ -43,8 +43,7 @@ std::string constants(std::size_t pieces_a_row) {
 const SplatGl::Shader* SplatGl::shader(Stage stage, const Kind& kind) {
   // Uses only the flags that affect the stage, so that no program is made twice.
   const bool discs = stage != Stage::resolve, blended = stage != Stage::depth;
-  const std::array<std::pair<bool, const char*>, 6> flags{{{discs && kind.records, "RECORDS"},
-                                                           {discs && kind.cells, "CELLS"},
+  const std::array<std::pair<bool, const char*>, 5> flags{{{discs && kind.cells, "CELLS"},
                                                            {discs && kind.sides, "SIDES"},
                                                            {stage == Stage::resolve && kind.colored, "COLORS"},
                                                            {blended && kind.smooth, "SMOOTH"},
@@ -61,15 +60,14 @@ const SplatGl::Shader* SplatGl::shader(Stage stage, const Kind& kind) {
                            : stage == Stage::blend ? kSplatBlendFragmentShader
                                                    : kSplatResolveFragmentShader;
     const std::string vertex =
-        discs ? std::string(kSplatVectorShader) + kSplatDiscVertexShader : std::string(kSplatVertexShader);
+        discs ? std::string(kSplatVectorShader) + kSplatDiscVertexShader : std::string(kScreenVertexShader);
     auto made = make_program(gl_, defines, vertex, fragment);
     if (auto* program = std::get_if<Program>(&made)) {
       entry.program = std::move(*program);
       static constexpr std::array<const char*, uniform_count> kNames{
-          "vectors",    "cells",       "pieces",     "stride",        "color_by_normal", "normal_table", "palette",
-          "eye",        "row_x",       "row_y",      "row_z",         "tangents",        "middle",       "margin",
-          "near_plane", "sample_size", "ray_origin", "ray_right",     "ray_up",          "nearest",      "sums",
-          "color_sums", "slopes",      "tilts",      "normal_matrix", "supersample"};
+          "vectors",  "cells",  "pieces",     "stride",     "color_by_normal", "row_x",         "row_y",      "row_z",
+          "tangents", "middle", "margin",     "near_plane", "sample_size",     "ray_origin",    "ray_right",  "ray_up",
+          "nearest",  "sums",   "color_sums", "slopes",     "tilts",           "normal_matrix", "supersample"};
       for (std::size_t i = 0; i < uniform_count; ++i)
         entry.at[i] = gl_.GetUniformLocation(entry.program.name(), kNames[i]);
     }

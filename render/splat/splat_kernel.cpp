@@ -10,18 +10,7 @@
 #include <cstring>
 #include <limits>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
-// Disables fused multiply-add, so that all kernels give the same bits.
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#else
-#pragma GCC optimize("fp-contract=off")
-// All functions with vector parameters are inlined, so the calling convention does not matter.
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
+#include "qnv/base/kernel_pragmas.inc"  // after all other includes
 
 namespace gs::render {
 namespace {

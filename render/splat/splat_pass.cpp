@@ -1,7 +1,7 @@
 #include "render/splat/splat_pass.h"
 
+#include "render/collection/collector.h"
 #include "render/gl/shaders.h"
-#include "render/scene/collector.h"
 #include "render/splat/splat_budget.h"
 #include "render/splat/splat_closing.h"
 #include "render/splat/splat_pieces.h"
@@ -89,7 +89,7 @@ const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, bool fog,
     if (fog) text += "#define FOG\n";
     text += LightSets::defines(lights);
     auto made =
-        make_program(gl_, text, kSplatVertexShader, std::string(kLightingShader) + kFogShader + kSplatFragmentShader);
+        make_program(gl_, text, kScreenVertexShader, std::string(kLightingShader) + kFogShader + kSplatFragmentShader);
     if (auto* program = std::get_if<Program>(&made)) {
       entry.program = std::move(*program);
       const GLuint name = entry.program.name();
@@ -242,12 +242,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   }
   lights_.upload();
   const SavedTarget target(gl_);
-  SplatView view;
-  view.tangents = projection.tangents();
-  view.center = projection.center();
-  view.width = options.width;
-  view.height = options.height;
-  view.near_plane = camera.near_plane;
+  SplatView view = viewport_view(camera, projection, options);
   view.supersample = options.samples > 1 ? 2 : 1;
   view.color_by_normal = options.clouds.color_by == ColorBy::normal;
   // Cuts for the whole image, so that its tiles match.

@@ -4,9 +4,8 @@
 // Mirrors splat_raster.cpp and splat_tile_loop.inc; the constants come from splat_constants.h.
 namespace gs::render {
 
-/// Decodes a vector from the buffers of SplatStore or SplatRecords. An instance draws up to 64 (SplatGl::kAnInstance)
-/// vectors of one piece, four vertices each. Defines: RECORDS (8-byte records of a stream,
-/// qnv/codecs/records/record.h), CELLS (splats of an octree).
+/// Decodes a vector from the buffers of SplatStore. An instance draws up to 64 (SplatGl::kAnInstance) vectors of one
+/// piece, four vertices each. Define: CELLS (splats of an octree).
 inline constexpr char kSplatVectorShader[] = R"glsl(
 struct Vector {
   vec3 position, normal;
@@ -18,7 +17,7 @@ struct Vector {
 struct Piece {
   vec3 lower;   // position = lower + code * step
   vec3 step;
-  vec2 radius;  // logarithm of the smallest radius, and what a step of the code adds to it; records: step of the weight
+  vec2 radius;  // logarithm of the smallest radius, and what a step of the code adds to it
   vec2 edge;    // logarithm of the smallest edge, and its increase per step of the code
   float scale;  // of radii
   float tint;   // 24 bits, in place of all colours; negative: none
@@ -48,36 +47,6 @@ vec3 rgb8(uint code) {
   return vec3(uvec3(code, code >> 8, code >> 16) & 255u) * (1.0 / 255.0);
 }
 
-#ifdef RECORDS
-uniform sampler2D normal_table;  // theta, phi
-uniform sampler2D palette;
-
-// In bits, from the lowest: X 10, Y 10, Z 10, theta 5, phi 6, A 15, C 8. With half a cell every product is exact, and the position is that of qnv::unpack_record to the last bit.
-void unpack_record(uvec2 record, vec3 lower, vec3 half_cell, float weight_step, out vec3 position, out vec3 normal,
-                   out float weight, out int color) {
-  uint low = record.x, high = record.y;
-  uvec3 code = uvec3(low, low >> 10, low >> 20) & 1023u;
-  position = lower + vec3(2u * code + 1u) * half_cell;
-  normal = texelFetch(normal_table, ivec2(int(low >> 30 | (high & 7u) << 2), int(high >> 3 & 63u)), 0).xyz;
-  weight = float(max(high >> 9 & 32767u, 1u)) * weight_step;
-  color = int(high >> 24);
-}
-
-Vector read_vector(int index) {
-  Vector v;
-  float weight;
-  int color;
-  Piece piece = read_piece();
-  unpack_record(texelFetch(vectors, index).xy, piece.lower, piece.step, piece.radius.x, v.position, v.normal, weight,
-                color);
-  v.radius = sqrt(weight * (1.0 / PI));
-  v.edge = v.offset = 0.0;
-  v.color = texelFetch(palette, ivec2(color, 0), 0).rgb;
-  if (color_by_normal) v.color = v.normal * 0.5 + 0.5;
-  v.drawn = true;
-  return v;
-}
-#else
 #ifdef CELLS
 uniform usamplerBuffer cells;
 #endif
@@ -108,13 +77,11 @@ Vector read_vector(int index) {
 #endif
   return v;
 }
-#endif
 )glsl";
 
 /// Computes a rectangle around the samples that a splat may touch: its covered area, or with BLEND the extent of its
 /// bell. Node space, relative to the camera. Defines: those of the vectors, SIDES (two-sided), BLEND.
 inline constexpr char kSplatDiscVertexShader[] = R"glsl(
-uniform vec3 eye;
 uniform vec3 row_x, row_y, row_z;  // of the linear part of camera_from_node
 uniform vec2 tangents, middle, margin;  // middle: tangents of what is there; margin: of the rectangle, clip space
 uniform float near_plane, sample_size;  // sample_size: of a sample at depth 1, node units
@@ -139,7 +106,7 @@ void main() {
   if (!find_vector(index)) return;
   Vector v = read_vector(index);
   if (!v.drawn) return;
-  vec3 place = v.position - eye;
+  vec3 place = v.position;
   float plane = dot(v.normal, place);
 #ifndef SIDES
   if (plane > 0.0) return;

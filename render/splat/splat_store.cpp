@@ -16,8 +16,7 @@ namespace {
 constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // maximum codes
 constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // splats encoded at a time
 constexpr std::uint32_t kTaskDiscs = 16384;
-constexpr std::size_t kMinRange = 1024;        // splats: larger point sets are not split into smaller ranges
-constexpr std::size_t kSampledRecords = 1024;  // per chunk
+constexpr std::size_t kMinRange = 1024;  // splats: larger point sets are not split into smaller ranges
 
 bool can_be_drawn(const glm::vec3& position, const glm::vec3& normal, float weight) {
   const float size = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
@@ -338,72 +337,6 @@ void SplatStore::upload(std::span<const Upload> uploads) {
       }
   }
   flush();
-}
-
-SplatRecords::SplatRecords(const Gl& gl, std::span<const qnv::Rgb8> palette, bool two_sided)
-    : gl_(gl), palette_(make_texture(gl)), two_sided_(two_sided), colored_(!palette.empty()) {
-  std::array<qnv::Rgb8, 256> colors{};
-  std::copy_n(palette.begin(), std::min(palette.size(), colors.size()), colors.begin());
-  static_assert(sizeof colors == 256 * 3);
-  gl.BindTexture(GL_TEXTURE_2D, palette_.name());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, 256, 1, 0, GL_RGB, GL_UNSIGNED_BYTE, colors.data());
-}
-
-bool SplatRecords::add(std::span<const std::byte> records, const qnv::RecordFrame& frame) {
-  // The shader reads records as two integers in native byte order.
-  static_assert(std::endian::native == std::endian::little);
-  const std::size_t count = records.size() / qnv::kRecordBytes;
-  if (!qnv::valid(frame)) return false;
-  const std::size_t most = most_buffer_texels(gl_);
-  for (std::size_t first = 0; first < count; first += most) {
-    const std::size_t part = std::min(most, count - first);
-    if (!add_chunk(records.subspan(first * qnv::kRecordBytes, part * qnv::kRecordBytes), frame)) return false;
-  }
-  return true;
-}
-
-bool SplatRecords::add_chunk(std::span<const std::byte> records, const qnv::RecordFrame& frame) {
-  const std::size_t count = records.size() / qnv::kRecordBytes;
-  take_errors(gl_);
-  Chunk chunk{make_buffer(gl_), {}, count, frame, nullptr};
-  gl_.BindBuffer(GL_TEXTURE_BUFFER, chunk.buffer.name());
-  gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(records.size()), records.data(), GL_STATIC_DRAW);
-  chunk.texture = make_buffer_texture(gl_, chunk.buffer, GL_RG32UI);
-  if (take_errors(gl_)) return false;
-
-  const std::size_t step = (count + kSampledRecords - 1) / kSampledRecords, sampled = (count + step - 1) / step;
-  std::vector<std::byte> chosen;
-  for (std::size_t i = 0; i < count; i += step) {
-    const auto record = records.subspan(i * qnv::kRecordBytes, qnv::kRecordBytes);
-    chosen.insert(chosen.end(), record.begin(), record.end());
-  }
-  auto sample = std::make_shared<qnv::Cloud>();
-  sample->description.two_sided = two_sided_;
-  sample->positions.resize(sampled);
-  sample->normals.resize(sampled);
-  sample->weights.resize(sampled);
-  sample->classes.resize(sampled);
-  qnv::unpack_records(chosen, frame, sample->positions.data(), sample->normals.data(), sample->weights.data(),
-                      sample->classes.data());
-  sample->classes.clear();
-  chunk.sample = std::move(sample);
-  chunks_.push_back(std::move(chunk));
-  return true;
-}
-
-Texture make_normal_table(const Gl& gl) {
-  std::vector<glm::vec3> normals(qnv::kNormalCodes);
-  for (unsigned code = 0; code < qnv::kNormalCodes; ++code) normals[code] = qnv::normal_of(code);
-  Texture texture = make_texture(gl);
-  gl.BindTexture(GL_TEXTURE_2D, texture.name());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, qnv::kRecordThetas, qnv::kRecordPhis, 0, GL_RGB, GL_FLOAT, normals.data());
-  return texture;
 }
 
 }  // namespace gs::render

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
-#include "qnv/codecs/records/record.h"
 #include "render/gl/gpu.h"
 #include "render/gl/range_allocator.h"
 
@@ -105,46 +104,10 @@ class SplatStore {
   std::unordered_map<const qnv::Cloud*, Entry> entries_;
 };
 
-/// Chunks of 8-byte records in GPU memory as received; the vertex shader unpacks them.
-class SplatRecords {
- public:
-  struct Chunk {
-    Buffer buffer;
-    Texture texture;  // RG32UI, one texel per record
-    std::size_t records = 0;
-    qnv::RecordFrame frame;
-    std::shared_ptr<const qnv::Cloud> sample;  // some of the vectors, to estimate their size
-  };
-
-  /// `palette` has up to 256 colours by index; missing ones are qnv::Rgb8{}.
-  SplatRecords(const Gl& gl, std::span<const qnv::Rgb8> palette, bool two_sided);
-
-  /// Uploads records.size() / 8 records unchanged, in one or several chunks of the same frame. Returns false if the
-  /// frame is not valid() or memory does not suffice.
-  bool add(std::span<const std::byte> records, const qnv::RecordFrame& frame);
-
-  [[nodiscard]] const std::vector<Chunk>& chunks() const { return chunks_; }
-  [[nodiscard]] const Texture& palette() const { return palette_; }
-  [[nodiscard]] bool two_sided() const { return two_sided_; }
-  [[nodiscard]] bool colored() const { return colored_; }
-
- private:
-  bool add_chunk(std::span<const std::byte> records, const qnv::RecordFrame& frame);
-
-  const Gl& gl_;
-  Texture palette_;
-  bool two_sided_, colored_;
-  std::vector<Chunk> chunks_;
-};
-
 /// Returns the maximum number of texels of a buffer texture.
 [[nodiscard]] std::size_t most_buffer_texels(const Gl& gl);
 
 /// Returns a buffer texture for texelFetch.
 [[nodiscard]] Texture make_buffer_texture(const Gl& gl, const Buffer& buffer, GLenum format);
-
-/// Returns a texture of the normals of all codes, 32 x 64 (theta, phi), so that the vertex shader uses exactly those of
-/// qnv::normal_of.
-[[nodiscard]] Texture make_normal_table(const Gl& gl);
 
 }  // namespace gs::render

@@ -26,12 +26,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
                         (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && gl_.software));
   for (const DrawItem& item : list.items) {
     if (!item.surface || !item.surface->patches || !item.visible) continue;
-    SplatView view;
-    view.tangents = projection.tangents();
-    view.center = projection.center();
-    view.width = options.width;
-    view.height = options.height;
-    view.near_plane = camera.near_plane;
+    SplatView view = viewport_view(camera, projection, options);
     view.supersample = options.samples > 1 ? 2 : 1;
     view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
     // Cuts for the whole image, so that its tiles match.

@@ -1,5 +1,6 @@
 #include "render/volume/volume_pass.h"
 
+#include "render/gl/shaders.h"
 #include "render/splat/splat_budget.h"
 #include "render/volume/volume_shaders.h"
 
@@ -67,7 +68,7 @@ VolumePass::VolumePass(const Gl& gl, VolumeSort sort)
 
 VolumePass::Overlay VolumePass::make_overlay(const char* defines) const {
   Overlay overlay;
-  auto made = make_program(gl_, defines, kVolumeScreenVertexShader, kVolumePixelsFragmentShader);
+  auto made = make_program(gl_, defines, kScreenVertexShader, kVolumePixelsFragmentShader);
   auto* program = std::get_if<Program>(&made);
   if (!program) return overlay;
   overlay.program = std::move(*program);
@@ -191,12 +192,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
   forget_models();
   volume_gl_.forget_unused();
   if (std::none_of(list.splats.begin(), list.splats.end(), is_volume)) return;
-  SplatView view;
-  view.tangents = projection.tangents();
-  view.center = projection.center();
-  view.width = options.width;
-  view.height = options.height;
-  view.near_plane = camera.near_plane;
+  SplatView view = viewport_view(camera, projection, options);
   Scene scene;
   gather(list, camera, whole_view(view, camera), options, scene);
   if (scene.items.empty()) return;

@@ -3,14 +3,6 @@
 /// Shaders of volumes. make_program adds "#version 330 core" before each; those for sorting have 430.
 namespace gs::render {
 
-/// One triangle that covers the viewport, from gl_VertexID alone.
-inline constexpr char kVolumeScreenVertexShader[] = R"glsl(
-void main() {
-  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
-  gl_Position = vec4(corner, 0.0, 1.0);
-}
-)glsl";
-
 /// Composites the CPU's volumes. If `depths` is below 0, ignores the pixel's depth; with EDGES, draws only the other
 /// pixels.
 inline constexpr char kVolumePixelsFragmentShader[] = R"glsl(

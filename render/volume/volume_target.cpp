@@ -1,5 +1,6 @@
 #include "render/volume/volume_target.h"
 
+#include "render/gl/shaders.h"
 #include "render/volume/volume_shaders.h"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ constexpr int kStep = 64;              // granularity of texture sizes
 constexpr float kSmooth = 1 / 256.0f;  // relative depth difference in a pixel below which samples belong to one surface
 
 Program program_of(const Gl& gl, const char* defines, const char* fragment) {
-  auto made = make_program(gl, defines, kVolumeScreenVertexShader, fragment);
+  auto made = make_program(gl, defines, kScreenVertexShader, fragment);
   auto* program = std::get_if<Program>(&made);
   return program ? std::move(*program) : Program();
 }

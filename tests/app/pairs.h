@@ -2,8 +2,8 @@
 #pragma once
 
 #include "app/world/world_loading.h"
+#include "render/collection/shape_resources.h"
 #include "render/scene/camera.h"
-#include "render/scene/shape_resources.h"
 #include "tests/app/formats_helpers.h"
 #include "tests/net/memory_network.h"
 #include "tests/render/drawing.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/base/token_bucket.h"
+#include "net/limits/token_bucket.h"
 
 #include <cstddef>
 #include <cstdint>

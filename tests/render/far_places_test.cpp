@@ -1,6 +1,6 @@
 // Pairs of equal pictures: a point set at the origin, and 4,500 km away together with the viewer.
 
-#include "render/scene/collector.h"
+#include "render/collection/collector.h"
 #include "tests/render/clouds.h"
 #include "tests/render/drawing.h"
 #include "vrml/syntax/parser.h"

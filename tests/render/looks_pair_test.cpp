@@ -1,6 +1,6 @@
 // Pairs of worlds with equal pictures: one uses a field of Text, Fog or Background, the other does without.
 
-#include "render/scene/render_scene.h"
+#include "render/collection/render_scene.h"
 #include "tests/render/drawing.h"
 #include "vrml/syntax/parser.h"
 

@@ -14,9 +14,7 @@
 #include <glm/geometric.hpp>
 
 #include <cmath>
-#include <cstring>
 #include <memory>
-#include <random>
 #include <span>
 #include <variant>
 #include <vector>
@@ -122,15 +120,5 @@ struct OpenContext {
   std::unique_ptr<GlContext> context;
   Gl gl;
 };
-
-inline std::vector<std::byte> random_records(std::size_t count) {
-  std::mt19937_64 random(5);
-  std::vector<std::byte> bytes(count * qnv::kRecordBytes);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t bits = random();
-    std::memcpy(&bytes[i * qnv::kRecordBytes], &bits, sizeof bits);
-  }
-  return bytes;
-}
 
 }  // namespace gs::render::testing

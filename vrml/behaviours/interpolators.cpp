@@ -1,7 +1,7 @@
 #include "vrml/behaviours/interpolation.h"
 #include "vrml/event_model/states.h"
 #include "vrml/events/execution.h"
-#include "vrml/mesh/nurbs.h"
+#include "vrml/tessellation/nurbs.h"
 
 #include <algorithm>
 #include <utility>

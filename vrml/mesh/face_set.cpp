@@ -127,7 +127,7 @@ class SharedBuilder {
     mesh.texture_coordinates = faces_.texture_coordinate.values;
     mesh.indices = out_.finish();
     mesh.bounds = bounds_of(faces_.points.span(), used_);
-    mesh.left_out = stopped;
+    mesh.limited = stopped;
     return mesh;
   }
 
@@ -283,7 +283,7 @@ class CornerBuilder {
       for (const VertexParts& vertex : welder_.vertices()) writer_.write(vertex, normal_of(vertex));
     }
     Mesh mesh = writer_.finish(std::move(indices));
-    mesh.left_out = stopped;
+    mesh.limited = stopped;
     return mesh;
   }
 
@@ -399,9 +399,9 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
   return share.grow(faces.coord_index.size() * cost.entry + faces.points.size() * cost.point);
 }
 
-[[nodiscard]] Mesh left_out() {
+[[nodiscard]] Mesh limited_mesh() {
   Mesh mesh;
-  mesh.left_out = true;
+  mesh.limited = true;
   return mesh;
 }
 
@@ -411,19 +411,19 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
   faces.color.simplify(faces.coord_index.span());
   faces.texture_coordinate.simplify(faces.coord_index.span());
   Share share(faces.budget, Resource::meshes);
-  if (!draw(share, faces, kCompaction)) return left_out();
+  if (!draw(share, faces, kCompaction)) return limited_mesh();
   compact_points(faces);
   share.shrink_to(0);
   if (faces.points.empty()) return {};
   const std::span<const std::int32_t> index = readable(faces.coord_index);
   const UsableVertices vertices(faces.points.span());
   const bool smooth = faces.normal.binding == Binding::none && faces.crease_angle > 0;
-  if (smooth && !draw(share, faces, kSmoothing)) return left_out();
+  if (smooth && !draw(share, faces, kSmoothing)) return limited_mesh();
   if (smooth) faces.normal = crease_normals(index, faces.points.span(), vertices, faces.ccw, faces.crease_angle);
   const bool shared = faces.normal.binding == Binding::by_vertex && by_vertex_or_none(faces.color.binding) &&
                       by_vertex_or_none(faces.texture_coordinate.binding) && fit_normals(faces);
   share.shrink_to(faces.normal.values.size() * sizeof(glm::vec3));
-  if (!draw(share, faces, shared ? kSharing : kWelding)) return left_out();
+  if (!draw(share, faces, shared ? kSharing : kWelding)) return limited_mesh();
   if (!shared) return CornerBuilder(faces, index, vertices, smooth).build();
   if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
   if (faces.texture_coordinate.binding != Binding::none)
@@ -436,7 +436,7 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
 Mesh make_mesh(FaceSet faces) {
   const bool solid = faces.solid, map_texture = faces.default_texture_coordinates;
   Mesh mesh = make_triangles(std::move(faces));
-  if (mesh.indices.empty()) mesh = mesh.left_out ? left_out() : Mesh{};
+  if (mesh.indices.empty()) mesh = mesh.limited ? limited_mesh() : Mesh{};
   mesh.solid = solid;
   if (map_texture && !mesh.empty() && mesh.texture_coordinates.empty())
     mesh.texture_coordinates = default_texture_coordinates(mesh.positions.span(), mesh.bounds);
@@ -461,7 +461,7 @@ void append_values(Array<T>& values, std::size_t count, const Array<T>& more, st
 }  // namespace
 
 void append(Mesh& mesh, const Mesh& more) {
-  mesh.left_out = mesh.left_out || more.left_out;
+  mesh.limited = mesh.limited || more.limited;
   if (more.empty()) return;
   const std::size_t count = mesh.positions.size(), more_count = more.positions.size();
   append_values(mesh.normals, count, more.normals, more_count, glm::vec3(0));

@@ -26,7 +26,7 @@ struct FaceSet {
 
 /// Triangulates the faces. Normalizes given normals; a missing or zero normal becomes that of the face. A missing
 /// colour becomes that of the vertex or the last one, a missing texture coordinate (0, 0). Drops faces without area if
-/// all normals are generated and flat. If the budget does not allow the work, the mesh has no face and `left_out` is
+/// all normals are generated and flat. If the budget does not allow the work, the mesh has no face and `limited` is
 /// set; if the budget stops it, the mesh keeps the faces made so far.
 [[nodiscard]] Mesh make_mesh(FaceSet faces);
 

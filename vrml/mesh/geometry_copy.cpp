@@ -5,21 +5,9 @@
 namespace gs::vrml {
 namespace {
 
-/// Returns the number of elements of a list; 1 for other fields.
-std::size_t elements_of(const FieldValue& value) {
-  return std::visit(
-      [](const auto& one) -> std::size_t {
-        if constexpr (requires { one.span(); })
-          return one.size();
-        else
-          return 1;
-      },
-      value);
-}
-
 std::size_t elements_of(const Node& node) {
   std::size_t sum = 0;
-  for (std::size_t i = 0; i < node.type->defaults.size(); ++i) sum += elements_of(node.values[i]);
+  for (std::size_t i = 0; i < node.type->defaults.size(); ++i) sum += element_count(node.values[i]);
   return sum;
 }
 

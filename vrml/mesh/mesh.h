@@ -33,7 +33,7 @@ struct Mesh {
   bool solid = true;                     // back faces need not be drawn
   bool lit = true;                       // false for lines and points (VRML97 4.14.2)
   bool convex = false;                   // no front face hides another: the faces lie on a convex body
-  bool left_out = false;                 // a memory or time limit removed some or all of it
+  bool limited = false;                  // a memory or time limit removed some or all of it
   bool pictured = false;                 // texture_coordinates refer to the TextShaper's glyph atlas
   float font_size = 0;                   // of a Text, in node space; 0 if MeshOptions::text_level has no effect
   Box bounds;                            // of the positions in use

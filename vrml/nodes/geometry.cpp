@@ -1,5 +1,5 @@
-#include "vrml/mesh/tessellators.h"
 #include "vrml/nodes/families.h"
+#include "vrml/tessellation/tessellators.h"
 
 namespace gs::vrml {
 namespace {

@@ -35,4 +35,15 @@ FieldValue initial_value(FieldType type) {
   return value;
 }
 
+std::size_t element_count(const FieldValue& value) {
+  return std::visit(
+      [](const auto& one) -> std::size_t {
+        if constexpr (requires { one.span(); })
+          return one.size();
+        else
+          return 1;
+      },
+      value);
+}
+
 }  // namespace gs::vrml

@@ -119,6 +119,8 @@ using FieldValue =
 static_assert(std::variant_size_v<FieldValue> == kFieldTypeCount);
 
 [[nodiscard]] inline FieldType type_of(const FieldValue& value) { return static_cast<FieldType>(value.index()); }
+/// Returns the number of elements of an MF value, else 1.
+[[nodiscard]] std::size_t element_count(const FieldValue& value);
 [[nodiscard]] constexpr bool is_multiple(FieldType type) { return type >= FieldType::MFColor; }
 [[nodiscard]] constexpr bool holds_nodes(FieldType type) {
   return type == FieldType::SFNode || type == FieldType::MFNode;

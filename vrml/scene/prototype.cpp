@@ -21,7 +21,7 @@ class Copier {
     const std::vector<NodeId>& body = prototype_.nodes;
     if (body.empty() || !to_.reserve_expansion(body.size(), prototype_.body_bytes)) return false;
     const auto count = static_cast<std::uint32_t>(body.size());
-    first = to_.take_places(count);
+    first = to_.reserve_places(count);
     if (first == 0) return false;
     for (std::uint32_t i = 0; i < count; ++i) {
       const Node& original = from_.node(body[i]);

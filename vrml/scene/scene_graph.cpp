@@ -78,7 +78,7 @@ std::uint32_t SceneGraph::next_generation() {
   constexpr std::uint32_t kAtATime = 256;  // the counter is shared between threads
   do {
     if (generations_left_ == 0) {
-      generation_ = budget_->take_generations(kAtATime);
+      generation_ = budget_->draw_generations(kAtATime);
       generations_left_ = kAtATime;
     }
     --generations_left_;
@@ -86,7 +86,7 @@ std::uint32_t SceneGraph::next_generation() {
   return generation_ - 1;
 }
 
-std::uint32_t SceneGraph::take_places(std::uint32_t count) {
+std::uint32_t SceneGraph::reserve_places(std::uint32_t count) {
   if (!free_places_.empty())
     if (const auto free = free_places_.find(count); free != free_places_.end() && !free->second.empty()) {
       const std::uint32_t first = free->second.back();
@@ -103,13 +103,13 @@ std::uint32_t SceneGraph::take_places(std::uint32_t count) {
   return first;
 }
 
-void SceneGraph::give_back_places(std::uint32_t first, std::uint32_t count) { free_places_[count].push_back(first); }
+void SceneGraph::release_places(std::uint32_t first, std::uint32_t count) { free_places_[count].push_back(first); }
 
 NodeId SceneGraph::create(const NodeType& type, SourceLocation location) {
-  const std::uint32_t place = take_places(1);
+  const std::uint32_t place = reserve_places(1);
   if (place == 0) return {};
   const NodeId made = create_at(place, type, location);
-  if (!made) give_back_places(place, 1);
+  if (!made) release_places(place, 1);
   return made;
 }
 
@@ -175,10 +175,10 @@ void SceneGraph::free_node(NodeId id, std::vector<NodeId>& more) {
   if (n.expansion_first != 0 && !n.in_prototype_body) {
     const auto copies = static_cast<std::uint32_t>(n.type->prototype->nodes.size());
     for (std::uint32_t i = 0; i < copies; ++i) more.push_back(id_at(n.expansion_first + i));
-    give_back_places(n.expansion_first, copies);
+    release_places(n.expansion_first, copies);
   }
   // Indices of copies are returned together, with those of their instance.
-  if (n.instance == 0) give_back_places(id.index, 1);
+  if (n.instance == 0) release_places(id.index, 1);
   free_values(n.values, count, n.value_capacity);
   n = {};
   n.type = &removed_type();

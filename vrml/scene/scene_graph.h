@@ -79,8 +79,8 @@ class SceneGraph : public SourceText {
   /// `type` must outlive the node: built in, or owned by its text or by an attached library.
   NodeId create(const NodeType& type, SourceLocation location = {});
   /// Reserves `count` consecutive node indices for `create_at` and returns the first; 0 if there is no room.
-  [[nodiscard]] std::uint32_t take_places(std::uint32_t count);
-  void give_back_places(std::uint32_t first, std::uint32_t count);
+  [[nodiscard]] std::uint32_t reserve_places(std::uint32_t count);
+  void release_places(std::uint32_t first, std::uint32_t count);
   /// Creates a node at a reserved index. Returns null if there is no room for its values.
   NodeId create_at(std::uint32_t place, const NodeType& type, SourceLocation location);
   /// Appends the node to the declaration of this PROTO.

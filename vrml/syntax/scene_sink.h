@@ -2,7 +2,7 @@
 
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/name_table.h"
-#include "vrml/syntax/text_limits.h"
+#include "vrml/syntax/problems/text_limits.h"
 
 #include <cstdint>
 #include <string>

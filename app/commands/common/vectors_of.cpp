@@ -91,9 +91,9 @@ std::optional<Opened> open_world_input(const LoadingOptions& options, const std:
   constexpr float kPixelsPerRadian = 20'000;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
                                   surface->world.clouds, nullptr, kPixelsPerRadian);
-  Diagnostics left_out;
-  report_left_out(surface->list, left_out);
-  print_diagnostics(left_out);
+  Diagnostics limits;
+  report_limits(surface->list, limits);
+  print_diagnostics(limits);
   return surface;
 }
 

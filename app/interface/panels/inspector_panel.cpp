@@ -238,7 +238,7 @@ void InspectorPanel::value(const Field& field, UiActions& actions) {
 
 // Shows one page of a list; other elements cost nothing.
 void InspectorPanel::list(const Field& field, UiActions& actions) {
-  const std::size_t count = element_count(*field.value);
+  const std::size_t count = vrml::element_count(*field.value);
   const auto open =
       std::find_if(open_.begin(), open_.end(), [&](const OpenList& one) { return one.of == &field.interface; });
   const bool was_open = open != open_.end();

@@ -81,7 +81,7 @@ void begin_world(Document& document, double now) {
                                   : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
     (void)document.runtime->show(*document.first_scene, viewer);
   }
-  report_left_out(*document.list, document.world.diagnostics);
+  report_limits(*document.list, document.world.diagnostics);
   inspect_clouds(document);
 }
 

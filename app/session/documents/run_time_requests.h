@@ -4,7 +4,7 @@
 #include "app/session/documents/world_programs.h"
 #include "app/world/updates/arrivals.h"
 #include "app/world/updates/opened_world.h"
-#include "render/scene/render_scene.h"
+#include "render/collection/render_scene.h"
 #include "vrml/events/execution.h"
 
 #include <cstddef>

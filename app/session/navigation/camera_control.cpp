@@ -1,6 +1,6 @@
 #include "app/session/navigation/camera_control.h"
 
-#include "render/scene/collector.h"
+#include "render/collection/collector.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 
 namespace gs::app {
 
-void report_left_out(const render::RenderList& list, Diagnostics& diagnostics) {
-  for (const render::LeftOut& part : list.left_out) {
+void report_limits(const render::RenderList& list, Diagnostics& diagnostics) {
+  for (const render::LimitReport& part : list.limit_reports) {
     const std::string others =
         part.count > 1 ? "; left out, as " + std::to_string(part.count - 1) + " more" : "; left out";
     diagnostics.add({Severity::error, part.file, part.location, part.why + others});

@@ -6,6 +6,6 @@
 namespace gs::app {
 
 /// Reports the objects that limits removed from a picture: one error per reason.
-void report_left_out(const render::RenderList& list, Diagnostics& diagnostics);
+void report_limits(const render::RenderList& list, Diagnostics& diagnostics);
 
 }  // namespace gs::app

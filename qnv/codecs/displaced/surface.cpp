@@ -131,7 +131,7 @@ const LevelNumbers* Surface::find(int layer, int level) const {
 
 // Each patch gets its numbers only once. Otherwise the result would depend on the order, and repeated clusters could
 // occupy a decoder forever.
-bool Surface::take_run(const ClusterHeader& cluster) {
+bool Surface::add_run(const ClusterHeader& cluster) {
   const int kind = cluster.kind == ClusterHeader::Kind::color ? kLayers : cluster.layer;
   std::vector<bool>& taken = taken_[static_cast<std::size_t>(kind)][static_cast<std::size_t>(cluster.level)];
   taken.resize(patches_.size());
@@ -145,7 +145,7 @@ bool Surface::take_run(const ClusterHeader& cluster) {
 bool Surface::add(const ClusterHeader& cluster, std::span<const std::byte> payload) {
   const bool color = cluster.kind == ClusterHeader::Kind::color;
   if (cluster.level > header_.depth || cluster.first >= patches_.size() ||
-      cluster.count > patches_.size() - cluster.first || (color && !header_.colored) || !take_run(cluster))
+      cluster.count > patches_.size() - cluster.first || (color && !header_.colored) || !add_run(cluster))
     return false;
   ++clusters_;
   cluster_bytes_ += payload.size();

@@ -110,7 +110,7 @@ class Surface {
  private:
   LevelNumbers& sparse(int layer, int level);
   std::array<NumberArray, 3>& sparse_colors(int level);
-  bool take_run(const ClusterHeader& cluster);
+  bool add_run(const ClusterHeader& cluster);
 
   StageHeader header_;
   Patches patches_, slots_;

@@ -49,7 +49,6 @@ class MeshGrowth {
   [[nodiscard]] const std::vector<displaced::Corners>& triangles() const { return gates_.triangles(); }
   [[nodiscard]] const std::vector<glm::ivec3>& places() const { return places_; }
   [[nodiscard]] std::vector<displaced::Corners> take_triangles() { return gates_.take_triangles(); }
-  [[nodiscard]] std::vector<glm::ivec3> take_places() { return std::move(places_); }
   [[nodiscard]] const std::vector<glm::ivec3>& colors() const { return colors_; }
   [[nodiscard]] const std::vector<CornerCoordinates>& coordinates() const { return corners_.coordinates(); }
 

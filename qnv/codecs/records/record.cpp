@@ -117,9 +117,6 @@ void store(std::uint64_t bits, std::byte* p) {
   for (int i = 0; i < 8; ++i) p[i] = static_cast<std::byte>(bits >> (8 * i));
 }
 
-// Number of records from which results bypass the caches, since they would not be found there again.
-constexpr std::size_t kStreamedRecords = 1 << 19;
-
 }  // namespace
 
 constinit const std::array<record_paths::PaddedNormal, kNormalCodes> record_paths::kNormals = kNormalTable;
@@ -213,17 +210,11 @@ void record_paths::unpack_portable(const std::byte* records, std::size_t count, 
 
 void unpack_records(std::span<const std::byte> records, const RecordFrame& frame, glm::vec3* positions,
                     glm::vec3* normals, float* weights, std::uint8_t* colors) {
-  using record_paths::Store;
-  static const bool avx512 = record_paths::has_avx512();
   static const bool avx2 = record_paths::has_avx2();
   const std::size_t count = records.size() / kRecordBytes;
   const record_paths::Outputs out{positions, normals, weights, colors};
-  const Store store = count >= kStreamedRecords ? Store::streamed : Store::cached;
-  // Streaming profits from 64-byte stores; through the caches, shorter vectors are faster.
-  if (avx512 && store == Store::streamed) {
-    record_paths::unpack_avx512(records.data(), count, frame, out, store);
-  } else if (avx2) {
-    record_paths::unpack_avx2(records.data(), count, frame, out, store);
+  if (avx2) {
+    record_paths::unpack_avx2(records.data(), count, frame, out);
   } else {
     record_paths::unpack_portable(records.data(), count, frame, out);
   }

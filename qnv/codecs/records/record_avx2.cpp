@@ -2,9 +2,9 @@
 
 #if defined(__x86_64__)
 
-#include "qnv/codecs/records/record_tail.h"
-
 #include <immintrin.h>
+
+#include <cstring>
 
 // Enable the instructions per function, so that the program runs on every x86-64. Exclude FMA, so that the compiler
 // does not fuse operations that are separate in other paths.
@@ -31,47 +31,13 @@ QNV_AVX2_INLINE WideFrame widen(const RecordFrame& f) {
           _mm256_set1_ps(f.weight_step)};
 }
 
-// Stores consecutive vectors through the caches.
-struct CachedSink {
+// Stores consecutive vectors.
+struct Sink {
   float* p;
   QNV_AVX2_INLINE void put(__m256 v) {
     _mm256_storeu_ps(p, v);
     p += kLanes;
   }
-};
-
-// Stores consecutive vectors past the caches. Streaming stores need alignment, and not all four arrays can be aligned.
-// Each vector is therefore rotated by its array's misalignment and merged with the rest of the previous one. Both
-// halves of a cache line are stored together. The memory before the array's first vector must exist. The caller must
-// store the rest of the last line.
-struct StreamedSink {
-  QNV_AVX2_INLINE explicit StreamedSink(float* target) {
-    const auto off = static_cast<int>(reinterpret_cast<std::uintptr_t>(target) / sizeof(float) % (2 * kLanes));
-    const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    const __m256i off_in_half = _mm256_set1_epi32(off % static_cast<int>(kLanes));
-    line = target - off;
-    in_second_half = off >= static_cast<int>(kLanes);
-    turn = _mm256_and_si256(_mm256_sub_epi32(lanes, off_in_half), _mm256_set1_epi32(kLanes - 1));
-    before = _mm256_castsi256_ps(_mm256_cmpgt_epi32(off_in_half, lanes));
-    first_half = _mm256_load_ps(line);
-    rest = in_second_half ? _mm256_load_ps(line + kLanes) : first_half;
-  }
-  QNV_AVX2_INLINE void put(__m256 v) {
-    const __m256 turned = _mm256_permutevar8x32_ps(v, turn);
-    const __m256 half = _mm256_blendv_ps(turned, rest, before);
-    rest = turned;
-    if (in_second_half) {
-      _mm256_stream_ps(line, first_half);
-      _mm256_stream_ps(line + kLanes, half);
-      line += 2 * kLanes;
-    }
-    first_half = half;
-    in_second_half = !in_second_half;
-  }
-  float* line;
-  bool in_second_half;
-  __m256i turn;
-  __m256 before, first_half, rest;
 };
 
 QNV_AVX2_INLINE __m256 coordinates(__m256i codes, const Axis& axis) {
@@ -81,7 +47,6 @@ QNV_AVX2_INLINE __m256 coordinates(__m256i codes, const Axis& axis) {
 }
 
 // x0..x7, y0..y7, z0..z7 to x0 y0 z0 x1 ...
-template <class Sink>
 QNV_AVX2_INLINE void put_interleaved(Sink& sink, __m256 x, __m256 y, __m256 z) {
   const __m256 xy = _mm256_shuffle_ps(x, y, _MM_SHUFFLE(2, 0, 2, 0));   // x0 x2 y0 y2
   const __m256 yz = _mm256_shuffle_ps(y, z, _MM_SHUFFLE(3, 1, 3, 1));   // y1 y3 z1 z3
@@ -100,7 +65,6 @@ QNV_AVX2_INLINE __m256 normals_of(std::uint64_t low, std::uint64_t high) {
                               _mm_load_ps(&kNormals[high & 0xffff].x), 1);
 }
 
-template <class Sink>
 QNV_AVX2_INLINE void put_normals(Sink& sink, __m256i codes) {
   const __m128i codes16 = _mm_packus_epi32(_mm256_castsi256_si128(codes), _mm256_extracti128_si256(codes, 1));
   const auto low = static_cast<std::uint64_t>(_mm_cvtsi128_si64(codes16));
@@ -117,7 +81,6 @@ QNV_AVX2_INLINE void put_normals(Sink& sink, __m256i codes) {
   sink.put(_mm256_permute2f128_ps(b, c, 0x31));
 }
 
-template <class Sink>
 QNV_AVX2_INLINE void unpack_eight(const std::byte* records, const WideFrame& frame, Sink& positions, Sink& normals,
                                   Sink& weights, std::uint8_t* colors) {
   const auto* p = reinterpret_cast<const __m256i*>(records);
@@ -139,42 +102,28 @@ QNV_AVX2_INLINE void unpack_eight(const std::byte* records, const WideFrame& fra
   _mm_storel_epi64(reinterpret_cast<__m128i*>(colors), _mm_packus_epi16(color16, color16));
 }
 
-// Unpacks `count` records, a multiple of eight.
-template <class Sink>
-QNV_AVX2_INLINE void unpack_eights(const std::byte* records, std::size_t count, const RecordFrame& frame,
-                                   const Outputs& out) {
-  const WideFrame wide = widen(frame);
-  Sink positions{&out.positions->x}, normals{&out.normals->x}, weights{out.weights};
-#pragma GCC unroll 2
-  for (std::size_t i = 0; i < count; i += kLanes)
-    unpack_eight(records + kRecordBytes * i, wide, positions, normals, weights, out.colors + i);
-}
-
 }  // namespace
 
 bool has_avx2() { return __builtin_cpu_supports("avx2"); }
 
-QNV_AVX2 void unpack_avx2(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out,
-                          Store store) {
-  std::size_t done = 0;
-  if (store == Store::streamed && count >= 8 * kLanes) {
-    // Store the first and last records through the caches, because streams start and end inside a cache line.
-    constexpr std::size_t line = 2 * kLanes;
-    unpack_eights<CachedSink>(records, line, frame, out);
-    done = count / line * line;
-    unpack_eights<StreamedSink>(records + kRecordBytes * line, done - line, frame, behind(out, line));
-    _mm_sfence();
-    done -= line;
-  }
-  const std::size_t whole = (count - done) / kLanes * kLanes;
-  if (whole > 0) unpack_eights<CachedSink>(records + kRecordBytes * done, whole, frame, behind(out, done));
-  done += whole;
-  unpack_tail<kLanes>(records + kRecordBytes * done, count - done, behind(out, done),
-                      [&](const std::byte* p, float* positions, float* normals, float* weights, std::uint8_t* colors)
-                          QNV_AVX2 {
-                            CachedSink to[] = {{positions}, {normals}, {weights}};
-                            unpack_eight(p, widen(frame), to[0], to[1], to[2], colors);
-                          });
+QNV_AVX2 void unpack_avx2(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out) {
+  const WideFrame wide = widen(frame);
+  const std::size_t whole = count / kLanes * kLanes, rest = count - whole;
+  Sink positions{&out.positions->x}, normals{&out.normals->x}, weights{out.weights};
+#pragma GCC unroll 2
+  for (std::size_t i = 0; i < whole; i += kLanes)
+    unpack_eight(records + kRecordBytes * i, wide, positions, normals, weights, out.colors + i);
+  if (rest == 0) return;
+  std::byte padded[kLanes * kRecordBytes] = {};
+  std::memcpy(padded, records + kRecordBytes * whole, rest * kRecordBytes);
+  float last_positions[3 * kLanes], last_normals[3 * kLanes], last_weights[kLanes];
+  std::uint8_t last_colors[kLanes];
+  Sink last[] = {{last_positions}, {last_normals}, {last_weights}};
+  unpack_eight(padded, wide, last[0], last[1], last[2], last_colors);
+  std::memcpy(out.positions + whole, last_positions, rest * sizeof(glm::vec3));
+  std::memcpy(out.normals + whole, last_normals, rest * sizeof(glm::vec3));
+  std::memcpy(out.weights + whole, last_weights, rest * sizeof(float));
+  std::memcpy(out.colors + whole, last_colors, rest);
 }
 
 }  // namespace gs::qnv::record_paths
@@ -184,7 +133,7 @@ QNV_AVX2 void unpack_avx2(const std::byte* records, std::size_t count, const Rec
 namespace gs::qnv::record_paths {
 
 bool has_avx2() { return false; }
-void unpack_avx2(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out, Store) {
+void unpack_avx2(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out) {
   unpack_portable(records, count, frame, out);
 }
 

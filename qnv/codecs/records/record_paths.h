@@ -23,21 +23,11 @@ struct alignas(16) PaddedNormal {
 };
 extern const std::array<PaddedNormal, kNormalCodes> kNormals;
 
-/// Kind of store instruction: cached, for results that are used at once; streamed, which bypasses the caches and avoids
-/// reading memory before writing it.
-enum class Store : std::uint8_t { cached, streamed };
-
 /// Unpacks on any processor.
 void unpack_portable(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out);
 
 /// Unpacks eight records at a time. Call only if has_avx2().
 [[nodiscard]] bool has_avx2();
-void unpack_avx2(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out,
-                 Store store);
-
-/// Unpacks sixteen records at a time. Call only if has_avx512().
-[[nodiscard]] bool has_avx512();
-void unpack_avx512(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out,
-                   Store store);
+void unpack_avx2(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out);
 
 }  // namespace gs::qnv::record_paths

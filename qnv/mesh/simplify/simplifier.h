@@ -2,6 +2,7 @@
 
 #include "qnv/mesh/manifold.h"
 #include "qnv/mesh/simplify/cost_queue.h"
+#include "qnv/mesh/simplify/linked_triangles.h"
 #include "qnv/mesh/simplify/quadric.h"
 
 #include <glm/geometric.hpp>
@@ -49,14 +50,11 @@ class Simplifier {
   [[nodiscard]] std::vector<HalfCollapse> collapse_apart(std::size_t most);
   /// Removes the limit on how triangles may turn.
   void turn_freely() { care_ = kCareless; }
-  [[nodiscard]] std::size_t triangles() const { return count_; }
+  [[nodiscard]] std::size_t triangles() const { return mesh_.count(); }
   /// Fills `places` with the new number of each original vertex, or kNone.
   [[nodiscard]] SurfaceMesh result(const SurfaceMesh& mesh, std::vector<std::uint32_t>& places) const;
 
  private:
-  [[nodiscard]] std::uint32_t& vertex_at(std::uint32_t corner) { return triangles_[corner / 3][corner % 3]; }
-  [[nodiscard]] bool alive(std::uint32_t triangle) const { return triangles_[triangle][0] != kNone; }
-  void gather(std::uint32_t v, std::vector<std::uint32_t>& corners);
   [[nodiscard]] glm::dvec3 place_for(std::uint32_t u, std::uint32_t v, const Quadric& q) const;
   void push(std::uint32_t u, std::uint32_t v);
   void push_round(std::uint32_t v);
@@ -69,11 +67,7 @@ class Simplifier {
   void merge(std::uint32_t u, std::uint32_t v, const Quadric& q, const glm::dvec3& place);
   bool collapse(std::uint32_t u, std::uint32_t v);
   void push_all();
-  std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
-  void append_corner(std::uint32_t v, std::uint32_t corner);
   [[nodiscard]] double round(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
-  [[nodiscard]] std::uint32_t triangle_left_of(std::uint32_t a, std::uint32_t b);
-  [[nodiscard]] std::uint32_t third(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const;
   void repair(double edge);
   void close_rims(double most);
   void cut_tunnels(double most);
@@ -83,10 +77,9 @@ class Simplifier {
   double see_area(std::size_t wanted);
 
   std::vector<glm::dvec3> positions_;
-  std::vector<Corners> triangles_;
+  LinkedTriangles mesh_;
   std::vector<Quadric> quadrics_;
-  std::vector<double> areas_;                      // around a vertex
-  std::vector<std::uint32_t> head_, tail_, next_;  // linked list of each vertex's corners
+  std::vector<double> areas_;  // around a vertex
   std::vector<std::uint32_t> stamp_, mark_, seen_triangles_;
   std::uint32_t searches_ = 0;
   std::vector<bool> rim_, kept_;
@@ -94,7 +87,6 @@ class Simplifier {
   Care care_ = kCare[0];
   double noise_ = 0;  // twice the area below which triangles are far smaller than the wanted ones
   std::uint32_t marks_ = 0;
-  std::size_t count_ = 0;
   CostQueue queue_;
   std::vector<std::uint32_t> at_u_, at_v_, round_, seen_u_, seen_v_;
 };

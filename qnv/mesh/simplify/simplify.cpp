@@ -20,19 +20,15 @@ constexpr int kRepairs = 3;      // the size limit doubles each time
 }  // namespace
 
 Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept, Way way)
-    : triangles_(mesh.triangles),
+    : mesh_(mesh),
       quadrics_(mesh.positions.size()),
       areas_(mesh.positions.size(), 0.0),
-      head_(mesh.positions.size(), kNone),
-      tail_(mesh.positions.size(), kNone),
-      next_(mesh.triangles.size() * 3, kNone),
       stamp_(mesh.positions.size(), 0),
       mark_(mesh.positions.size(), 0),
       rim_(mesh.positions.size(), false),
       kept_(std::move(kept)),
       way_(way),
-      care_(way == Way::any ? kCare[0] : kCareOfHalves),
-      count_(mesh.triangles.size()) {
+      care_(way == Way::any ? kCare[0] : kCareOfHalves) {
   // Scale to the box, so that costs do not depend on the unit.
   Box box;
   for (const glm::vec3& p : mesh.positions) box.add(p);
@@ -41,20 +37,18 @@ Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept, Way way)
   positions_.reserve(mesh.positions.size());
   for (const glm::vec3& p : mesh.positions) positions_.push_back((glm::dvec3(p) - glm::dvec3(box.lower)) * scale);
   const auto beside = neighbours_of(mesh.triangles);
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    const glm::dvec3 a = positions_[triangles_[t][0]], b = positions_[triangles_[t][1]],
-                     c = positions_[triangles_[t][2]];
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Corners& corners = mesh.triangles[t];
+    const glm::dvec3 a = positions_[corners[0]], b = positions_[corners[1]], c = positions_[corners[2]];
     const glm::dvec3 cross = glm::cross(b - a, c - a);
     const double twice = glm::length(cross);
     const glm::dvec3 n = twice > 0 ? cross / twice : glm::dvec3(0);
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = triangles_[t][k], corner = 3 * t + k;
+      const std::uint32_t v = corners[k];
       quadrics_[v].add_plane(n, -glm::dot(n, a), twice / 6);
       areas_[v] += twice / 6;
-      (head_[v] == kNone ? head_[v] : next_[tail_[v]]) = corner;
-      tail_[v] = corner;
       if (beside[t][k] != kNone) continue;
-      const std::uint32_t w = triangles_[t][(k + 1) % 3];
+      const std::uint32_t w = corners[(k + 1) % 3];
       rim_[v] = rim_[w] = true;
       const glm::dvec3 along = positions_[w] - positions_[v];
       const double squared = glm::dot(along, along);
@@ -67,20 +61,6 @@ Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept, Way way)
     }
   }
   push_all();
-}
-
-void Simplifier::gather(std::uint32_t v, std::vector<std::uint32_t>& corners) {
-  // Unlink corners of removed triangles on the way.
-  corners.clear();
-  std::uint32_t last = kNone;
-  for (std::uint32_t corner = head_[v]; corner != kNone; corner = next_[corner]) {
-    if (!alive(corner / 3)) continue;
-    (last == kNone ? head_[v] : next_[last]) = corner;
-    last = corner;
-    corners.push_back(corner);
-  }
-  (last == kNone ? head_[v] : next_[last]) = kNone;
-  tail_[v] = last;
 }
 
 glm::dvec3 Simplifier::place_for(std::uint32_t u, std::uint32_t v, const Quadric& q) const {
@@ -110,10 +90,10 @@ void Simplifier::push(std::uint32_t u, std::uint32_t v) {
 }
 
 void Simplifier::push_round(std::uint32_t v) {
-  gather(v, round_);
+  mesh_.gather(v, round_);
   ++marks_;
   for (const std::uint32_t corner : round_)
-    for (const std::uint32_t w : triangles_[corner / 3]) {
+    for (const std::uint32_t w : mesh_.of(corner)) {
       if (w == v || mark_[w] == marks_) continue;
       mark_[w] = marks_;
       push(std::min(v, w), std::max(v, w));
@@ -122,7 +102,7 @@ void Simplifier::push_round(std::uint32_t v) {
 
 bool Simplifier::may_turn(std::span<const std::uint32_t> corners, std::uint32_t other, const glm::dvec3& place) const {
   for (const std::uint32_t corner : corners) {
-    const Corners& t = triangles_[corner / 3];
+    const Corners& t = mesh_.of(corner);
     if (t[0] == other || t[1] == other || t[2] == other) continue;
     const glm::dvec3 b = positions_[t[(corner % 3 + 1) % 3]];
     const glm::dvec3 c = positions_[t[(corner % 3 + 2) % 3]];
@@ -149,7 +129,7 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
     seen.clear();
     ++marks_;
     for (const std::uint32_t corner : corners)
-      for (const std::uint32_t w : triangles_[corner / 3])
+      for (const std::uint32_t w : mesh_.of(corner))
         if (w != self && mark_[w] != marks_) {
           mark_[w] = marks_;
           seen.push_back(w);
@@ -160,7 +140,7 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
   std::size_t common = 0, shared = 0;
   for (const std::uint32_t w : seen_u_) common += mark_[w] == marks_ && w != v ? 1 : 0;
   for (const std::uint32_t corner : at_u_) {
-    const Corners& t = triangles_[corner / 3];
+    const Corners& t = mesh_.of(corner);
     shared += t[0] == v || t[1] == v || t[2] == v ? 1 : 0;
   }
   if (shared == 0 || common != shared) return false;
@@ -169,11 +149,14 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
   if (shared == 1 && at_u_.size() == 1 && at_v_.size() == 1) return false;
   if (shared == 2 && seen_u_.size() <= 3 && seen_v_.size() <= 3) return false;
   for (const std::uint32_t corner : at_u_) {
-    const Corners& t = triangles_[corner / 3];
+    const Corners& t = mesh_.of(corner);
     for (std::uint32_t k = 0; k < 3; ++k) {
       if (t[k] == u || t[k] == v || (t[0] != v && t[1] != v && t[2] != v)) continue;
       std::size_t around = 0;
-      for (std::uint32_t c = head_[t[k]]; c != kNone; c = next_[c]) around += alive(c / 3) ? 1 : 0;
+      mesh_.any_corner(t[k], [&](std::uint32_t) {
+        ++around;
+        return false;
+      });
       if (around <= (rim_[t[k]] ? 1u : 3u)) return false;
     }
   }
@@ -181,8 +164,8 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
 }
 
 bool Simplifier::may_merge(std::uint32_t u, std::uint32_t v, const glm::dvec3& place) {
-  gather(u, at_u_);
-  gather(v, at_v_);
+  mesh_.gather(u, at_u_);
+  mesh_.gather(v, at_v_);
   return linked_well(u, v) && may_turn(at_u_, v, place) && may_turn(at_v_, u, place);
 }
 
@@ -202,20 +185,7 @@ void Simplifier::merge(std::uint32_t u, std::uint32_t v, const Quadric& q, const
   quadrics_[v] = q;
   areas_[v] += areas_[u];
   rim_[v] = rim_[v] || rim_[u];
-  for (const std::uint32_t corner : at_u_) {
-    Corners& t = triangles_[corner / 3];
-    if (t[0] == v || t[1] == v || t[2] == v) {
-      t[0] = kNone;
-      --count_;
-    } else {
-      vertex_at(corner) = v;
-    }
-  }
-  if (head_[u] != kNone) {
-    (head_[v] == kNone ? head_[v] : next_[tail_[v]]) = head_[u];
-    tail_[v] = tail_[u];
-    head_[u] = tail_[u] = kNone;
-  }
+  mesh_.merge(u, v, at_u_);
   stamp_[u] += 1u << 30;  // never collapses again
   ++stamp_[v];
   push_round(v);
@@ -244,7 +214,7 @@ void Simplifier::run(std::size_t wanted, std::size_t begun) {
     repair(edge);
   }
   collapse_to(wanted);
-  for (int times = 0; times < kRepairs && count_ > wanted; ++times) {
+  for (int times = 0; times < kRepairs && triangles() > wanted; ++times) {
     care_ = kCare[1];
     edge *= 2;
     repair(edge);
@@ -253,7 +223,7 @@ void Simplifier::run(std::size_t wanted, std::size_t begun) {
 }
 
 void Simplifier::push_all() {
-  for (const Corners& t : triangles_)
+  for (const Corners& t : mesh_.triangles())
     for (std::size_t k = 0; k < 3 && t[0] != kNone; ++k) {
       const std::uint32_t u = t[k], v = t[(k + 1) % 3];
       if (u < v || (rim_[u] && rim_[v])) push(std::min(u, v), std::max(u, v));
@@ -262,12 +232,12 @@ void Simplifier::push_all() {
 
 void Simplifier::collapse_to(std::size_t wanted) {
   Candidate next{};
-  while (count_ > wanted && queue_.pop(next))
+  while (triangles() > wanted && queue_.pop(next))
     if (!stale(next)) collapse(next.u, next.v);
 }
 
 bool Simplifier::stale(const Candidate& c) const {
-  return head_[c.u] == kNone || head_[c.v] == kNone || c.stamp != stamp_[c.u] + stamp_[c.v];
+  return !mesh_.used(c.u) || !mesh_.used(c.v) || c.stamp != stamp_[c.u] + stamp_[c.v];
 }
 
 SurfaceMesh Simplifier::result(const SurfaceMesh& mesh, std::vector<std::uint32_t>& places) const {
@@ -277,7 +247,7 @@ SurfaceMesh Simplifier::result(const SurfaceMesh& mesh, std::vector<std::uint32_
   const double scale = std::max({size.x, size.y, size.z, 1e-300});
   SurfaceMesh out;
   places.assign(positions_.size(), kNone);
-  for (const Corners& t : triangles_) {
+  for (const Corners& t : mesh_.triangles()) {
     if (t[0] == kNone) continue;
     Corners corners;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -23,7 +23,7 @@ std::vector<HalfCollapse> Simplifier::collapse_apart(std::size_t most) {
     HalfCollapse collapse{gone, to, kNone, kNone, 0};
     taken[to] = true;
     for (const std::uint32_t corner : at_u_) {
-      const Corners& t = triangles_[corner / 3];
+      const Corners& t = mesh_.of(corner);
       const std::uint32_t after = t[(corner % 3 + 1) % 3], before = t[(corner % 3 + 2) % 3];
       stays[after] = stays[before] = true;
       if (after == to) collapse.left = before;

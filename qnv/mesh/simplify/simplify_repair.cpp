@@ -18,113 +18,86 @@ void Simplifier::repair(double edge) {
   push_all();
 }
 
-std::uint32_t Simplifier::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  const auto t = static_cast<std::uint32_t>(triangles_.size());
-  triangles_.push_back({a, b, c});
-  next_.resize(next_.size() + 3, kNone);
-  for (std::uint32_t k = 0; k < 3; ++k) append_corner(triangles_[t][k], 3 * t + k);
-  ++count_;
-  return t;
-}
-
-void Simplifier::append_corner(std::uint32_t v, std::uint32_t corner) {
-  (head_[v] == kNone ? head_[v] : next_[tail_[v]]) = corner;
-  tail_[v] = corner;
-  next_[corner] = kNone;
-}
-
 double Simplifier::round(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
   return glm::length(positions_[a] - positions_[b]) + glm::length(positions_[b] - positions_[c]) +
          glm::length(positions_[c] - positions_[a]);
 }
 
-std::uint32_t Simplifier::triangle_left_of(std::uint32_t a, std::uint32_t b) {
-  for (std::uint32_t corner = head_[a]; corner != kNone; corner = next_[corner])
-    if (alive(corner / 3) && triangles_[corner / 3][(corner % 3 + 1) % 3] == b) return corner / 3;
-  return kNone;
-}
-
 // Fills holes of three edges with a triangle; skips the perimeter of a single triangle.
 void Simplifier::close_rims(double most) {
-  for (std::uint32_t u = 0; u < head_.size(); ++u) {
-    if (!rim_[u] || head_[u] == kNone) continue;
+  for (std::uint32_t u = 0; u < mesh_.vertices(); ++u) {
+    if (!rim_[u] || !mesh_.used(u)) continue;
     // Walk the rim opposite to its triangles: from u along the side without a triangle on its left.
-    gather(u, at_u_);
+    mesh_.gather(u, at_u_);
     for (const std::uint32_t corner : std::vector<std::uint32_t>(at_u_)) {
-      const std::uint32_t v = triangles_[corner / 3][(corner % 3 + 2) % 3];  // side from v to u
-      if (triangle_left_of(u, v) != kNone) continue;
-      for (std::uint32_t c = head_[v]; c != kNone; c = next_[c]) {
-        if (!alive(c / 3)) continue;
-        const std::uint32_t w = triangles_[c / 3][(c % 3 + 2) % 3];  // side from w to v
-        if (w == u || triangle_left_of(v, w) != kNone || triangle_left_of(u, w) == kNone ||
-            triangle_left_of(w, u) != kNone || round(u, v, w) > most || third(corner / 3, u, v) == w)
-          continue;
-        add_triangle(u, v, w);
-        break;
-      }
+      const std::uint32_t v = mesh_.of(corner)[(corner % 3 + 2) % 3];  // side from v to u
+      if (mesh_.left_of(u, v) != kNone) continue;
+      mesh_.any_corner(v, [&](std::uint32_t c) {
+        const std::uint32_t w = mesh_.of(c)[(c % 3 + 2) % 3];  // side from w to v
+        if (w == u || mesh_.left_of(v, w) != kNone || mesh_.left_of(u, w) == kNone || mesh_.left_of(w, u) != kNone ||
+            round(u, v, w) > most || mesh_.third(corner / 3, u, v) == w)
+          return false;
+        mesh_.add_triangle({u, v, w});
+        return true;
+      });
     }
   }
-  for (std::uint32_t v = 0; v < head_.size(); ++v) {
-    if (!rim_[v] || head_[v] == kNone) continue;
-    gather(v, at_v_);
+  for (std::uint32_t v = 0; v < mesh_.vertices(); ++v) {
+    if (!rim_[v] || !mesh_.used(v)) continue;
+    mesh_.gather(v, at_v_);
     rim_[v] = std::any_of(at_v_.begin(), at_v_.end(), [&](std::uint32_t corner) {
-      return triangle_left_of(v, triangles_[corner / 3][(corner % 3 + 2) % 3]) == kNone ||
-             triangle_left_of(triangles_[corner / 3][(corner % 3 + 1) % 3], v) == kNone;
+      return mesh_.left_of(v, mesh_.of(corner)[(corner % 3 + 2) % 3]) == kNone ||
+             mesh_.left_of(mesh_.of(corner)[(corner % 3 + 1) % 3], v) == kNone;
     });
   }
 }
 
 // Cuts the surface along cycles of three edges that bound no triangle, and closes both sides.
 void Simplifier::cut_tunnels(double most) {
-  const auto vertices = static_cast<std::uint32_t>(head_.size());
+  const std::uint32_t vertices = mesh_.vertices();
   for (std::uint32_t u = 0; u < vertices; ++u) {
-    if (rim_[u] || head_[u] == kNone) continue;
-    gather(u, at_u_);
+    if (rim_[u] || !mesh_.used(u)) continue;
+    mesh_.gather(u, at_u_);
     std::vector<std::uint32_t> beside;
-    for (const std::uint32_t corner : at_u_) beside.push_back(triangles_[corner / 3][(corner % 3 + 1) % 3]);
+    for (const std::uint32_t corner : at_u_) beside.push_back(mesh_.of(corner)[(corner % 3 + 1) % 3]);
     bool cut = false;
     for (std::size_t i = 0; i < beside.size() && !cut; ++i) {
       const std::uint32_t v = beside[i];
       if (u > v || rim_[v]) continue;
       // Mark the ends of sides that leave v. Few lead to another neighbour of u, except along u's own triangles.
       ++marks_;
-      for (std::uint32_t c = head_[v]; c != kNone; c = next_[c])
-        if (const Corners& t = triangles_[c / 3]; alive(c / 3) && t[(c % 3 + 2) % 3] != u)
-          mark_[t[(c % 3 + 1) % 3]] = marks_;
+      mesh_.any_corner(v, [&](std::uint32_t c) {
+        if (const Corners& t = mesh_.of(c); t[(c % 3 + 2) % 3] != u) mark_[t[(c % 3 + 1) % 3]] = marks_;
+        return false;
+      });
       const std::uint32_t marked = marks_;
       for (std::size_t j = 0; j < beside.size() && !cut; ++j) {
         const std::uint32_t w = beside[j];
         if (mark_[w] != marked || i == j || u > w || rim_[w] || round(u, v, w) > most) continue;
-        const std::uint32_t left = triangle_left_of(v, w), right = triangle_left_of(w, v);
-        if (left == kNone || right == kNone || third(left, v, w) == u || third(right, v, w) == u) continue;
+        const std::uint32_t left = mesh_.left_of(v, w), right = mesh_.left_of(w, v);
+        if (left == kNone || right == kNone || mesh_.third(left, v, w) == u || mesh_.third(right, v, w) == u) continue;
         cut = joined_elsewhere({u, v, w}) && cut_along({u, v, w});
       }
     }
   }
 }
 
-std::uint32_t Simplifier::third(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const {
-  for (const std::uint32_t v : triangles_[triangle])
-    if (v != a && v != b) return v;
-  return kNone;
-}
-
 bool Simplifier::joined_elsewhere(const Corners& cycle) {
   // Search from the cycle's left to its right across other edges; if there is no path, cutting would separate a part.
-  const std::uint32_t from = triangle_left_of(cycle[0], cycle[1]), to = triangle_left_of(cycle[1], cycle[0]);
+  const std::uint32_t from = mesh_.left_of(cycle[0], cycle[1]), to = mesh_.left_of(cycle[1], cycle[0]);
   if (from == kNone || to == kNone) return false;
   const auto on_cycle = [&](std::uint32_t v) { return v == cycle[0] || v == cycle[1] || v == cycle[2]; };
-  seen_triangles_.resize(triangles_.size(), 0);
+  seen_triangles_.resize(mesh_.triangles().size(), 0);
   ++searches_;
   std::vector<std::uint32_t> open{from};
   seen_triangles_[from] = searches_;
   for (std::size_t i = 0; i < std::min(open.size(), kMaxSearched); ++i) {
     if (open[i] == to) return true;
-    const Corners& t = triangles_[open[i]];
+    const Corners& t = mesh_.triangles()[open[i]];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
       if (on_cycle(a) && on_cycle(b)) continue;
-      const std::uint32_t beside = triangle_left_of(b, a);
+      const std::uint32_t beside = mesh_.left_of(b, a);
       if (beside == kNone || seen_triangles_[beside] == searches_) continue;
       seen_triangles_[beside] = searches_;
       open.push_back(beside);
@@ -139,36 +112,31 @@ bool Simplifier::cut_along(const Corners& cycle) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t v = cycle[k], before = cycle[(k + 2) % 3];
     for (std::uint32_t to = cycle[(k + 1) % 3]; to != before;) {
-      const std::uint32_t t = triangle_left_of(v, to);
+      const std::uint32_t t = mesh_.left_of(v, to);
       if (t == kNone || left[k].size() > 1000) return false;
       for (std::uint32_t c = 0; c < 3; ++c)
-        if (triangles_[t][c] == v) left[k].push_back(3 * t + c);
-      to = third(t, v, to);
+        if (mesh_.triangles()[t][c] == v) left[k].push_back(3 * t + c);
+      to = mesh_.third(t, v, to);
     }
   }
   Corners copies{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t v = cycle[k], copy = copies[k] = static_cast<std::uint32_t>(head_.size());
+    const std::uint32_t v = cycle[k];
     positions_.push_back(glm::dvec3(positions_[v]));
     quadrics_.push_back(Quadric(quadrics_[v]));
     areas_.push_back(double{areas_[v]});
-    head_.push_back(kNone);
-    tail_.push_back(kNone);
     stamp_.push_back(0);
     mark_.push_back(0);
     rim_.push_back(false);
     ++stamp_[v];
     std::vector<std::uint32_t> all;
-    gather(v, all);
-    head_[v] = tail_[v] = kNone;
-    for (const std::uint32_t corner : all) {
-      const bool moves = std::find(left[k].begin(), left[k].end(), corner) != left[k].end();
-      if (moves) vertex_at(corner) = copy;
-      append_corner(moves ? copy : v, corner);
-    }
+    mesh_.gather(v, all);
+    copies[k] = mesh_.split(v, all, [&](std::uint32_t corner) {
+      return std::find(left[k].begin(), left[k].end(), corner) != left[k].end();
+    });
   }
-  add_triangle(copies[0], copies[2], copies[1]);
-  add_triangle(cycle[0], cycle[1], cycle[2]);
+  mesh_.add_triangle({copies[0], copies[2], copies[1]});
+  mesh_.add_triangle(cycle);
   return true;
 }
 

@@ -4,7 +4,7 @@
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
 #include "qnv/codecs/displaced/tessellation/patch_surface.h"
 #include "qnv/codecs/shared/encode_options.h"
-#include "render/scene/collector.h"
+#include "render/collection/collector.h"
 #include "tests/app/clouds.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"

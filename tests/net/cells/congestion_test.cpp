@@ -60,8 +60,8 @@ TEST_CASE("counts late datagrams as received", "[congestion]") {
   history.arrived(1'000'000'000'000, 100, Instant(0), 10ms, true);
   REQUIRE(history.lost() > 999'999'990'000);
   REQUIRE(history.event_rate() > 0);
-  REQUIRE(history.take_new_event());
-  REQUIRE_FALSE(history.take_new_event());
+  REQUIRE(history.clear_new_event());
+  REQUIRE_FALSE(history.clear_new_event());
 }
 
 TEST_CASE("detects queues by their delay, whatever the clocks are", "[congestion]") {

@@ -6,7 +6,7 @@
 
 #include <unistd.h>
 
-#include "net/base/client_limits.h"
+#include "net/limits/client_limits.h"
 #include "net/serve/access_log.h"
 #include "net/serve/http_range.h"
 #include "net/serve/http_site.h"

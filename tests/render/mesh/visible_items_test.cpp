@@ -1,7 +1,7 @@
 // Tests of the tree that finds the visible items of a large list, against the test of each item.
 #include "render/mesh/visible_items.h"
 
-#include "render/scene/render_scene.h"
+#include "render/collection/render_scene.h"
 #include "tests/render/drawing.h"
 #include "vrml/events/execution.h"
 #include "vrml/scene/node_names.h"

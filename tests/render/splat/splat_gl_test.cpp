@@ -1,5 +1,4 @@
 #include "render/splat/splat_gl.h"
-#include "qnv/codecs/records/record.h"
 #include "render/splat/splat_closing.h"
 #include "tests/render/drawing.h"
 #include "tests/render/splat_scenes.h"
@@ -173,61 +172,6 @@ TEST_CASE("draws splats on the processor if OpenGL is a software path") {
   CHECK(drawing.statistics.splats == std::string("none"));
 }
 
-TEST_CASE("draws packed records like unpacked ones", "[optimised]") {
-  OpenContext open;
-  SplatGl splats(open.gl);
-  std::vector<qnv::Rgb8> palette;
-  for (int i = 0; i < 200; ++i)
-    palette.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(255 - i), 30});
-  const auto given = sphere(4000);
-  for (const bool two_sided : {false, true}) {
-    for (const int supersample : {1, 2}) {
-      SplatRecords records(open.gl, palette, two_sided);
-      qnv::Cloud cloud;
-      cloud.description.two_sided = two_sided;
-      // Two chunks, the upper and the lower half, each with its own frame.
-      for (std::size_t half = 0; half < 2; ++half) {
-        const std::size_t first = half * 2000;
-        Box box;
-        for (std::size_t i = first; i < first + 2000; ++i) box.add(given->positions[i]);
-        const qnv::RecordFrame frame = qnv::frame_for(box, given->weights[0] * 2);
-        std::vector<std::byte> bytes(2000 * qnv::kRecordBytes + 3);
-        std::vector<std::uint8_t> colors;
-        for (std::size_t i = 0; i < 2000; ++i) colors.push_back(static_cast<std::uint8_t>((first + i) / 20));
-        qnv::pack_records(std::span(given->positions).subspan(first, 2000),
-                          std::span(given->normals).subspan(first, 2000),
-                          std::span(given->weights).subspan(first, 2000), colors, frame, bytes.data());
-        REQUIRE(records.add(bytes, frame));
-        cloud.positions.resize(first + 2000);
-        cloud.normals.resize(first + 2000);
-        cloud.weights.resize(first + 2000);
-        qnv::unpack_records(bytes, frame, &cloud.positions[first], &cloud.normals[first], &cloud.weights[first],
-                            colors.data());
-        for (const std::uint8_t color : colors) cloud.colors.push_back(palette[color]);
-      }
-      SplatView view = view_of_sphere();
-      view.supersample = supersample;
-      const auto drawn = splats.draw(records, view);
-      REQUIRE(drawn);
-      const SplatLayer layer = splats.read(*drawn, view), wanted = rasterize_surface(cloud, view);
-      CHECK(!take_errors(open.gl));
-      const LayerDifference difference = compare(layer, wanted);
-      CHECK(difference.both > 3000);
-      CHECK(difference.uncovered < 0.005);
-      CHECK(difference.wrong < 0.01);
-      CHECK(static_cast<double>(layer.discs) == Approx(static_cast<double>(wanted.discs)).epsilon(0.05));
-    }
-  }
-  SplatRecords refused(open.gl, {}, false);
-  qnv::RecordFrame broken;
-  broken.weight_step = 0;
-  CHECK(!refused.add(random_records(4), broken));
-  CHECK(refused.add({}, qnv::frame_for({{0, 0, 0}, {1, 1, 1}}, 1)));
-  const auto empty = splats.draw(refused, view_of_sphere());
-  REQUIRE(empty);
-  CHECK(empty->normals == 0);
-}
-
 TEST_CASE("draws tints and normals as colours with OpenGL") {
   OpenContext open;
   SplatGl splats(open.gl);
@@ -250,16 +194,6 @@ TEST_CASE("draws tints and normals as colours with OpenGL") {
   check_color(middle({{plain, 0, 2000}, {colored, 2000, 2000, 1, red}}), glm::vec3(0.8f));
   view.color_by_normal = true;
   check_color(middle({{colored, 0, 4000, 1, red}}), {0.5f, 0.5f, 1}, 4);
-  std::vector<std::byte> bytes(4000 * qnv::kRecordBytes);
-  const qnv::RecordFrame frame = qnv::frame_for(plain->description.box, plain->weights[0] * 2);
-  qnv::pack_records(plain->positions, plain->normals, plain->weights, {}, frame, bytes.data());
-  SplatRecords records(open.gl, {}, false);
-  REQUIRE(records.add(bytes, frame));
-  const auto drawn = splats.draw(records, view);
-  REQUIRE(drawn);
-  const SplatLayer layer = splats.read(*drawn, view);
-  REQUIRE(!layer.colors.empty());
-  CHECK(layer.colors[4 * (40 * 100 + 50) + 2] > 245);
 }
 
 TEST_CASE("draws thousands of point sets with a few calls") {

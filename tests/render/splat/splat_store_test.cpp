@@ -1,12 +1,5 @@
 #include "render/splat/splat_store.h"
-#include "qnv/codecs/records/record.h"
-#include "render/splat/splat_shaders.h"
 #include "tests/render/splat_scenes.h"
-
-#include <glm/gtc/type_ptr.hpp>
-
-#include <array>
-#include <string>
 
 using namespace gs;
 using namespace gs::render;
@@ -166,83 +159,5 @@ TEST_CASE("stores position, normal and size of a splat in 16 bytes") {
     CHECK(edge == Approx(cloud.cells[i].edge).epsilon(2e-4));
     const float offset = (static_cast<float>(cells[i] >> 16) - 32767) / 32767 * SplatCoding::kOffsetRange * edge;
     CHECK(std::abs(offset - cloud.cells[i].offset) < 1e-4f * edge);
-  }
-}
-
-TEST_CASE("unpacks records in the vertex shader to the bits of unpack_records") {
-  OpenContext open;
-  const Gl& gl = open.gl;
-  constexpr std::size_t kCount = 4096;
-  const std::vector<std::byte> records = random_records(kCount);
-  const qnv::RecordFrame frame = qnv::frame_for({{-1, -2, 3}, {4, 0.5f, 3.1f}}, 0.7f);
-  std::vector<glm::vec3> positions(kCount), normals(kCount);
-  std::vector<float> weights(kCount);
-  std::vector<std::uint8_t> colors(kCount);
-  qnv::unpack_records(records, frame, positions.data(), normals.data(), weights.data(), colors.data());
-
-  const std::string vertex = std::string(kSplatVectorShader) + R"glsl(
-uniform vec3 frame_lower, half_cell;
-uniform float weight_step;
-flat out vec4 place_weight, normal_color;
-void main() {
-  vec3 position, normal;
-  float weight;
-  int color;
-  unpack_record(texelFetch(vectors, gl_VertexID).xy, frame_lower, half_cell, weight_step, position, normal, weight, color);
-  place_weight = vec4(position, weight);
-  normal_color = vec4(normal, float(color));
-  gl_Position = vec4((float(gl_VertexID & 63) + 0.5) / 32.0 - 1.0, (float(gl_VertexID >> 6) + 0.5) / 32.0 - 1.0, 0.0, 1.0);
-}
-)glsl";
-  auto made = make_program(gl, "#define RECORDS\n#define PI 3.14159265\n#define PIECES_A_ROW 256\n", vertex, R"glsl(
-flat in vec4 place_weight, normal_color;
-layout(location = 0) out vec4 first;
-layout(location = 1) out vec4 second;
-void main() {
-  first = place_weight;
-  second = normal_color;
-}
-)glsl");
-  if (auto* error = std::get_if<ContextError>(&made)) FAIL(error->message);
-  const GLuint program = std::get<Program>(made).name();
-  const Framebuffer framebuffer = make_framebuffer(gl);
-  const std::array<Texture, 2> targets{make_texture(gl), make_texture(gl)};
-  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-  for (GLenum i = 0; i < 2; ++i) {
-    gl.BindTexture(GL_TEXTURE_2D, targets[i].name());
-    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 64, 64, 0, GL_RGBA, GL_FLOAT, nullptr);
-    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0 + i, GL_TEXTURE_2D, targets[i].name(), 0);
-  }
-  const std::array<GLenum, 2> buffers{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  gl.DrawBuffers(2, buffers.data());
-  gl.Viewport(0, 0, 64, 64);
-  const Texture table = make_normal_table(gl);
-  const VertexArray attributes = make_vertex_array(gl);
-  gl.BindVertexArray(attributes.name());
-  SplatRecords stored(gl, {}, false);
-  REQUIRE(stored.add(records, frame));
-  REQUIRE(stored.chunks().size() == 1);
-  gl.UseProgram(program);
-  const glm::vec3 half = frame.cell * 0.5f;
-  gl.Uniform3fv(gl.GetUniformLocation(program, "frame_lower"), 1, glm::value_ptr(frame.lower));
-  gl.Uniform3fv(gl.GetUniformLocation(program, "half_cell"), 1, glm::value_ptr(half));
-  gl.Uniform1f(gl.GetUniformLocation(program, "weight_step"), frame.weight_step);
-  gl.Uniform1i(gl.GetUniformLocation(program, "normal_table"), 0);
-  gl.Uniform1i(gl.GetUniformLocation(program, "vectors"), 1);
-  gl.ActiveTexture(GL_TEXTURE1);
-  gl.BindTexture(GL_TEXTURE_BUFFER, stored.chunks()[0].texture.name());
-  gl.ActiveTexture(GL_TEXTURE0);
-  gl.BindTexture(GL_TEXTURE_2D, table.name());
-  gl.DrawArrays(GL_POINTS, 0, kCount);
-  std::vector<glm::vec4> first(kCount), second(kCount);
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  gl.ReadPixels(0, 0, 64, 64, GL_RGBA, GL_FLOAT, first.data());
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
-  gl.ReadPixels(0, 0, 64, 64, GL_RGBA, GL_FLOAT, second.data());
-  for (std::size_t i = 0; i < kCount; ++i) {
-    CHECK(glm::vec3(first[i]) == positions[i]);
-    CHECK(first[i].w == weights[i]);
-    CHECK(glm::vec3(second[i]) == normals[i]);
-    CHECK(second[i].w == static_cast<float>(colors[i]));
   }
 }

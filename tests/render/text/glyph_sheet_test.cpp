@@ -1,7 +1,7 @@
 // Tests of small text, which is drawn from a glyph sheet like its outlines.
 #include "render/text/glyph_sheet.h"
 
-#include "render/scene/render_scene.h"
+#include "render/collection/render_scene.h"
 #include "render/text/system_fonts.h"
 #include "tests/render/drawing.h"
 #include "vrml/syntax/parser.h"

@@ -195,7 +195,7 @@ TEST_CASE("leaves out geometries that exceed the memory limit, and gives back th
   const auto made = [&](std::string_view type) { return scene.create(*built_in_node_type(type)); };
   const auto check = [&](NodeId id, bool some) {
     const Mesh mesh = tessellate(scene, id);
-    CHECK(mesh.left_out);
+    CHECK(mesh.limited);
     CHECK(mesh.empty() != some);
     CHECK(scene.budget()->used(Resource::meshes) == 0);
     CHECK(mesh.cost() <= scene.budget()->limit(Resource::meshes));
@@ -215,7 +215,7 @@ TEST_CASE("leaves out geometries that exceed the memory limit, and gives back th
   check(extrusion, true);  // the start of the spine
   spine.resize(50);
   scene.set(extrusion, "spine", spine);
-  CHECK_FALSE(tessellate(scene, extrusion).left_out);
+  CHECK_FALSE(tessellate(scene, extrusion).limited);
 
   const NodeId grid = made("ElevationGrid");
   MFFloat heights;
@@ -225,7 +225,7 @@ TEST_CASE("leaves out geometries that exceed the memory limit, and gives back th
   scene.set<SFInt32>(grid, "zDimension", 400);
   check(grid, false);
   scene.set<SFInt32>(grid, "zDimension", 10);
-  CHECK_FALSE(tessellate(scene, grid).left_out);
+  CHECK_FALSE(tessellate(scene, grid).limited);
 
   const NodeId faces = made("IndexedFaceSet"), lines = made("IndexedLineSet"), points = made("PointSet");
   const NodeId coordinate = made("Coordinate");
@@ -238,7 +238,7 @@ TEST_CASE("leaves out geometries that exceed the memory limit, and gives back th
   for (const NodeId node : {faces, lines}) scene.set(node, "coordIndex", index);
   check(faces, false);
   check(lines, false);
-  CHECK_FALSE(tessellate(scene, points).left_out);
+  CHECK_FALSE(tessellate(scene, points).limited);
   positions.resize(2'000'000);
   scene.set(coordinate, "point", positions);
   check(points, false);
@@ -259,7 +259,7 @@ TEST_CASE("stops tessellation when the budget's stop function returns true") {
   int looks = 0;
   budget->stop_when([&] { return ++looks > 3; });
   const Mesh mesh = tessellate(scene, faces);
-  CHECK(mesh.left_out);
+  CHECK(mesh.limited);
   CHECK_FALSE(mesh.empty());
   CHECK(mesh.indices.size() < 300'000);
 }

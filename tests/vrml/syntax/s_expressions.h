@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/syntax/number.h"
+#include "vrml/syntax/numbers/number.h"
 #include "vrml/syntax/scene_sink.h"
 
 #include <cctype>

@@ -3,18 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
-// Disable fused multiply-add, so that all versions give the same bits.
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#else
-#pragma GCC optimize("fp-contract=off")
-// All functions with vector arguments are inlined, so the calling convention does not matter.
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
+#include "qnv/base/kernel_pragmas.inc"  // after all other includes
 
 namespace gs::qnv {
 namespace {

@@ -1,4 +1,5 @@
 #include "qnv/codecs/octree/encode/cluster_order.h"
+#include "qnv/codecs/octree/encode/cluster_tree.h"
 #include "qnv/codecs/octree/encode/packed_quantize.h"
 #include "qnv/codecs/octree/packed_layout.h"
 
@@ -39,44 +40,7 @@ void leave_out_touched(std::vector<Voxel>& finest) {
   std::erase_if(finest, [least](const Voxel& voxel) { return !(voxel.moments.area >= least); });
 }
 
-/// Exact voxels of every level, and the index of each voxel's first child in the next level.
-struct Pyramid {
-  std::vector<std::vector<Voxel>> levels;
-  std::vector<std::vector<std::uint32_t>> first_child;
-
-  [[nodiscard]] std::span<const Voxel> below(int level, std::uint32_t voxel) const {
-    const auto at = static_cast<std::size_t>(level);
-    const std::uint32_t first = first_child[at][voxel];
-    return std::span(levels[at + 1]).subspan(first, first_child[at][voxel + 1] - first);
-  }
-};
-
-Pyramid make_pyramid(std::vector<Voxel> finest, int level) {
-  Pyramid pyramid;
-  pyramid.levels.resize(static_cast<std::size_t>(level) + 1);
-  pyramid.levels.back() = std::move(finest);
-  for (std::size_t i = pyramid.levels.size() - 1; i > 0; --i) pyramid.levels[i - 1] = coarsen(pyramid.levels[i]);
-  for (std::size_t i = 0; i + 1 < pyramid.levels.size(); ++i) {
-    auto& first = pyramid.first_child.emplace_back();
-    first.reserve(pyramid.levels[i].size() + 1);
-    std::uint32_t next = 0;
-    for (const Voxel& voxel : pyramid.levels[i]) {
-      first.push_back(next);
-      while (next < pyramid.levels[i + 1].size() && pyramid.levels[i + 1][next].key >> 3 == voxel.key) ++next;
-    }
-    first.push_back(next);
-  }
-  return pyramid;
-}
-
-struct Node {
-  EncodedCluster encoded;
-  PackedVoxels voxels;               // as decoded
-  std::vector<std::uint32_t> truth;  // indices of the same voxels in their level of the pyramid
-  int level = 0;                     // of the voxels
-  double gain = 0;
-  std::vector<std::unique_ptr<Node>> children;
-};
+using Node = ClusterNode<PackedVoxels>;
 
 // Choices of neighbour prediction: both on smooth surfaces, only normals on coarse levels, neither on leaves and dust.
 struct Prediction {
@@ -86,10 +50,10 @@ constexpr std::array<Prediction, 3> kPredictions{{{true, true}, {true, false}, {
 
 class PackedEncoder {
  public:
-  PackedEncoder(Pyramid pyramid, const Cube& cube, const PackedOptions& options)
+  PackedEncoder(VoxelPyramid<Voxel> pyramid, const Cube& cube, const PackedOptions& options)
       : pyramid_(std::move(pyramid)), cube_(cube), options_(options) {}
 
-  [[nodiscard]] int deepest() const { return static_cast<int>(pyramid_.levels.size()) - 1; }
+  [[nodiscard]] int deepest() const { return pyramid_.deepest(); }
 
   // Returns the first cluster, with as many levels as fit.
   [[nodiscard]] std::unique_ptr<Node> base() const {
@@ -148,7 +112,7 @@ class PackedEncoder {
     std::vector<std::uint32_t> truth{0};
     for (int level = 0; level < deepest(); ++level) {
       symbols.push_back(quantize(from, truth, level, p));
-      truth = truth_below(symbols.back(), truth, level);
+      truth = pyramid_.children_of(symbols.back(), truth, level);
       from = symbols.back().voxels;
       ClusterHeader header;
       header.levels = static_cast<std::uint8_t>(level + 1);
@@ -178,53 +142,21 @@ class PackedEncoder {
 
   [[nodiscard]] LevelSymbols quantize(const PackedVoxels& from, std::span<const std::uint32_t> truth, int level,
                                       const ClusterParameters& p) const {
-    std::vector<std::span<const Voxel>> below;
-    below.reserve(truth.size());
-    for (const std::uint32_t voxel : truth) below.push_back(pyramid_.below(level, voxel));
-    return quantize_level(from, below, 1.0 / static_cast<double>(std::uint64_t{2} << level), p);
-  }
-
-  [[nodiscard]] std::vector<std::uint32_t> truth_below(const LevelSymbols& symbols,
-                                                       std::span<const std::uint32_t> truth, int level) const {
-    std::vector<std::uint32_t> out;
-    out.reserve(symbols.children.size());
-    for (const LevelSymbols::Parent& parent : symbols.parents) {
-      const auto& first = pyramid_.first_child[static_cast<std::size_t>(level)];
-      for (std::uint32_t i = first[truth[parent.index]]; i < first[truth[parent.index] + 1]; ++i) out.push_back(i);
-    }
-    return out;
+    return quantize_level(from, pyramid_.below(truth, level), 1.0 / static_cast<double>(std::uint64_t{2} << level), p);
   }
 
   // Returns one cluster that divides a run of a node's voxels.
   [[nodiscard]] std::unique_ptr<Node> divide_run(const Node& node, const LevelSymbols& all, const ClusterParameters& p,
                                                  std::size_t first, std::size_t count) const {
     const std::vector<LevelSymbols> symbols{chosen_symbols(all, first, count)};
-    ClusterHeader header;
-    header.first = static_cast<std::uint16_t>(first);
-    header.count = static_cast<std::uint16_t>(count);
-    header.level = static_cast<std::uint8_t>(node.level);
-    return finish(symbols, header, p, truth_below(symbols.front(), node.truth, node.level));
+    return finish(symbols, header_of_run(node, first, count), p,
+                  pyramid_.children_of(symbols.front(), node.truth, node.level));
   }
 
   [[nodiscard]] std::unique_ptr<Node> finish(std::span<const LevelSymbols> symbols, const ClusterHeader& header,
-                                             ClusterParameters p, std::vector<std::uint32_t> truth) const {
-    auto node = std::make_unique<Node>();
-    choose_models(symbols, p);
-    RansEncoder rans;
-    for (const LevelSymbols& level : symbols) {
-      put_level(level, p, rans);
-      for (const LevelSymbols::Parent& parent : level.parents) node->gain += parent.gain;
-    }
-    node->truth = std::move(truth);
-    node->level = header.level + header.levels;
-    node->voxels = symbols.back().voxels;
+                                             const ClusterParameters& p, std::vector<std::uint32_t> truth) const {
+    auto node = encoded_node<Node>(symbols, header, p, std::move(truth), write_cluster_header);
     EncodedCluster& out = node->encoded;
-    out.header = header;
-    write_cluster_header(header, p, out.payload);
-    const std::vector<std::byte> bits = rans.finish();
-    out.payload.insert(out.payload.end(), bits.begin(), bits.end());
-    out.voxels = static_cast<std::uint32_t>(node->voxels.size());
-    out.divided = static_cast<std::uint32_t>(symbols.front().parents.size());
     out.level_edge = cube_.edge / static_cast<float>(std::uint64_t{1} << node->level);
     for (std::size_t i = 0; i < node->voxels.size(); ++i) {
       const glm::vec3 cell(node->voxels.x[i], node->voxels.y[i], node->voxels.z[i]);
@@ -234,7 +166,7 @@ class PackedEncoder {
     return node;
   }
 
-  Pyramid pyramid_;
+  VoxelPyramid<Voxel> pyramid_;
   Cube cube_;
   PackedOptions options_;
 };
@@ -245,18 +177,10 @@ std::vector<EncodedCluster> encode_packed(std::vector<Voxel> finest, int level, 
                                           const PackedOptions& options, Progress* progress) {
   leave_out_touched(finest);
   if (finest.empty() || level < 1) return {};
-  const PackedEncoder encoder(make_pyramid(std::move(finest), level), cube, options);
+  const PackedEncoder encoder({std::move(finest), level, [](const auto& fine, std::size_t) { return coarsen(fine); }},
+                              cube, options);
   std::unique_ptr<Node> base = encoder.base();
-  std::vector<Node*> generation{base.get()};
-  while (!generation.empty() && generation.front()->level < encoder.deepest()) {
-    if (!parallel_for(
-            generation.size(), [&](std::size_t i) { encoder.divide(*generation[i]); }, options.threads, progress))
-      return {};
-    std::vector<Node*> next;
-    for (Node* node : generation)
-      for (const auto& child : node->children) next.push_back(child.get());
-    generation = std::move(next);
-  }
+  if (!divide_all(encoder, *base, options.threads, progress)) return {};
   return in_order(std::move(base), options.vectors, options.max_bytes);
 }
 

@@ -1,5 +1,6 @@
 #include "qnv/codecs/octree/encode/packed_quantize.h"
 
+#include "qnv/codecs/octree/encode/cluster_tree.h"
 #include "qnv/codecs/octree/encode/residual_coding.h"
 #include "qnv/codecs/octree/packed_neighbours.h"
 
@@ -232,13 +233,7 @@ LevelSymbols quantize_level(const PackedVoxels& from, std::span<const std::span<
 
 LevelSymbols chosen_symbols(const LevelSymbols& all, std::size_t first, std::size_t count) {
   LevelSymbols out;
-  const std::uint32_t begin = all.parents[first].first_child;
-  for (std::size_t i = first; i < first + count; ++i) {
-    out.parents.push_back(all.parents[i]);
-    out.parents.back().first_child -= begin;
-  }
-  const std::size_t end =
-      first + count < all.parents.size() ? all.parents[first + count].first_child : all.children.size();
+  const auto [begin, end] = choose_parents(all, first, count, out);
   out.children.assign(all.children.begin() + begin, all.children.begin() + static_cast<std::ptrdiff_t>(end));
   std::vector<std::uint32_t> voxels(end - begin);
   std::iota(voxels.begin(), voxels.end(), begin);

@@ -1,5 +1,6 @@
 #include "qnv/base/morton.h"
 #include "qnv/codecs/octree/encode/cluster_order.h"
+#include "qnv/codecs/octree/encode/cluster_tree.h"
 #include "qnv/codecs/voxels/encode/visibility.h"
 #include "qnv/codecs/voxels/encode/voxels_quantize.h"
 
@@ -18,18 +19,6 @@ constexpr std::size_t kFirstClusterBytes = 640;
 constexpr std::uint8_t kTrust = 3;
 // Number of finest levels with unweighted means.
 constexpr std::size_t kPlainLevels = 2;
-
-/// Exact voxels of every level, and the index of each voxel's first child in the next level.
-struct VolumePyramid {
-  std::vector<std::vector<TrueVoxel>> levels;
-  std::vector<std::vector<std::uint32_t>> first_child;
-
-  [[nodiscard]] std::span<const TrueVoxel> below(int level, std::uint32_t voxel) const {
-    const auto at = static_cast<std::size_t>(level);
-    const std::uint32_t first = first_child[at][voxel];
-    return std::span(levels[at + 1]).subspan(first, first_child[at][voxel + 1] - first);
-  }
-};
 
 // Returns the weight of a voxel in a mean. In fine levels it is the number of vectors. In coarser levels, where inside
 // and outside merge, only the visible fraction counts.
@@ -79,37 +68,11 @@ std::vector<TrueVoxel> coarser_voxels(std::span<const TrueVoxel> fine, bool plai
   return out;
 }
 
-VolumePyramid make_volume_pyramid(std::vector<TrueVoxel> finest, int depth) {
-  VolumePyramid pyramid;
-  pyramid.levels.resize(static_cast<std::size_t>(depth) + 1);
-  pyramid.levels.back() = std::move(finest);
-  for (std::size_t i = pyramid.levels.size() - 1; i > 0; --i)
-    pyramid.levels[i - 1] = coarser_voxels(pyramid.levels[i], i + kPlainLevels >= pyramid.levels.size());
-  for (std::size_t i = 0; i + 1 < pyramid.levels.size(); ++i) {
-    auto& first = pyramid.first_child.emplace_back();
-    first.reserve(pyramid.levels[i].size() + 1);
-    std::uint32_t next = 0;
-    for (const TrueVoxel& voxel : pyramid.levels[i]) {
-      first.push_back(next);
-      while (next < pyramid.levels[i + 1].size() && pyramid.levels[i + 1][next].key >> 3 == voxel.key) ++next;
-    }
-    first.push_back(next);
-  }
-  return pyramid;
-}
-
-struct VolumeNode {
-  EncodedCluster encoded;
-  VolumeVoxels voxels;               // as decoded
-  std::vector<std::uint32_t> truth;  // indices of the same voxels in their level of the pyramid
-  int level = 0;                     // of the voxels
-  double gain = 0;
-  std::vector<std::unique_ptr<VolumeNode>> children;
-};
+using VolumeNode = ClusterNode<VolumeVoxels>;
 
 class VoxelsEncoder {
  public:
-  VoxelsEncoder(VolumePyramid pyramid, const VoxelLattice& lattice, const VoxelsOptions& options)
+  VoxelsEncoder(VoxelPyramid<TrueVoxel> pyramid, const VoxelLattice& lattice, const VoxelsOptions& options)
       : pyramid_(std::move(pyramid)), lattice_(lattice), options_(options) {}
 
   [[nodiscard]] int deepest() const { return lattice_.depth; }
@@ -124,10 +87,10 @@ class VoxelsEncoder {
     std::vector<std::uint32_t> truth{0};
     VolumeParameters p = parameters();
     for (int level = 0; level < deepest(); ++level) {
-      symbols.push_back(quantize_volume(from, below(truth, level), edge_below(level), lattice_, p));
+      symbols.push_back(quantize_volume(from, pyramid_.below(truth, level), edge_below(level), lattice_, p));
       VolumeVoxels next = symbols.back().voxels;
       link_neighbours(from, 0, symbols.back(), next);
-      truth = truth_below(symbols.back(), truth, level);
+      truth = pyramid_.children_of(symbols.back(), truth, level);
       ClusterHeader header;
       header.levels = static_cast<std::uint8_t>(level + 1);
       auto node = finish(symbols, header, p, truth);
@@ -142,7 +105,7 @@ class VoxelsEncoder {
 
   // Divides all voxels of a node once, into clusters that fit.
   void divide(VolumeNode& node) const {
-    const auto children = below(node.truth, node.level);
+    const auto children = pyramid_.below(node.truth, node.level);
     VolumeParameters p = parameters();
     const auto left = static_cast<std::size_t>(deepest() - 1 - node.level);
     if (left < options_.steps.last_directions.size())
@@ -167,56 +130,21 @@ class VoxelsEncoder {
 
   static double edge_below(int level) { return 1.0 / static_cast<double>(std::uint64_t{2} << level); }
 
-  [[nodiscard]] std::vector<std::span<const TrueVoxel>> below(std::span<const std::uint32_t> truth, int level) const {
-    std::vector<std::span<const TrueVoxel>> out;
-    out.reserve(truth.size());
-    for (const std::uint32_t voxel : truth) out.push_back(pyramid_.below(level, voxel));
-    return out;
-  }
-
-  [[nodiscard]] std::vector<std::uint32_t> truth_below(const VolumeSymbols& symbols,
-                                                       std::span<const std::uint32_t> truth, int level) const {
-    std::vector<std::uint32_t> out;
-    out.reserve(symbols.children.size());
-    const auto& first = pyramid_.first_child[static_cast<std::size_t>(level)];
-    for (const VolumeSymbols::Parent& parent : symbols.parents)
-      for (std::uint32_t i = first[truth[parent.index]]; i < first[truth[parent.index] + 1]; ++i) out.push_back(i);
-    return out;
-  }
-
   // Returns one cluster that divides a run of a node's voxels.
   [[nodiscard]] std::unique_ptr<VolumeNode> divide_run(const VolumeNode& node, const VolumeSymbols& all,
                                                        const VolumeParameters& p, std::size_t first,
                                                        std::size_t count) const {
     const std::vector<VolumeSymbols> symbols{chosen_symbols(all, first, count)};
-    ClusterHeader header;
-    header.first = static_cast<std::uint16_t>(first);
-    header.count = static_cast<std::uint16_t>(count);
-    header.level = static_cast<std::uint8_t>(node.level);
-    auto child = finish(symbols, header, p, truth_below(symbols.front(), node.truth, node.level));
+    auto child = finish(symbols, header_of_run(node, first, count), p,
+                        pyramid_.children_of(symbols.front(), node.truth, node.level));
     if (child->level < deepest()) link_neighbours(node.voxels, first, symbols.front(), child->voxels);
     return child;
   }
 
   [[nodiscard]] std::unique_ptr<VolumeNode> finish(std::span<const VolumeSymbols> symbols, const ClusterHeader& header,
-                                                   VolumeParameters p, std::vector<std::uint32_t> truth) const {
-    auto node = std::make_unique<VolumeNode>();
-    choose_models(symbols, p);
-    RansEncoder rans;
-    for (const VolumeSymbols& level : symbols) {
-      put_level(level, p, rans);
-      for (const VolumeSymbols::Parent& parent : level.parents) node->gain += parent.gain;
-    }
-    node->truth = std::move(truth);
-    node->level = header.level + header.levels;
-    node->voxels = symbols.back().voxels;
+                                                   const VolumeParameters& p, std::vector<std::uint32_t> truth) const {
+    auto node = encoded_node<VolumeNode>(symbols, header, p, std::move(truth), write_volume_cluster_header);
     EncodedCluster& out = node->encoded;
-    out.header = header;
-    write_volume_cluster_header(header, p, out.payload);
-    const std::vector<std::byte> bits = rans.finish();
-    out.payload.insert(out.payload.end(), bits.begin(), bits.end());
-    out.voxels = static_cast<std::uint32_t>(node->voxels.size());
-    out.divided = static_cast<std::uint32_t>(symbols.front().parents.size());
     const auto edge = static_cast<float>(std::uint32_t{1} << (lattice_.depth - node->level));
     out.level_edge = edge;
     for (std::size_t i = 0; i < node->voxels.size(); ++i)
@@ -224,7 +152,7 @@ class VoxelsEncoder {
     return node;
   }
 
-  VolumePyramid pyramid_;
+  VoxelPyramid<TrueVoxel> pyramid_;
   VoxelLattice lattice_;
   VoxelsOptions options_;
 };
@@ -254,18 +182,13 @@ std::vector<EncodedCluster> encode_voxels(std::vector<LatticeVector> finest, con
   std::vector<TrueVoxel> voxels = true_voxels(finest, lattice);
   std::vector<LatticeVector>().swap(finest);
   if (!options.depth_of_class.empty()) find_seen(voxels, lattice, options.depth_of_class, options.threads);
-  const VoxelsEncoder encoder(make_volume_pyramid(std::move(voxels), lattice.depth), lattice, options);
+  const auto depth = static_cast<std::size_t>(lattice.depth);
+  VoxelPyramid<TrueVoxel> pyramid(std::move(voxels), lattice.depth, [depth](const auto& fine, std::size_t level) {
+    return coarser_voxels(fine, level + kPlainLevels >= depth);
+  });
+  const VoxelsEncoder encoder(std::move(pyramid), lattice, options);
   std::unique_ptr<VolumeNode> base = encoder.base();
-  std::vector<VolumeNode*> generation{base.get()};
-  while (!generation.empty() && generation.front()->level < encoder.deepest()) {
-    if (!parallel_for(
-            generation.size(), [&](std::size_t i) { encoder.divide(*generation[i]); }, options.threads, progress))
-      return {};
-    std::vector<VolumeNode*> next;
-    for (VolumeNode* node : generation)
-      for (const auto& child : node->children) next.push_back(child.get());
-    generation = std::move(next);
-  }
+  if (!divide_all(encoder, *base, options.threads, progress)) return {};
   return in_order(std::move(base), 0, options.max_bytes);
 }
 

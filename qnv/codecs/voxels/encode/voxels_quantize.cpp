@@ -1,5 +1,6 @@
 #include "qnv/codecs/voxels/encode/voxels_quantize.h"
 
+#include "qnv/codecs/octree/encode/cluster_tree.h"
 #include "qnv/codecs/octree/encode/residual_coding.h"
 
 #include <glm/geometric.hpp>
@@ -215,13 +216,7 @@ VolumeSymbols quantize_volume(const VolumeVoxels& from, std::span<const std::spa
 
 VolumeSymbols chosen_symbols(const VolumeSymbols& all, std::size_t first, std::size_t count) {
   VolumeSymbols out;
-  const std::uint32_t begin = all.parents[first].first_child;
-  for (std::size_t i = first; i < first + count; ++i) {
-    out.parents.push_back(all.parents[i]);
-    out.parents.back().first_child -= begin;
-  }
-  const std::size_t end =
-      first + count < all.parents.size() ? all.parents[first + count].first_child : all.children.size();
+  const auto [begin, end] = choose_parents(all, first, count, out);
   copy_run(all.children, begin, end, out.children);
   copy_run(all.voxels.x, begin, end, out.voxels.x);
   copy_run(all.voxels.y, begin, end, out.voxels.y);

@@ -1,0 +1,258 @@
+#include "render/collection/collect_nodes.h"
+
+#include "base/finite.h"
+#include "vrml/scene/transformation.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace gs::render {
+namespace {
+
+using glm::dmat3;
+using glm::dmat4;
+using glm::dvec3;
+
+constexpr std::size_t kMaxText = 1024;              // maximum bytes of a description; USE could multiply a long one
+constexpr std::size_t kMaxBackgroundColors = 1024;  // rings; more than the rows of a screen
+constexpr std::size_t kMaxNavigationTypes = 16;
+constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
+constexpr double kTiny = 1e-12;
+
+float within(float value, float lowest, float highest, float otherwise) {
+  return std::isnan(value) ? otherwise : std::clamp(value, lowest, highest);
+}
+
+float number(const NodeView& view, int field, float lowest, float highest, float otherwise) {
+  return within(view.get(field, otherwise), lowest, highest, otherwise);
+}
+
+glm::vec3 color(const vrml::Color& c, const glm::vec3& otherwise) {
+  return {within(c.r, 0, 1, otherwise.r), within(c.g, 0, 1, otherwise.g), within(c.b, 0, 1, otherwise.b)};
+}
+
+glm::vec3 color(const NodeView& view, int field, const glm::vec3& otherwise) {
+  const auto* value = view.find<vrml::SFColor>(field);
+  return value ? color(*value, otherwise) : otherwise;
+}
+
+glm::vec3 vector(const NodeView& view, int field, const glm::vec3& otherwise) {
+  const auto* value = view.find<vrml::SFVec3f>(field);
+  return value && finite(*value) ? *value : otherwise;
+}
+
+/// Returns the rotation nearest to a transformation, without scale, shear and mirroring.
+dmat3 rotation_part(const dmat4& matrix) {
+  dvec3 x(matrix[0]), y(matrix[1]), z(matrix[2]);
+  const auto usable = [](double length) { return length > kTiny * kTiny && std::isfinite(length); };
+  const double x_length = glm::length(x);
+  if (!usable(x_length)) return dmat3(1);
+  x /= x_length;
+  const double y_length = glm::length(y);
+  if (!usable(y_length)) return dmat3(1);
+  y /= y_length;
+  y -= x * glm::dot(x, y);
+  if (glm::length(y) < kTiny) return dmat3(1);
+  y = glm::normalize(y);
+  z = glm::cross(x, y);
+  return {x, y, z};
+}
+
+std::string bounded_text(std::string_view text) {
+  if (text.size() <= kMaxText) return std::string(text);
+  std::size_t end = kMaxText;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not inside a UTF-8 character
+  return std::string(text.substr(0, end));
+}
+
+/// Reads colours and their non-decreasing angles; the angle of the first colour is not stored.
+void rings(const NodeView& view, int color_field, int angle_field, float largest_angle, std::vector<glm::vec3>& colors,
+           std::vector<float>& angles) {
+  colors.clear();
+  angles.clear();
+  const auto* given_colors = view.find<vrml::MFColor>(color_field);
+  const auto* given_angles = view.find<vrml::MFFloat>(angle_field);
+  if (!given_colors || given_colors->empty()) return;
+  colors.push_back(color(given_colors->front(), glm::vec3(0)));
+  const std::size_t count =
+      std::min({given_colors->size() - 1, given_angles ? given_angles->size() : 0, kMaxBackgroundColors - 1});
+  float previous = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    previous = within((*given_angles)[i], previous, std::max(previous, largest_angle), previous);
+    angles.push_back(previous);
+    colors.push_back(color((*given_colors)[i + 1], glm::vec3(0)));
+  }
+}
+
+}  // namespace
+
+dmat4 transform_matrix(const NodeView& view) {
+  using F = TransformFields;
+  return vrml::transform_matrix(vector(view, F::translation, glm::vec3(0)), vector(view, F::center, glm::vec3(0)),
+                                view.get(F::rotation, vrml::Rotation{}), vector(view, F::scale, glm::vec3(1)),
+                                view.get(F::scale_orientation, vrml::Rotation{}));
+}
+
+dmat4 billboard_matrix(const NodeView& billboard, const dvec3& viewer, const dvec3& up) {
+  return vrml::billboard_matrix(vector(billboard, BillboardFields::axis_of_rotation, glm::vec3(0, 1, 0)), viewer, up);
+}
+
+int lod_level(const NodeView& lod, const dvec3& viewer) {
+  const auto* levels = lod.find<vrml::MFNode>(LodFields::level);
+  const auto* ranges = lod.find<vrml::MFFloat>(LodFields::range);
+  if (!levels || levels->empty()) return -1;
+  std::size_t level = 0;
+  if (ranges) {
+    const double distance = glm::length(viewer - dvec3(vector(lod, LodFields::center, glm::vec3(0))));
+    while (level < ranges->size() && level + 1 < levels->size() && distance >= (*ranges)[level]) ++level;
+  }
+  return static_cast<int>(std::min<std::size_t>(level, 0x7FFFFFFF));
+}
+
+Light world_light(const NodeView& view, const dmat4& world_from_node) {
+  using F = LightFields;
+  Light light;
+  light.kind = view.kind() == NodeKind::directional_light ? Light::Kind::directional
+               : view.kind() == NodeKind::point_light     ? Light::Kind::point
+                                                          : Light::Kind::spot;
+  light.color = color(view, F::color, glm::vec3(1));
+  light.intensity = number(view, F::intensity, 0, 1, 1);
+  light.ambient_intensity = number(view, F::ambient_intensity, 0, 1, 0);
+  const dvec3 direction = dmat3(world_from_node) * dvec3(vector(view, F::direction, glm::vec3(0, 0, -1)));
+  const double length = glm::length(direction);
+  light.direction = length > 0 && std::isfinite(length) ? glm::vec3(direction / length) : glm::vec3(0, 0, -1);
+  if (light.kind == Light::Kind::directional) return light;
+
+  const double determinant = std::abs(glm::determinant(dmat3(world_from_node)));
+  const double scale = determinant > 0 && std::isfinite(determinant) ? std::cbrt(determinant) : 1.0;
+  light.location = dvec3(world_from_node * glm::dvec4(vector(view, F::location, glm::vec3(0)), 1));
+  const float largest = std::numeric_limits<float>::max();
+  light.radius = static_cast<float>(std::min(number(view, F::radius, 0, largest, 100) * scale, double{largest}));
+  const glm::vec3 attenuation = glm::max(vector(view, F::attenuation, glm::vec3(1, 0, 0)), glm::vec3(0));
+  light.attenuation = glm::vec3(dvec3(attenuation) / dvec3(1, scale, scale * scale));
+  light.beam_width = number(view, F::beam_width, 0, kHalfPi, kHalfPi);
+  light.cut_off_angle = number(view, F::cut_off_angle, 0, kHalfPi, 0.785398f);
+  return light;
+}
+
+ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_node) {
+  using F = ViewpointFields;
+  ViewpointState state;
+  if (const auto* description = view.find<vrml::SFString>(F::description))
+    state.description = bounded_text(description->view());
+  state.name = bounded_text(view.node->name);
+  state.jump = view.get(F::jump, true);
+  const dvec3 position(world_from_node * glm::dvec4(vector(view, F::position, glm::vec3(0, 0, 10)), 1));
+  const dmat3 rotation =
+      rotation_part(world_from_node) * vrml::rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
+  state.world_from_camera = dmat4(rotation);
+  if (finite(position)) state.world_from_camera[3] = glm::dvec4(position, 1);
+  state.up = rotation_part(world_from_node)[1];
+  const double volume = std::abs(glm::determinant(dmat3(world_from_node)));
+  if (volume > 0 && std::isfinite(volume)) state.scale = std::cbrt(volume);
+  const float angle = view.get(F::field_of_view, state.field_of_view);
+  if (angle > 0 && angle < std::numbers::pi_v<float>) state.field_of_view = angle;
+  return state;
+}
+
+NavigationState navigation_state(const NodeView& view) {
+  using F = NavigationFields;
+  NavigationState state;
+  if (const auto* types = view.find<vrml::MFString>(F::type)) {
+    state.types.clear();
+    for (std::size_t i = 0; i < std::min(types->size(), kMaxNavigationTypes); ++i)
+      state.types.push_back(bounded_text((*types)[i].view()));
+  }
+  const float largest = std::numeric_limits<float>::max();
+  if (const auto* size = view.find<vrml::MFFloat>(F::avatar_size))
+    for (std::size_t i = 0; i < std::min(size->size(), state.avatar_size.size()); ++i)
+      state.avatar_size[i] = within((*size)[i], 0, largest, state.avatar_size[i]);
+  state.speed = number(view, F::speed, 0, largest, 1);
+  state.visibility_limit = number(view, F::visibility_limit, 0, largest, 0);
+  state.headlight = view.get(F::headlight, true);
+  return state;
+}
+
+Background world_background(const NodeView& view, const dmat4& world_from_node, const Images& images) {
+  using F = BackgroundFields;
+  Background background;
+  rings(view, F::sky_color, F::sky_angle, std::numbers::pi_v<float>, background.sky_colors, background.sky_angles);
+  rings(view, F::ground_color, F::ground_angle, kHalfPi, background.ground_colors, background.ground_angles);
+  if (background.sky_colors.empty()) background.sky_colors.emplace_back(0.0f);
+  for (std::size_t face = 0; face < Background::kFaces; ++face) {
+    const auto found = images.find({view.node, face});
+    if (found != images.end() && found->second && !found->second->empty()) background.panorama[face] = found->second;
+  }
+  background.world_from_background = glm::mat3(rotation_part(world_from_node));
+  return background;
+}
+
+Fog world_fog(const NodeView& view, const dmat4& world_from_node) {
+  using F = FogFields;
+  Fog fog;
+  fog.color = color(view, F::color, fog.color);
+  if (const auto* type = view.find<vrml::SFString>(F::fog_type)) fog.exponential = type->view() == "EXPONENTIAL";
+  fog.visibility_range = number(view, F::visibility_range, 0, std::numeric_limits<float>::max(), 0);
+  const dmat3 matrix(world_from_node), inverse = glm::inverse(matrix);
+  fog.fog_from_world = glm::mat3(inverse);
+  for (int i = 0; i < 3; ++i)
+    if (!finite(fog.fog_from_world[i])) return {};
+  return fog;
+}
+
+Material material_of(const NodeView& view) {
+  using F = MaterialFields;
+  Material material;
+  material.diffuse = color(view, F::diffuse_color, material.diffuse);
+  material.emissive = color(view, F::emissive_color, material.emissive);
+  material.specular = color(view, F::specular_color, material.specular);
+  material.ambient_intensity = number(view, F::ambient_intensity, 0, 1, material.ambient_intensity);
+  material.shininess = number(view, F::shininess, 0, 1, material.shininess);
+  material.transparency = number(view, F::transparency, 0, 1, 0);
+  material.lit = true;
+  return material;
+}
+
+float detail_of(const NodeView& view) {
+  return view.kind() == NodeKind::qnv ? number(view, QnvFields::detail, 0.01f, 100, 1) : 1.0f;
+}
+
+glm::mat3 texture_matrix(const NodeView& view) {
+  using F = TextureTransformFields;
+  const auto pair = [&](int field, const glm::vec2& otherwise) {
+    const auto* value = view.find<vrml::SFVec2f>(field);
+    return value && std::isfinite(value->x) && std::isfinite(value->y) ? *value : otherwise;
+  };
+  const glm::vec2 center = pair(F::center, glm::vec2(0)), scale = pair(F::scale, glm::vec2(1)),
+                  translation = pair(F::translation, glm::vec2(0));
+  const float given = view.get(F::rotation, 0.0f);
+  const float angle = std::isfinite(given) ? given : 0.0f;
+  const float c = std::cos(angle), s = std::sin(angle);
+  const glm::mat2 linear(scale.x * c, scale.y * s, scale.x * -s, scale.y * c);  // S * R, by columns
+  const glm::vec2 offset = linear * (center + translation) - center;
+  return {glm::vec3(linear[0], 0), glm::vec3(linear[1], 0), glm::vec3(offset, 1)};
+}
+
+Image image_of(const vrml::PixelImage& source) {
+  const std::uint64_t width = source.width(), height = source.height(), components = source.components();
+  const auto words = source.pixels();
+  if (width == 0 || height == 0 || components < 1 || components > 4) return {};
+  if (height > words.size() / width) return {};  // fewer words than pixels
+  Image image{static_cast<std::uint32_t>(width),
+              static_cast<std::uint32_t>(height),
+              static_cast<std::uint32_t>(components),
+              {}};
+  image.pixels.resize(width * height * components);
+  std::uint8_t* to = image.pixels.data();
+  for (std::uint64_t row = height; row-- > 0;)
+    for (std::uint64_t column = 0; column < width; ++column)
+      for (std::uint64_t component = components; component-- > 0;)
+        *to++ = static_cast<std::uint8_t>(words[row * width + column] >> (8 * component));
+  return image;
+}
+
+}  // namespace gs::render

@@ -1,0 +1,70 @@
+#include "render/collection/collect_schema.h"
+
+namespace gs::render {
+namespace {
+
+struct SchemaRow {
+  NodeKind kind;
+  std::array<std::string_view, Schema::kFields> fields;  // in the order of the enums
+};
+
+constexpr SchemaRow kSchemaRows[] = {
+    {NodeKind::shape, {"appearance", "geometry"}},
+    {NodeKind::group, {"children"}},
+    {NodeKind::collision, {"children", "collide", "proxy"}},
+    {NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
+    {NodeKind::billboard, {"children", "axisOfRotation"}},
+    {NodeKind::switch_node, {"choice", "whichChoice"}},
+    {NodeKind::lod, {"level", "center", "range"}},
+    {NodeKind::inline_node, {}},
+    {NodeKind::directional_light, {"on", "color", "intensity", "ambientIntensity", "direction"}},
+    {NodeKind::point_light, {"on", "color", "intensity", "ambientIntensity", "", "location", "attenuation", "radius"}},
+    {NodeKind::spot_light,
+     {"on", "color", "intensity", "ambientIntensity", "direction", "location", "attenuation", "radius", "beamWidth",
+      "cutOffAngle"}},
+    {NodeKind::viewpoint, {"position", "orientation", "fieldOfView", "description", "jump"}},
+    {NodeKind::navigation_info, {"type", "avatarSize", "speed", "visibilityLimit", "headlight"}},
+    {NodeKind::background, {"skyColor", "skyAngle", "groundColor", "groundAngle"}},
+    {NodeKind::fog, {"color", "fogType", "visibilityRange"}},
+    {NodeKind::appearance, {"material", "texture", "textureTransform"}},
+    {NodeKind::material,
+     {"diffuseColor", "emissiveColor", "specularColor", "ambientIntensity", "shininess", "transparency"}},
+    {NodeKind::image_texture, {"repeatS", "repeatT"}},
+    {NodeKind::movie_texture, {"repeatS", "repeatT"}},
+    {NodeKind::pixel_texture, {"repeatS", "repeatT", "image"}},
+    {NodeKind::texture_transform, {"center", "rotation", "scale", "translation"}},
+    {NodeKind::sound,
+     {"direction", "intensity", "location", "maxBack", "maxFront", "minBack", "minFront", "priority", "source",
+      "spatialize"}},
+    {NodeKind::qnv, {"detail"}},
+};
+
+Schema make_schema(const vrml::NodeType& type) {
+  Schema schema;
+  schema.slots.fill(-1);
+  for (const SchemaRow& row : kSchemaRows) {
+    if (row.kind != type.read_as) continue;
+    schema.kind = row.kind;
+    for (std::size_t i = 0; i < row.fields.size(); ++i)
+      if (!row.fields[i].empty())
+        if (const vrml::InterfaceDeclaration* declaration = type.find_field(row.fields[i]))
+          schema.slots[i] = declaration->slot;
+  }
+  return schema;
+}
+
+}  // namespace
+
+const Schema& Schemas::of(const vrml::NodeType& type) {
+  const auto found = schemas_.find(&type);
+  return found != schemas_.end() ? found->second : schemas_.emplace(&type, make_schema(type)).first->second;
+}
+
+NodeView Schemas::view(const vrml::SceneGraph& scene, vrml::NodeId id) {
+  id = scene.resolve(id);
+  if (!id) return {};
+  const vrml::Node& node = scene.node(id);
+  return {&node, &of(*node.type)};
+}
+
+}  // namespace gs::render

@@ -1,0 +1,374 @@
+#include "render/collection/collector.h"
+
+#include "render/scene/surface_mesh.h"
+#include "vrml/scene/transformation.h"
+#include "vrml/syntax/stand_ins.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace gs::render {
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+
+constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bits
+constexpr std::size_t kMaxViewpoints = 10'000;
+constexpr std::size_t kMaxSounds = 10'000;
+constexpr std::size_t kMaxDepth = 100'000;
+constexpr std::size_t kMaxPlaces = std::size_t{1} << 20;  // also of coordinate systems; further content has no path
+constexpr std::size_t kBetweenLooks = 1024;               // visits without tessellation between two cancellation checks
+
+/// Reports whether a PROTO of the node is a stand-in with content fixed to the viewer.
+bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
+  constexpr int kMaxSteps = 64;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const vrml::Node& node = scene.node(id);
+    if (node.type->stands_in && vrml::is_overlay(*node.type)) return true;
+    if (node.expansion.empty()) return false;
+    id = node.expansion.front();
+    if (!scene.contains(id)) return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool fits_float(const dmat4& m) {
+  double sum = 0;
+  for (int i = 0; i < 4; ++i) sum += std::abs(m[i].x) + std::abs(m[i].y) + std::abs(m[i].z);
+  return sum < std::numeric_limits<float>::max();  // false for NaN too
+}
+
+WideBox world_bounds(const Box& bounds, const dmat4& matrix) {
+  WideBox result;
+  if (bounds.empty()) return result;
+  const dvec3 center = (dvec3(bounds.lower) + dvec3(bounds.upper)) * 0.5,
+              half = (dvec3(bounds.upper) - dvec3(bounds.lower)) * 0.5;
+  const dvec3 moved(matrix * glm::dvec4(center, 1));
+  dvec3 extent(0);
+  for (int i = 0; i < 3; ++i) extent += glm::abs(dvec3(matrix[i])) * half[i];
+  result.lower = moved - extent;
+  result.upper = moved + extent;
+  return std::isfinite(glm::dot(glm::vec3(result.lower), glm::vec3(result.upper)) * 0.0f) ? result : WideBox{};
+}
+
+RenderList Collector::collect(const vrml::SceneGraph& scene) {
+  auto& open = open_nodes_[&scene];
+  open.resize(scene.node_count() + 1);
+  list_.world_from_frame.emplace_back(1.0);
+  if (sources_) {
+    *sources_ = {};
+    sources_->frames.emplace_back();
+  }
+  Frame roots{&scene, &open, 0, scene.roots().begin(), scene.roots().end(), dmat4(1), 0, true};
+  roots.content_before = SIZE_MAX;  // the world's coordinate system stays
+  enter(roots);
+  bool stopped = false;
+  while (!path_.empty()) {
+    Frame& top = path_.back();
+    if (top.next == top.end || stopped) {
+      leave();
+      continue;
+    }
+    if (++visits_ % kBetweenLooks == 0 || resources_.clear_made_mesh()) stopped = budget_->stopped();
+    if (visits_ > budget_->limits().visits) {
+      stopped = true;
+      resources_.report_limit("more nodes, including copies by USE, than the " +
+                                  std::to_string(budget_->limits().visits) + " that one picture may visit",
+                              *top.scene, *top.next);
+      continue;
+    }
+    const vrml::NodeId id = *top.next++;
+    visit(Frame(top), id);  // a copy, since entering a group moves the path
+  }
+  coarsen_primitives();
+  for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
+  if (sources_)
+    sources_->viewpoints.insert(sources_->viewpoints.end(), inlined_sources_.begin(), inlined_sources_.end());
+  list_.limit_reports = std::move(resources_.limit_reports());
+  resources_.limit_reports().clear();
+  return std::move(list_);
+}
+
+std::size_t Collector::content() const {
+  return list_.items.size() + list_.splats.size() + list_.lights.size() + others_;
+}
+
+std::uint32_t Collector::add_place(const Frame& parent, vrml::NodeId id) {
+  if (list_.places.size() >= kMaxPlaces || list_.world_from_frame.size() >= kMaxPlaces) return kNoPlace;
+  list_.places.push_back({parent.scene, id, parent.place, parent.frame});
+  return static_cast<std::uint32_t>(list_.places.size() - 1);
+}
+
+void Collector::enter(Frame frame) {
+  if (path_.size() >= kMaxDepth) return;
+  frame.lights_outside = active_lights_.size();
+  if (frame.node) {
+    frame.opened = !(*frame.on_path)[frame.node];  // a Collision may be open for its children and its proxy
+    (*frame.on_path)[frame.node] = true;
+  }
+  // A DirectionalLight lights all its siblings in any order (VRML97 6.16).
+  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible; ++child) {
+    const NodeView view = schemas_.view(*frame.scene, *child);
+    if (view.kind() == NodeKind::directional_light) add_light(view, frame.world_from_local, frame.frame, true);
+  }
+  path_.push_back(frame);
+}
+
+void Collector::leave() {
+  const Frame& top = path_.back();
+  if (top.opened) (*top.on_path)[top.node] = false;
+  lights_changed_ = lights_changed_ || active_lights_.size() != top.lights_outside;
+  active_lights_.resize(top.lights_outside);
+  if (content() == top.content_before) {
+    // The group draws nothing; hostile worlds have millions of such groups.
+    list_.places.resize(top.places_before);
+    list_.world_from_frame.resize(top.frames_before);
+    if (sources_) {
+      sources_->frames.resize(top.frames_before);
+      while (!sources_->billboards.empty() && sources_->billboards.back() >= top.frames_before)
+        sources_->billboards.pop_back();
+    }
+  } else if (sources_ && (top.frame >= top.frames_before || path_.size() == 1)) {
+    RenderSources::Frame& frame = sources_->frames[top.frame];
+    frame.end = static_cast<std::uint32_t>(sources_->frames.size());
+    frame.end_item = static_cast<std::uint32_t>(list_.items.size());
+    frame.end_splat = static_cast<std::uint32_t>(list_.splats.size());
+    frame.end_light = static_cast<std::uint32_t>(list_.lights.size());
+  }
+  path_.pop_back();
+}
+
+// Returns the frame of a node's children, in the coordinate system of `parent`.
+Collector::Frame Collector::frame_below(const Frame& parent, vrml::NodeId id, std::span<const vrml::NodeId> children) {
+  Frame frame{parent.scene,
+              parent.on_path,
+              id.index,
+              children.data(),
+              children.data() + children.size(),
+              parent.world_from_local,
+              0,
+              parent.main};
+  frame.frame = parent.frame;
+  frame.presence = parent.presence;
+  frame.places_before = static_cast<std::uint32_t>(list_.places.size());
+  frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
+  frame.content_before = content();
+  frame.place = add_place(parent, id);
+  return frame;
+}
+
+void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children) {
+  if (children && !children->empty()) enter(frame_below(parent, id, children->span()));
+}
+
+void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const dmat4& local,
+                            bool billboard) {
+  if (!children || children->empty()) return;
+  const dmat4 world_from_local = parent.world_from_local * local;
+  if (!fits_float(world_from_local)) {
+    if (sources_) sources_->unshown.push_back({&parent.scene->node(id), parent.scene});
+    return;
+  }
+  Frame frame = frame_below(parent, id, children->span());
+  frame.world_from_local = world_from_local;
+  // Beyond the limit of coordinate systems, content has no path and is collected anew on changes.
+  if (frame.place != kNoPlace) {
+    frame.frame = frame.frames_before;
+    list_.places[frame.place].frame = frame.frame;
+    list_.world_from_frame.push_back(world_from_local);
+    if (sources_) {
+      RenderSources::Frame source;
+      source.node = &parent.scene->node(id);
+      source.parent = parent.frame;
+      source.first_item = static_cast<std::uint32_t>(list_.items.size());
+      source.first_splat = static_cast<std::uint32_t>(list_.splats.size());
+      source.first_light = static_cast<std::uint32_t>(list_.lights.size());
+      source.parent_from_local = local;
+      sources_->frames.push_back(source);
+      if (billboard) sources_->billboards.push_back(frame.frame);
+    }
+  } else if (sources_) {
+    sources_->complete = false;
+  }
+  enter(frame);
+}
+
+void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
+  if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
+  enter_one(parent, id, choices->begin()[which]);
+}
+
+/// Enters a single node in a field of the open node.
+void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
+  enter(frame_below(parent, id, std::span(&child, 1)));
+}
+
+// Enters a Collision: the proxy is collidable but invisible, instead of the children (6.8).
+void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision) {
+  const auto* children = collision.find<vrml::MFNode>(CollisionFields::children);
+  const auto* proxy = collision.find<vrml::SFNode>(CollisionFields::proxy);
+  Frame inside = parent;
+  if (!collision.get(CollisionFields::collide, true)) {
+    inside.presence.collidable = false;
+    enter_node(inside, id, children);
+    return;
+  }
+  if (!proxy || !parent.scene->resolve(*proxy)) {
+    enter_node(inside, id, children);
+    return;
+  }
+  // The frame entered last is visited first: the children.
+  inside.presence.visible = false;
+  enter_one(inside, id, *proxy);
+  inside.presence = parent.presence;
+  inside.presence.collidable = false;
+  enter_node(inside, id, children);
+}
+
+void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
+  const vrml::SceneGraph* inlined = parent.scene->inlined(id);
+  if (!inlined || inlined->roots().empty()) return;
+  const auto [open, fresh] = open_nodes_.try_emplace(inlined);
+  if (fresh) {
+    open->second.resize(inlined->node_count() + 1);
+    list_.scenes.push_back(parent.scene->inlines().at(id.index));
+  }
+  Frame frame = frame_below(parent, id, {inlined->roots().begin(), inlined->roots().end()});
+  frame.scene = inlined;
+  frame.on_path = &open->second;
+  frame.node = 0;
+  frame.main = false;
+  enter(frame);
+}
+
+dvec3 Collector::viewer_in(const dmat4& world_from_local) const {
+  return vrml::viewer_in_local(viewer_, world_from_local);
+}
+
+void Collector::visit(const Frame& given, vrml::NodeId id) {
+  Frame inside;
+  const bool begins = !given.presence.overlay && given.scene->contains(id) && begins_overlay(*given.scene, id);
+  if (begins) {
+    inside = given;
+    inside.presence.overlay = true;
+  }
+  const Frame& parent = begins ? inside : given;
+  id = parent.scene->resolve(id);
+  if (!id || (*parent.on_path)[id.index]) return;
+  const vrml::Node& node = parent.scene->node(id);
+  const NodeView view{&node, &schemas_.of(*node.type)};
+  const dmat4& world = parent.world_from_local;
+  switch (view.kind()) {
+    case NodeKind::shape:
+      add_shape(parent, id, view);
+      break;
+    case NodeKind::group:
+      enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
+      break;
+    case NodeKind::collision:
+      enter_collision(parent, id, view);
+      break;
+    case NodeKind::transform:
+      enter_moved(parent, id, view.find<vrml::MFNode>(TransformFields::children), transform_matrix(view), false);
+      break;
+    case NodeKind::billboard:
+      enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),
+                  billboard_matrix(view, viewer_in(world), vrml::direction_in_local(viewer_up_, world)), true);
+      break;
+    case NodeKind::switch_node:
+      enter_choice(parent, id, view.find<vrml::MFNode>(SwitchFields::choice),
+                   view.get<vrml::SFInt32>(SwitchFields::which_choice, -1));
+      break;
+    case NodeKind::lod: {
+      const int level = lod_level(view, viewer_in(world));
+      ++others_;
+      if (sources_) sources_->lods.push_back({&node, parent.frame, level});
+      enter_choice(parent, id, view.find<vrml::MFNode>(LodFields::level), level);
+      break;
+    }
+    case NodeKind::inline_node:
+      enter_inline(parent, id);
+      break;
+    case NodeKind::point_light:
+    case NodeKind::spot_light:
+      if (parent.presence.visible) add_light(view, world, parent.frame, false);
+      break;
+    case NodeKind::sound:
+      if (parent.presence.visible && list_.sounds.size() < kMaxSounds) {
+        ++others_;
+        list_.sounds.push_back({parent.scene, id, parent.frame});
+      }
+      break;
+    case NodeKind::viewpoint:
+    case NodeKind::navigation_info:
+    case NodeKind::background:
+    case NodeKind::fog:
+      if (parent.presence.visible) add_bindable(view, id, parent);
+      break;
+    default:
+      break;  // DirectionalLights were handled by enter()
+  }
+}
+
+void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool directional) {
+  if (!light.get(LightFields::on, true) || list_.lights.size() >= kMaxLights) return;
+  if (directional) {
+    active_lights_.push_back(static_cast<std::uint16_t>(list_.lights.size()));
+    lights_changed_ = true;
+  }
+  list_.lights.push_back(world_light(light, world_from_local));
+  if (sources_) sources_->lights.push_back({light.node, frame});
+}
+
+// Returns the active directional lights; if there are too many, the innermost ones.
+const LightList& Collector::directional_lights() {
+  if (std::exchange(lights_changed_, false)) {
+    const std::size_t count = std::min(active_lights_.size(), kMaxLightsOfAnItem);
+    directional_lights_ = LightList(std::span<const std::uint16_t>(active_lights_).last(count));
+  }
+  return directional_lights_;
+}
+
+void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent) {
+  ++others_;
+  if (view.kind() == NodeKind::viewpoint) {
+    auto& viewpoints = parent.main ? list_.viewpoints : inlined_viewpoints_;
+    if (viewpoints.size() >= kMaxViewpoints) return;
+    viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
+    viewpoints.back().scene = parent.scene;
+    viewpoints.back().node = id;
+    if (sources_)
+      (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});
+    return;
+  }
+  if (sources_ && sources_->bindables.size() < kMaxViewpoints)
+    sources_->bindables.push_back({view.node, parent.frame, parent.main});
+  const NodeKind kind = view.kind();
+  const vrml::Node* bound = !bound_                        ? nullptr
+                            : kind == NodeKind::background ? bound_->background
+                            : kind == NodeKind::fog        ? bound_->fog
+                                                           : bound_->navigation_info;
+  bool& have = kind == NodeKind::background ? have_background_ : kind == NodeKind::fog ? have_fog_ : have_navigation_;
+  // Bindable nodes of an Inline are not bound at the start (VRML97 4.6.10).
+  const bool counts = bound_ ? view.node == bound : parent.main;
+  if (!counts || std::exchange(have, true)) return;
+  if (kind == NodeKind::background) {
+    list_.background = world_background(view, parent.world_from_local, resources_.images());
+  } else if (kind == NodeKind::fog) {
+    list_.fog = world_fog(view, parent.world_from_local);
+  } else {
+    list_.navigation = navigation_state(view);
+    list_.has_navigation = true;
+  }
+}
+
+}  // namespace gs::render

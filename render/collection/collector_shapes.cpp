@@ -1,0 +1,172 @@
+// Shapes in the collector: their drawable content, and the limits on it.
+#include "render/collection/collector.h"
+#include "render/scene/surface_mesh.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::render {
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+
+// Above this number of triangles, primitives get the finest segments that fit, or the coarsest.
+constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
+
+}  // namespace
+
+dmat4 world_from_cloud(const dmat4& world_from_node, const qnv::Cloud& cloud) {
+  const dvec3& origin = cloud.description.origin;
+  return origin == dvec3(0) ? world_from_node : glm::translate(world_from_node, origin);
+}
+
+void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape) {
+  const vrml::NodeId geometry = parent.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+  if (!geometry) return;
+  DrawItem item;
+  resources_.apply_appearance(item, *parent.scene, shape);
+  RenderSources::Item source;
+  source.geometry = &parent.scene->node(geometry);
+  source.appearance = resources_.appearance_nodes(*parent.scene, shape);
+  const auto cloud = clouds_.find(source.geometry);
+  const bool vectors = cloud != clouds_.end() && cloud->second;
+  if (vectors && cloud->second->triangles.empty() && !cloud->second->patches) {
+    add_splats(parent, id, item, cloud->second, detail_of(schemas_.view(*parent.scene, geometry)), source);
+    return;
+  }
+  dmat4 world_from_node = parent.world_from_local;
+  if (vectors) {
+    item.surface = cloud->second;
+    world_from_node = world_from_cloud(world_from_node, *cloud->second);
+    item.detail = detail_of(schemas_.view(*parent.scene, geometry));
+    if (!fits_float(world_from_node)) return;
+    const bool pictured = !cloud->second->texture_coordinates.empty();
+    if (pictured && cloud->second->first_textured() > 0) {
+      DrawItem other = item;
+      if (!surface_item(*parent.scene, geometry, false, other)) return;
+      add_item(parent, id, geometry, std::move(other), source, world_from_node);
+    }
+    if (!surface_item(*parent.scene, geometry, pictured, item)) return;
+  } else if (const auto scale = vrml::scale_of_primitive(*parent.scene, geometry)) {
+    item.mesh = resources_.primitive(*parent.scene, geometry, 0);
+    source.scale = *scale;
+    world_from_node = glm::scale(world_from_node, dvec3(*scale));
+    Primitives& all = primitives_[item.mesh.get()];
+    for (std::size_t i = 0; all.count == 0 && i < all.meshes.size(); ++i)
+      all.meshes[i] = resources_.primitive(*parent.scene, geometry, i);
+    const vrml::Mesh& coarsest = *all.meshes[ShapeResources::kCoarsestPrimitive];
+    if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, coarsest.indices.size() / 3)) return;
+    ++all.count;
+  } else {
+    // A texture may still load.
+    item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr);
+    if (!item.mesh || item.mesh->empty() || !fits_float(world_from_node)) {
+      if (sources_) sources_->unshown.push_back({source.geometry, parent.scene});
+      return;
+    }
+    const std::size_t corners = item.mesh->primitive == vrml::Mesh::Primitive::triangles ? 3 : 1;
+    if (!has_room(*parent.scene, geometry, item.mesh->indices.size() / corners)) return;
+  }
+  add_item(parent, id, geometry, std::move(item), source, world_from_node);
+}
+
+/// Prepares the part of a QNV surface that has a picture, or the part without one.
+bool Collector::surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item) {
+  item.mesh = resources_.surface_mesh(item.surface, pictured);
+  dress_surface(item);
+  if (pictured) item.texture = resources_.surface_texture(scene.node(geometry), *item.surface);
+  return has_room(scene, geometry, item.mesh->indices.size() / 3);
+}
+
+void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item,
+                         RenderSources::Item source, const dmat4& world_from_node) {
+  item.world_from_node = world_from_node;
+  item.directional_lights = directional_lights();
+  item.place = add_place(parent, id);
+  source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+  if (item.mesh->font_size > 0) {
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
+                                         sources_ && !source.appearance.texture);
+    auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
+    source.text_level = ShapeResources::kCoarsestText;
+    // If the image has no room for the finer mesh, the coarsest is shown.
+    if (mesh == item.mesh || charge_triangles(mesh->indices.size() / 3)) {
+      item.mesh = std::move(mesh);
+      source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+      source.text_level = made;
+    }
+    if (sources_) sources_->texts.push_back(static_cast<std::uint32_t>(list_.items.size()));
+  }
+  item.overlay = parent.presence.overlay;
+  item.visible = parent.presence.visible;
+  // Text, lines and points do not collide (6.8, 6.47).
+  item.collidable = parent.presence.collidable && !item.overlay && item.mesh->font_size == 0 &&
+                    item.mesh->primitive == vrml::Mesh::Primitive::triangles;
+  list_.overlays = list_.overlays || item.overlay;
+  if (item.visible && !item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);
+  list_.items.push_back(std::move(item));
+  if (sources_) sources_->items.push_back(source);
+}
+
+void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
+                           const std::shared_ptr<const qnv::Cloud>& cloud, float detail,
+                           const RenderSources::Item& source) {
+  const dmat4 world = world_from_cloud(parent.world_from_local, *cloud);
+  if ((cloud->empty() && !cloud->levels) || !fits_float(world)) return;
+  if (list_.splats.size() >= budget_->limit(Resource::items)) return;
+  SplatItem item;
+  item.cloud = cloud;
+  item.world_from_node = world;
+  // Splats have normals, so they are lit even without a Material.
+  item.own_color = !shape.material.lit;
+  item.material = item.own_color ? Material{} : shape.material;
+  item.detail = detail;
+  item.directional_lights = directional_lights();
+  item.place = add_place(parent, id);
+  const Box& box = cloud->description.box;
+  RenderSources::Item kept = source;
+  kept.bounds = world_bounds({box.lower, box.upper}, world);
+  if (!kept.bounds.empty()) list_.bounds.add(kept.bounds);
+  list_.splats.push_back(std::move(item));
+  if (sources_) sources_->splats.push_back(kept);
+}
+
+// Checks the limits: USE and PROTO let a small file describe 2^n objects.
+bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
+  const std::size_t items = budget_->limit(Resource::items);
+  if (list_.items.size() >= items) {
+    resources_.report_limit(budget_->refusal(Resource::items), scene, geometry);
+    return false;
+  }
+  if (!charge_triangles(triangles)) {
+    resources_.report_limit(budget_->refusal(Resource::triangles), scene, geometry);
+    return false;
+  }
+  return true;
+}
+
+bool Collector::charge_triangles(std::size_t count) {
+  const std::size_t most = budget_->limit(Resource::triangles);
+  if (count > most - std::min(most, triangles_)) return false;
+  triangles_ += count;
+  return true;
+}
+
+void Collector::coarsen_primitives() {
+  std::size_t fineness = 0;
+  for (; fineness < ShapeResources::kCoarsestPrimitive; ++fineness) {
+    std::size_t triangles = 0;
+    for (const auto& [finest, all] : primitives_) triangles += all.count * (all.meshes[fineness]->indices.size() / 3);
+    if (triangles <= kManyTriangles) break;
+  }
+  if (fineness == 0) return;
+  for (DrawItem& item : list_.items)
+    if (const auto known = primitives_.find(item.mesh.get()); known != primitives_.end())
+      item.mesh = known->second.meshes[fineness];
+}
+
+}  // namespace gs::render

@@ -1,0 +1,464 @@
+#include "render/collection/render_scene.h"
+
+#include "render/scene/surface_mesh.h"
+
+#include "vrml/scene/transformation.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace gs::render {
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+
+constexpr std::uint32_t kBoundsBlock = 256;
+constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: a splat instead of an item
+constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index of a node that shows nothing so far
+
+dvec3 usable(const dvec3& viewer) {
+  return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : dvec3(0, 0, 10);
+}
+
+/// Reports whether the change affects this field of the node.
+bool has_changed(const vrml::NodeChange& change, const NodeView& view, int field) {
+  const int slot = view.schema->slots[static_cast<std::size_t>(field)];
+  return slot >= 0 && (change.slots >> std::min(slot, 63) & 1) != 0;
+}
+
+}  // namespace
+
+RenderList::RenderList() = default;
+RenderList::RenderList(const RenderList& other) = default;
+RenderList::RenderList(RenderList&& other) noexcept = default;
+RenderList& RenderList::operator=(const RenderList& other) = default;
+RenderList& RenderList::operator=(RenderList&& other) noexcept = default;
+RenderList::~RenderList() = default;
+
+std::uint64_t next_change() {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
+
+RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, const Clouds& clouds, MeshCache& meshes)
+    : scene_(scene),
+      images_(images),
+      clouds_(clouds),
+      resources_(images, meshes, scene.budget()),
+      list_(std::make_shared<RenderList>()) {}
+
+void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
+  bound_ = bound;
+  viewer_ = usable(viewer);
+  resources_.forget_refiners();
+  *list_ = Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_, pixels_per_radian_, viewer_up_)
+               .collect(scene_);
+  ++gathered_;
+  begin_generation();
+  list_->changes = next_change();
+  frame_uses_known_ = item_uses_known_ = false;
+  frame_uses_.clear();
+  item_uses_.clear();
+  moved_frames_.clear();
+  frame_moved_.assign(sources_.frames.size(), false);
+  const std::size_t blocks = (list_->items.size() + kBoundsBlock - 1) / kBoundsBlock;
+  block_bounds_.assign(blocks, {});
+  for (std::size_t i = 0; i < sources_.items.size(); ++i)
+    if (fills_bounds(i)) block_bounds_[i / kBoundsBlock].add(sources_.items[i].bounds);
+  stale_blocks_.clear();
+  block_stale_.assign(blocks, false);
+  frame_lost_ = splat_moved_ = false;
+}
+
+bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const dvec3& viewer) {
+  bool any = false, whole = gathered_ == 0;
+  for (std::size_t i = 0; i < changes.size() && !whole; ++i) {
+    const vrml::NodeChange& change = changes[i];
+    if (!change.scene->contains(change.node)) continue;  // removed since, together with its content
+    const vrml::Node& node = change.scene->node(change.node);
+    const Effect effect = effect_of(change, node);
+    if (effect == Effect::none) continue;
+    whole = effect == Effect::everything || !sources_.complete;
+    if (whole) break;
+    switch (effect) {
+      case Effect::frame:
+        for (const Use& use : uses_of(frame_uses(), &node)) {
+          whole = whole || use.index == kUnshown;
+          if (use.index != kUnshown && sources_.frames[use.index].node)
+            mark_frame(use.index, transform_matrix({&node, &resources_.schemas().of(*node.type)}));
+        }
+        break;
+      case Effect::apply_appearance:
+      case Effect::geometry:
+        for (const Use& use : uses_of(item_uses(), &node)) {
+          whole = whole || use.index == kUnshown || (effect == Effect::geometry && (use.index & kSplat) != 0) ||
+                  (effect == Effect::geometry && !renew_geometry(use.index));
+          if (whole) break;
+          if (effect == Effect::apply_appearance) apply_item_appearance(use.index);
+          any = true;
+        }
+        break;
+      case Effect::light:
+        for (std::uint32_t k = 0; k < sources_.lights.size(); ++k)
+          if (sources_.lights[k].node == &node) renew_light(k), any = true;
+        break;
+      case Effect::viewpoint:
+        for (std::uint32_t k = 0; k < sources_.viewpoints.size(); ++k)
+          if (sources_.viewpoints[k].node == &node) renew_viewpoint(k), any = true;
+        break;
+      case Effect::bindable:
+        if (&node == bound_.background || &node == bound_.navigation_info || &node == bound_.fog)
+          renew_bindables(), any = true;
+        break;
+      case Effect::none:
+      case Effect::everything:
+        break;
+    }
+  }
+  if (!whole) {
+    any = any || !moved_frames_.empty();
+    move_frames();
+    const bool rebound = bound.background != bound_.background || bound.navigation_info != bound_.navigation_info ||
+                         bound.fog != bound_.fog;
+    bound_ = bound;
+    if (rebound) renew_bindables(), any = true;
+    viewer_ = usable(viewer);
+    if (depends_on_viewer()) {
+      whole = !follow_viewer(viewer_);
+      any = any || !moved_frames_.empty();
+      move_frames();
+      if (!whole && refine_texts()) any = true;
+    }
+    // A frame with overflowing numbers hides its content.
+    whole = whole || frame_lost_;
+  }
+  if (whole) {
+    gather(bound, viewer);
+    return true;
+  }
+  sum_bounds();
+  if (any) list_->changes = next_change();
+  return any;
+}
+
+RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const vrml::Node& node) {
+  const NodeView view{&node, &resources_.schemas().of(*node.type)};
+  // A PROTO instance received its body.
+  if (node.type->prototype && (change.slots >> 63 & 1) != 0) return Effect::everything;
+  const auto only = [&](Effect effect, int children) {
+    return has_changed(change, view, children) ? Effect::everything : effect;
+  };
+  switch (view.kind()) {
+    case NodeKind::transform:
+      return only(Effect::frame, TransformFields::children);
+    case NodeKind::billboard:
+      return only(Effect::none, BillboardFields::children);  // it is rotated whenever the viewer is updated
+    case NodeKind::group:
+      return only(Effect::none, GroupFields::children);
+    case NodeKind::collision:
+    case NodeKind::switch_node:
+    case NodeKind::lod:
+    case NodeKind::inline_node:
+    case NodeKind::shape:
+    case NodeKind::appearance:
+      return Effect::everything;
+    case NodeKind::material:
+    case NodeKind::texture_transform:
+    case NodeKind::pixel_texture:
+    case NodeKind::image_texture:
+    case NodeKind::movie_texture:
+      return Effect::apply_appearance;
+    case NodeKind::directional_light:
+    case NodeKind::point_light:
+    case NodeKind::spot_light:
+      return only(Effect::light, LightFields::on);
+    case NodeKind::viewpoint:
+      return Effect::viewpoint;
+    case NodeKind::navigation_info:
+    case NodeKind::background:
+    case NodeKind::fog:
+      return Effect::bindable;
+    case NodeKind::qnv:
+      return Effect::everything;
+    default:
+      break;
+  }
+  return vrml::has(node.type->role, kGeometryParts) ? Effect::geometry : Effect::none;
+}
+
+// ---- Dependencies of the list on nodes
+
+std::span<const RenderScene::Use> RenderScene::uses_of(const Uses& uses, const vrml::Node* node) {
+  const auto [first, last] = std::equal_range(uses.begin(), uses.end(), Use{node, 0},
+                                              [](const Use& a, const Use& b) { return std::less<>()(a.node, b.node); });
+  return {first, last};
+}
+
+const RenderScene::Uses& RenderScene::frame_uses() {
+  if (frame_uses_known_) return frame_uses_;
+  frame_uses_known_ = true;
+  for (std::uint32_t i = 1; i < sources_.frames.size(); ++i) frame_uses_.push_back({sources_.frames[i].node, i});
+  for (const RenderSources::Unshown& unshown : sources_.unshown) frame_uses_.push_back({unshown.node, kUnshown});
+  std::sort(frame_uses_.begin(), frame_uses_.end());
+  return frame_uses_;
+}
+
+const RenderScene::Uses& RenderScene::item_uses() {
+  if (item_uses_known_) return item_uses_;
+  item_uses_known_ = true;
+  const auto add = [&](const vrml::Node* node, std::uint32_t index) {
+    if (node) item_uses_.push_back({node, index});
+  };
+  // A geometry also depends on the nodes in its fields: coordinates, colours, a FontStyle.
+  const auto add_geometry = [&](const vrml::Node* geometry, const vrml::SceneGraph* scene, std::uint32_t index) {
+    add(geometry, index);
+    if (!geometry || !scene) return;
+    for (std::size_t i = 0; i < geometry->type->defaults.size(); ++i)
+      if (const auto* property = std::get_if<vrml::SFNode>(&geometry->values[i]))
+        if (const vrml::NodeId id = scene->resolve(*property)) add(&scene->node(id), index);
+  };
+  const auto add_all = [&](const RenderSources::Item& source, std::uint32_t place, std::uint32_t index) {
+    add(source.appearance.material, index);
+    add(source.appearance.texture, index);
+    add(source.appearance.texture_transform, index);
+    add_geometry(source.geometry, place == kNoPlace ? nullptr : list_->places[place].scene, index);
+  };
+  for (std::uint32_t i = 0; i < sources_.items.size(); ++i) add_all(sources_.items[i], list_->items[i].place, i);
+  for (std::uint32_t i = 0; i < sources_.splats.size(); ++i)
+    add_all(sources_.splats[i], list_->splats[i].place, i | kSplat);
+  for (const RenderSources::Unshown& unshown : sources_.unshown) add_geometry(unshown.node, unshown.scene, kUnshown);
+  std::sort(item_uses_.begin(), item_uses_.end());
+  return item_uses_;
+}
+
+// ---- Coordinate systems
+
+void RenderScene::mark_frame(std::uint32_t frame, const dmat4& parent_from_local) {
+  sources_.frames[frame].parent_from_local = parent_from_local;
+  if (frame_moved_[frame]) return;
+  frame_moved_[frame] = true;
+  moved_frames_.push_back(frame);
+}
+
+// Moves outer frames first, since their content moves along.
+void RenderScene::move_frames() {
+  std::sort(moved_frames_.begin(), moved_frames_.end());
+  std::uint32_t done = 0;
+  for (const std::uint32_t first : moved_frames_) {
+    frame_moved_[first] = false;
+    if (first < done) continue;
+    const RenderSources::Frame& top = sources_.frames[first];
+    done = std::max(top.end, first + 1);
+    for (std::uint32_t i = first; i < done; ++i) {
+      const RenderSources::Frame& frame = sources_.frames[i];
+      dmat4& world = list_->world_from_frame[i];
+      world = list_->world_from_frame[frame.parent] * frame.parent_from_local;
+      if (!fits_float(world)) frame_lost_ = true;
+    }
+    for (std::uint32_t i = top.first_item; i < top.end_item; ++i) place_item(i);
+    for (std::uint32_t i = top.first_splat; i < top.end_splat; ++i) place_splat(i);
+    for (std::uint32_t i = top.first_light; i < top.end_light; ++i) renew_light(i);
+    for (std::uint32_t i = 0; i < sources_.viewpoints.size(); ++i)
+      if (sources_.viewpoints[i].frame >= first && sources_.viewpoints[i].frame < done) renew_viewpoint(i);
+    for (const RenderSources::Local& local : sources_.bindables)
+      if ((local.node == bound_.background || local.node == bound_.fog) && local.frame >= first && local.frame < done)
+        renew_bindables();
+  }
+  moved_frames_.clear();
+}
+
+void RenderScene::place_item(std::uint32_t i) {
+  DrawItem& item = list_->items[i];
+  if (item.place == kNoPlace) return;
+  RenderSources::Item& source = sources_.items[i];
+  const dmat4& world = list_->world_from_frame[list_->places[item.place].frame];
+  const dmat4 world_from_node = item.surface                   ? world_from_cloud(world, *item.surface)
+                                : source.scale == glm::vec3(1) ? world
+                                                               : glm::scale(world, dvec3(source.scale));
+  if (!fits_float(world_from_node)) {
+    frame_lost_ = true;
+    return;
+  }
+  item.world_from_node = world_from_node;
+  source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+  item_moved(i);
+}
+
+void RenderScene::place_splat(std::uint32_t i) {
+  SplatItem& splat = list_->splats[i];
+  if (splat.place == kNoPlace) return;
+  const dmat4 world = world_from_cloud(list_->world_from_frame[list_->places[splat.place].frame], *splat.cloud);
+  splat.world_from_node = world;
+  const Box& box = splat.cloud->description.box;
+  sources_.splats[i].bounds = world_bounds({box.lower, box.upper}, world);
+  splat_moved_ = true;
+}
+
+// Returns false if other content becomes visible.
+bool RenderScene::follow_viewer(const dvec3& viewer) {
+  for (const RenderSources::Lod& lod : sources_.lods) {
+    const NodeView view{lod.node, &resources_.schemas().of(*lod.node->type)};
+    if (lod_level(view, vrml::viewer_in_local(viewer, list_->world_from_frame[lod.frame])) != lod.level) return false;
+  }
+  for (const std::uint32_t frame : sources_.billboards) {
+    const RenderSources::Frame& source = sources_.frames[frame];
+    const NodeView view{source.node, &resources_.schemas().of(*source.node->type)};
+    const dmat4& parent = list_->world_from_frame[source.parent];
+    const dmat4 matrix =
+        billboard_matrix(view, vrml::viewer_in_local(viewer, parent), vrml::direction_in_local(viewer_up_, parent));
+    if (matrix != source.parent_from_local) mark_frame(frame, matrix);
+  }
+  return true;
+}
+
+// Re-tessellates texts according to their visible size. Returns true if any changed.
+bool RenderScene::refine_texts() {
+  bool any = false;
+  for (const std::uint32_t i : sources_.texts) {
+    DrawItem& item = list_->items[i];
+    RenderSources::Item& source = sources_.items[i];
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
+                                         !source.appearance.texture);
+    if (level == source.text_level || item.place == kNoPlace) continue;
+    const Place& place = list_->places[item.place];
+    const NodeView shape = resources_.schemas().view(*place.scene, place.node);
+    const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+    item.mesh = nullptr;  // so that it is not kept for this item
+    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.texture != nullptr, level);
+    any = any || made != source.text_level;
+    item.mesh = std::move(mesh);
+    source.text_level = made;
+    place_item(i);
+  }
+  return any;
+}
+
+// ---- Single parts
+
+// Returns false if everything must be collected again because content appeared or vanished.
+bool RenderScene::renew_geometry(std::uint32_t i) {
+  DrawItem& item = list_->items[i];
+  if (item.place == kNoPlace || item.surface) return false;
+  const Place& place = list_->places[item.place];
+  const NodeView shape = resources_.schemas().view(*place.scene, place.node);
+  const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+  if (!geometry || vrml::scale_of_primitive(*place.scene, geometry)) return false;
+  auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.texture != nullptr);
+  if (!mesh || mesh->empty()) return false;
+  item.mesh = std::move(mesh);
+  sources_.items[i].text_level = ShapeResources::kCoarsestText;
+  place_item(i);
+  return true;
+}
+
+void RenderScene::apply_item_appearance(std::uint32_t index) {
+  const bool splat = (index & kSplat) != 0;
+  const std::uint32_t place_index = splat ? list_->splats[index & ~kSplat].place : list_->items[index].place;
+  if (place_index == kNoPlace) return;
+  const Place& place = list_->places[place_index];
+  const NodeView shape = resources_.schemas().view(*place.scene, place.node);
+  if (!splat) {
+    DrawItem& item = list_->items[index];
+    resources_.apply_appearance(item, *place.scene, shape);
+    dress_surface(item);
+    if (item.surface && !item.mesh->texture_coordinates.empty())
+      item.texture = resources_.surface_texture(*sources_.items[index].geometry, *item.surface);
+    ++list_->dressed;
+    return;
+  }
+  DrawItem dressed;
+  resources_.apply_appearance(dressed, *place.scene, shape);
+  SplatItem& item = list_->splats[index & ~kSplat];
+  item.own_color = !dressed.material.lit;
+  item.material = item.own_color ? Material{} : dressed.material;
+}
+
+void RenderScene::renew_light(std::uint32_t i) {
+  const RenderSources::Local& local = sources_.lights[i];
+  list_->lights[i] =
+      world_light({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
+}
+
+void RenderScene::renew_viewpoint(std::uint32_t i) {
+  const RenderSources::Local& local = sources_.viewpoints[i];
+  ViewpointState& viewpoint = list_->viewpoints[i];
+  ViewpointState made =
+      world_viewpoint({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
+  made.scene = viewpoint.scene;
+  made.node = viewpoint.node;
+  viewpoint = std::move(made);
+}
+
+void RenderScene::renew_bindables() {
+  list_->background = {};
+  list_->navigation = {};
+  list_->fog = {};
+  bool background = false, navigation = false, fog = false;
+  for (const RenderSources::Local& local : sources_.bindables) {
+    const NodeView view{local.node, &resources_.schemas().of(*local.node->type)};
+    if (local.node == bound_.background && !std::exchange(background, true))
+      list_->background = world_background(view, list_->world_from_frame[local.frame], images_);
+    if (local.node == bound_.fog && !std::exchange(fog, true))
+      list_->fog = world_fog(view, list_->world_from_frame[local.frame]);
+    if (local.node == bound_.navigation_info && !std::exchange(navigation, true))
+      list_->navigation = navigation_state(view);
+  }
+}
+
+// ---- Bounds of all items
+
+// Assigns a number that no present list has.
+void RenderScene::begin_generation() {
+  static std::atomic<std::uint64_t> last{0};
+  list_->generation = ++last;
+  list_->moved.clear();
+}
+
+void RenderScene::item_moved(std::uint32_t item) {
+  // If items move permanently, start a new generation from time to time.
+  constexpr std::size_t kLongest = 64;  // times the number of items
+  if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation();
+  list_->moved.push_back(item);
+  const std::uint32_t block = item / kBoundsBlock;
+  if (block_stale_[block]) return;
+  block_stale_[block] = true;
+  stale_blocks_.push_back(block);
+}
+
+bool RenderScene::fills_bounds(std::size_t item) const {
+  const DrawItem& drawn = list_->items[item];
+  return drawn.visible && !drawn.overlay && !sources_.items[item].bounds.empty();
+}
+
+void RenderScene::sum_bounds() {
+  if (stale_blocks_.empty() && !splat_moved_) return;
+  for (const std::uint32_t block : stale_blocks_) {
+    block_stale_[block] = false;
+    WideBox& sum = block_bounds_[block] = {};
+    const std::size_t end = std::min<std::size_t>(sources_.items.size(), (std::size_t{block} + 1) * kBoundsBlock);
+    for (std::size_t i = std::size_t{block} * kBoundsBlock; i < end; ++i)
+      if (fills_bounds(i)) sum.add(sources_.items[i].bounds);
+  }
+  stale_blocks_.clear();
+  splat_moved_ = false;
+  list_->bounds = {};
+  for (const WideBox& block : block_bounds_)
+    if (!block.empty()) list_->bounds.add(block);
+  for (const RenderSources::Item& splat : sources_.splats)
+    if (!splat.bounds.empty()) list_->bounds.add(splat.bounds);
+}
+
+void forget_changed(MeshCache& meshes, std::span<const vrml::NodeChange> changes) {
+  for (const vrml::NodeChange& change : changes) {
+    if (!change.scene->contains(change.node)) continue;
+    const vrml::Node& node = change.scene->node(change.node);
+    if (vrml::has(node.type->role, kGeometryParts)) meshes.forget(&node);
+  }
+}
+
+}  // namespace gs::render

@@ -1,0 +1,104 @@
+#pragma once
+
+#include "render/collection/collector.h"
+#include "render/collection/shape_resources.h"
+#include "render/scene/render_list.h"
+#include "vrml/events/execution.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace gs::render {
+
+/// RenderList of a world for one viewer, collected once and then updated incrementally, so that an update costs only
+/// the changes. Moved Transforms and Billboards, lights, Viewpoints, colours, textures and geometries are updated in
+/// place; added or removed content causes a new collection. The list's address is stable. Single-threaded, on the
+/// scene's thread; all inputs must outlive it.
+class RenderScene {
+ public:
+  RenderScene(const vrml::SceneGraph& scene, const Images& images, const Clouds& clouds, MeshCache& meshes);
+
+  /// Collects everything.
+  void gather(const BoundNodes& bound, const glm::dvec3& viewer);
+  /// Applies changes of nodes since the last call, after forget_changed() on the cache, and the viewer's position in
+  /// world space. Returns true if the list changed.
+  bool update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const glm::dvec3& viewer);
+
+  /// Sets the image resolution that determines the detail of Text: pixels per radian at the centre.
+  void set_pixels_per_radian(float pixels) { pixels_per_radian_ = pixels; }
+
+  /// Sets the viewer's up direction in world space for the next `gather` or `update`.
+  void set_viewer_up(const glm::dvec3& up) { viewer_up_ = up; }
+
+  [[nodiscard]] const RenderList& list() const { return *list_; }
+  [[nodiscard]] std::shared_ptr<const RenderList> shared_list() const { return list_; }
+  /// Reports whether the list depends on the viewer's position.
+  [[nodiscard]] bool depends_on_viewer() const {
+    return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty();
+  }
+  /// Returns the number of full collections.
+  [[nodiscard]] std::size_t gathered() const { return gathered_; }
+
+ private:
+  /// Part of the list that depends on a node.
+  struct Use {
+    const vrml::Node* node;
+    std::uint32_t index;
+    friend bool operator<(const Use& a, const Use& b) {
+      return a.node != b.node ? std::less<>()(a.node, b.node) : a.index < b.index;
+    }
+  };
+  using Uses = std::vector<Use>;
+  enum class Effect : std::uint8_t { none, frame, apply_appearance, geometry, light, viewpoint, bindable, everything };
+
+  [[nodiscard]] Effect effect_of(const vrml::NodeChange& change, const vrml::Node& node);
+  [[nodiscard]] static std::span<const Use> uses_of(const Uses& uses, const vrml::Node* node);
+  const Uses& frame_uses();
+  const Uses& item_uses();
+  bool follow_viewer(const glm::dvec3& viewer);
+  bool refine_texts();
+  void mark_frame(std::uint32_t frame, const glm::dmat4& parent_from_local);
+  void move_frames();
+  void place_item(std::uint32_t item);
+  void place_splat(std::uint32_t splat);
+  bool renew_geometry(std::uint32_t item);
+  void apply_item_appearance(std::uint32_t item);
+  void renew_light(std::uint32_t light);
+  void renew_viewpoint(std::uint32_t viewpoint);
+  void renew_bindables();
+  void begin_generation();
+  void item_moved(std::uint32_t item);
+  [[nodiscard]] bool fills_bounds(std::size_t item) const;
+  void sum_bounds();
+
+  const vrml::SceneGraph& scene_;
+  const Images& images_;
+  const Clouds& clouds_;
+  ShapeResources resources_;
+  std::shared_ptr<RenderList> list_;
+  RenderSources sources_;
+  BoundNodes bound_;
+  glm::dvec3 viewer_{0, 0, 10};
+  glm::dvec3 viewer_up_{0, 1, 0};
+  float pixels_per_radian_ = kUsualPixelsPerRadian;
+  std::size_t gathered_ = 0;
+  Uses frame_uses_, item_uses_;  // sorted; built at first use
+  bool frame_uses_known_ = false, item_uses_known_ = false;
+  std::vector<std::uint32_t> moved_frames_;
+  std::vector<bool> frame_moved_;
+  std::vector<WideBox> block_bounds_;  // of kBoundsBlock items each
+  std::vector<std::uint32_t> stale_blocks_;
+  std::vector<bool> block_stale_;
+  bool splat_moved_ = false;
+  bool frame_lost_ = false;  // its numbers have become too large, which hides its content
+};
+
+/// Reports changes to the cache, once for all RenderScenes that share it.
+void forget_changed(MeshCache& meshes, std::span<const vrml::NodeChange> changes);
+
+}  // namespace gs::render

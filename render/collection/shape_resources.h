@@ -1,0 +1,98 @@
+#pragma once
+
+#include "render/collection/collect_nodes.h"
+#include "render/scene/render_list.h"
+#include "vrml/mesh/text_shaper.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace gs::render {
+
+/// Resources of Shapes, made once per node: meshes, materials, images. Single-threaded; the scene, the images and the
+/// cache must outlive it.
+class ShapeResources {
+ public:
+  /// Segments of primitives, from fine to coarse. Levels after kCoarsestPrimitive are for primitives of a few pixels.
+  static constexpr std::array<int, 6> kSegments = {64, 32, 16, 8, 6, 4};
+  static constexpr std::size_t kCoarsestPrimitive = 3;
+
+  static constexpr std::size_t kCoarsestText = vrml::kTextBars;
+
+  ShapeResources(const Images& images, MeshCache& meshes, std::shared_ptr<Budget> budget)
+      : images_(images), meshes_(meshes), budget_(std::move(budget)) {}
+
+  [[nodiscard]] Schemas& schemas() { return schemas_; }
+  [[nodiscard]] const Images& images() const { return images_; }
+  /// Nodes of an Appearance; null if absent.
+  struct AppearanceNodes {
+    const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
+  };
+  [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
+  /// Sets material and texture of the item.
+  void apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape);
+  /// Returns the mesh of a geometry node and makes it if needed. While another thread makes it (MeshCache::late),
+  /// returns the previous one. Null or empty means that nothing is shown.
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                                          bool textured);
+  /// Returns the mesh of a Text at `level` of vrml::kTextTolerances; the coarsest one if the budget does not permit it.
+  struct TextMesh {
+    std::shared_ptr<const vrml::Mesh> mesh;
+    std::uint8_t level;
+  };
+  [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
+                                      std::size_t level);
+  /// Returns the mesh of a point set with triangles: its textured part if `pictured`, else the rest.
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Cloud>& cloud,
+                                                               bool pictured) {
+    return meshes_.surface_of(cloud, pictured);
+  }
+  /// Returns the texture of a QNV node's surface (qnv::Cloud::picture) from the images of nodes; empty until it has
+  /// loaded.
+  [[nodiscard]] TextureUse surface_texture(const vrml::Node& node, const qnv::Cloud& cloud) const;
+  /// Returns the shared default mesh of a Box, Cone, Cylinder or Sphere, with its coarser levels. `fineness` is an
+  /// index in kSegments.
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                                            std::size_t fineness);
+  /// Reports whether a mesh was made since the last call.
+  [[nodiscard]] bool clear_made_mesh() { return std::exchange(made_mesh_, false); }
+  void report_limit(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
+  [[nodiscard]] std::vector<LimitReport>& limit_reports() { return limit_reports_; }
+  /// Clears the relation of OutlineGroups to their refiners after it may have changed.
+  void forget_refiners() { refiners_.clear(); }
+
+ private:
+  TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
+  std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
+  vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
+  void bring_up_to_date(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
+                        std::size_t text_level);
+  void make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                 const vrml::MeshOptions& options);
+
+  const Images& images_;
+  MeshCache& meshes_;
+  std::shared_ptr<Budget> budget_;
+  Schemas schemas_;
+  // Refiners of OutlineGroups, by scene and node index.
+  std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;
+  std::vector<LimitReport> limit_reports_;
+  bool made_mesh_ = false;
+};
+
+/// Returns the level of detail for a text, an index in vrml::kTextTolerances, at which no corners are visible. It
+/// depends on the font size at the nearest point of the text's box. `bounds` is in world space; `pixels_per_radian`
+/// refers to the image centre. `pictures` permits the glyph atlas for small text.
+[[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
+                                     const glm::dvec3& viewer, float pixels_per_radian, bool pictures);
+
+}  // namespace gs::render

@@ -1,0 +1,90 @@
+#include "vrml/syntax/parsed_text.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+// First line of a file, which identifies its format.
+namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kHeaderWindow = 1024;
+
+bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
+  return text.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), text.begin(), [](char a, char b) {
+           return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+         });
+}
+
+// Detects binary data. With `nul_tells`, a single NUL byte suffices; used if no header identifies the text.
+bool looks_binary(std::string_view text, bool nul_tells) {
+  std::size_t odd = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte == 0 && nul_tells) return true;
+    if (byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f' && c != '\v') ++odd;
+  }
+  return odd * 20 > text.size();
+}
+
+// Normalizes the header: collapses blanks and converts to lower case.
+std::string normalised(std::string_view line) {
+  std::string out;
+  for (const char c : line) {
+    const bool is_blank = c == ' ' || c == '\t';
+    if (is_blank && (out.empty() || out.back() == ' ')) continue;
+    out += is_blank ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
+}  // namespace
+
+Step ParsedText::read_header() {
+  const char* begin = lexer.unread();
+  const char* end = lexer.window_end();
+  if (end - begin >= 3 && std::string_view(begin, 3) == "\xef\xbb\xbf") begin += 3;
+  const std::string_view text(begin, std::min<std::size_t>(static_cast<std::size_t>(end - begin), kHeaderWindow));
+  // Always examines the same bytes, whatever the sizes of the pieces.
+  if (text.size() < kHeaderWindow && !lexer.is_last_window()) return Step::need_more;
+  header_read = true;
+  if (text.empty()) {
+    refuse("the file is empty; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+    return Step::finished;
+  }
+  lexer.advance(begin, 0, nullptr);
+  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  const std::string header = normalised(line);
+  const SourceLocation top{1, 1};
+  if (starts_with_ignoring_case(header, "#vrml v2.0 utf8")) {
+    if (looks_binary(text, false)) {
+      refuse("a binary file behind a VRML97 header; expected UTF-8 text");
+      return Step::finished;
+    }
+    if (line.substr(0, 15) != "#VRML V2.0 utf8") problems.warn(top, "the header differs from '#VRML V2.0 utf8'");
+    return Step::done;
+  }
+  if (starts_with_ignoring_case(header, "#vrml v1.0")) {
+    refuse("a VRML 1.0 file; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "#x3d")) {
+    refuse("an X3D file in classic encoding; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "#inventor")) {
+    refuse("an Open Inventor file; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "<")) {
+    refuse(text.find("X3D") != std::string_view::npos
+               ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
+               : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
+           top);
+  } else if (looks_binary(text, true)) {
+    refuse("a binary file; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+  } else if (starts_with_ignoring_case(header, "#vrml")) {
+    problems.warn(top,
+                  "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");
+  } else {
+    headerless = true;
+  }
+  return outcome == ParseOutcome::refused ? Step::finished : Step::done;
+}
+
+}  // namespace gs::vrml
