@@ -53,7 +53,7 @@ Places places_of(std::span<const std::byte> stream) {
 }
 
 bool measure(Studio& studio, const std::string& file, int bits) {
-  app::OpenedWorld world = app::load_world(file);
+  app::LoadedWorld world = app::load_world(file);
   if (!world.scene) return false;
   render::MeshCache cache;
   const render::RenderList full = render::collect(*world.scene, world.images, cache);
@@ -93,7 +93,7 @@ bool measure(Studio& studio, const std::string& file, int bits) {
   double draco_psnr = 0;
   if (bench::write_obj(bench::welded(full), base + ".obj") && bench::make_draco(base, bits)) {
     draco = std::filesystem::file_size(base + ".drc");
-    app::OpenedWorld back = app::load_world(base + ".out.obj");
+    app::LoadedWorld back = app::load_world(base + ".out.obj");
     render::MeshCache own;
     if (back.scene) draco_psnr = psnr(render::collect(*back.scene, back.images, own));
   }

@@ -32,7 +32,7 @@ using bench::Studio;
 constexpr std::array<bench::View, 6> kViews{{{0, 0}, {60, 20}, {120, -20}, {180, 0}, {240, 30}, {300, -10}}};
 
 bool measure(Studio& studio, const std::string& file, unsigned seeds) {
-  app::OpenedWorld world = app::load_world(file);
+  app::LoadedWorld world = app::load_world(file);
   if (!world.scene) return false;
   render::MeshCache cache;
   const render::RenderList full = render::collect(*world.scene, world.images, cache);

@@ -157,7 +157,7 @@ int main(int count, char** arguments) {
       "decoding, M vectors/s a core |\n");
   std::printf("|---|---|---:|---:|---:|---:|---:|---:|---:|\n");
   for (int i = 1; i < count; ++i) {
-    app::OpenedWorld world = app::load_world(arguments[i]);
+    app::LoadedWorld world = app::load_world(arguments[i]);
     if (!world.scene) return 1;
     render::MeshCache cache;
     const render::RenderList list = render::collect(*world.scene, world.images, cache);

@@ -261,7 +261,7 @@ class DracoAndJpeg {
                                       " -qn 7 >/dev/null 2>&1 && draco_decoder -i " + base + ".drc -o " + base +
                                       ".out.obj >/dev/null 2>&1";
           if (std::system(command.c_str()) != 0) continue;
-          app::OpenedWorld world = app::load_world(base + ".out.obj");
+          app::LoadedWorld world = app::load_world(base + ".out.obj");
           if (!world.scene) continue;
           render::MeshCache cache;
           Candidate<render::RenderList> one{std::filesystem::file_size(base + ".drc"),
@@ -309,7 +309,7 @@ int main(int count, char** arguments) {
       others = false;
       continue;
     }
-    app::OpenedWorld world = app::load_world(arguments[i]);
+    app::LoadedWorld world = app::load_world(arguments[i]);
     render::MeshCache cache;
     const render::RenderList full =
         world.scene ? render::collect(*world.scene, world.images, cache) : render::RenderList{};

@@ -35,7 +35,7 @@ class AnimatedWorld {
     simulation_.reset();
     file_ = file;
     loading_.emplace(file, load_options(options_));
-    OpenedWorld world = load_world(*loading_, file);
+    LoadedWorld world = load_world(*loading_, file);
     print_diagnostics(world.diagnostics);
     if (!world.scene) return std::string();
     simulation_ = std::make_unique<Simulation>(std::move(world), glm::ivec2(options_.width, options_.height),

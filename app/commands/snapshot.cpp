@@ -162,7 +162,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
       std::async(std::launch::async, open_renderer, confined ? "osmesa" : options.backend, first_part);
   phases.enter(Phase::read);
   std::optional<WorldLoading> loading(std::in_place, file, load);
-  OpenedWorld world = load_world(*loading, file);
+  LoadedWorld world = load_world(*loading, file);
   phases.enter(Phase::other);
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);

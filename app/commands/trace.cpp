@@ -74,7 +74,7 @@ int run_trace(const TraceCommand& options) {
   const GivenPlace given = given_place(options.files.front());
   if (!given.problem.empty()) return fail(given.target + ": " + given.problem);
   WorldLoading loading(given.target, load_options(options));
-  OpenedWorld world = load_world(loading, given.target);
+  LoadedWorld world = load_world(loading, given.target);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
   Simulation simulation(std::move(world), {options.width, options.height});

@@ -13,7 +13,6 @@
 namespace gs::app {
 namespace {
 
-
 std::string file_name_of(const Found& found) {
   net::Url as_file = found.url;
   as_file.scheme = "file";

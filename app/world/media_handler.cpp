@@ -7,7 +7,6 @@
 // Sounds and movies of AudioClips and MovieTextures (VRML97 6.4, 6.28).
 namespace gs::app {
 
-
 /// Content handler for a sound or movie that several nodes may play.
 struct WorldLoading::State::SharedMedia final : ContentHandler {
   SharedMedia(State& state, vrml::UrlContent of, std::string type_name, std::string text, SourceLocation location,
@@ -101,7 +100,7 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
   void give(std::shared_ptr<const MediaFile> found, std::shared_ptr<const render::Image> first) {
     world.media_arrived({std::exchange(players, {}), std::move(found), std::move(first)});
   }
-  void add(const Arrivals::Place& player) {
+  void add(const ResourceUpdates::Place& player) {
     if (stage == Stage::coming)
       players.push_back(player);
     else
@@ -120,20 +119,20 @@ struct WorldLoading::State::SharedMedia final : ContentHandler {
   Share held;           // of `bytes`
   bool closed = false;  // more bytes are ignored
   std::optional<std::string> refused;
-  std::vector<Arrivals::Place> players;
+  std::vector<ResourceUpdates::Place> players;
   std::weak_ptr<const MediaFile> media;
   std::weak_ptr<const render::Image> image;
   enum class Stage : std::uint8_t { coming, shown, none };
   Stage stage = Stage::coming;
 };
 
-void WorldLoading::State::media_arrived(Arrivals::Media media) {
+void WorldLoading::State::media_arrived(ResourceUpdates::Media media) {
   changed = true;
   if (taken) {
-    arrivals.media.push_back(std::move(media));
+    updates.media.push_back(std::move(media));
     return;
   }
-  for (const Arrivals::Place& player : media.players) {
+  for (const ResourceUpdates::Place& player : media.players) {
     const vrml::Node* node = &player.scene->node(player.node);
     if (media.media) world.media[node] = media.media;
     if (media.image) world.images[node] = media.image;

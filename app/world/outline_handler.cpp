@@ -15,7 +15,7 @@ bool is_of_polygons(const vrml::InterfaceDeclaration& field) {
 
 }  // namespace
 
-OutlineHandler::OutlineHandler(WorldLoading::State& world, Arrivals::Place group, std::string file,
+OutlineHandler::OutlineHandler(WorldLoading::State& world, ResourceUpdates::Place group, std::string file,
                                SourceLocation location, vrml::MFString urls, const vrml::Node* begin_with)
     : world_(world),
       group_(group),
@@ -69,11 +69,11 @@ void OutlineHandler::has_come() {
 
 void OutlineHandler::give() {
   if (!node_) return;
-  Arrivals::Outlines arrival{group_, {}, own_};
+  ResourceUpdates::Outlines update{group_, {}, own_};
   const vrml::Node& from = own_->node(node_);
   for (const vrml::InterfaceDeclaration& field : from.type->interfaces)
-    if (is_of_polygons(field)) arrival.fields.emplace_back(&field, from.values[field.slot]);
-  world_.outlines_arrived(std::move(arrival));
+    if (is_of_polygons(field)) update.fields.emplace_back(&field, from.values[field.slot]);
+  world_.outlines_arrived(std::move(update));
 }
 
 }  // namespace gs::app

@@ -16,7 +16,7 @@ class OutlineHandler final : public ContentHandler, public std::enable_shared_fr
  public:
   /// Creates a handler for `group`. `file` and `location` are the group's, for messages. The new polygons follow those
   /// of `begin_with`, unless it is null.
-  OutlineHandler(WorldLoading::State& world, Arrivals::Place group, std::string file, SourceLocation location,
+  OutlineHandler(WorldLoading::State& world, ResourceUpdates::Place group, std::string file, SourceLocation location,
                  vrml::MFString urls, const vrml::Node* begin_with);
   ~OutlineHandler() override;
   bool begin(const Found& found) override;
@@ -32,7 +32,7 @@ class OutlineHandler final : public ContentHandler, public std::enable_shared_fr
   void has_come();
 
   WorldLoading::State& world_;
-  Arrivals::Place group_;
+  ResourceUpdates::Place group_;
   std::string file_, name_;  // file of the group's text; name of the stream
   SourceLocation location_;
   vrml::MFString urls_;

@@ -9,10 +9,7 @@
 
 // Decoding of scenes to nodes. scene_references.cpp handles the references of the nodes.
 namespace gs::app {
-namespace {
-
-
-}  // namespace
+namespace {}  // namespace
 
 SceneHandler::SceneHandler(World& world, Role given_role, SceneHandler* given_outer)
     : role(given_role), outer(given_outer), world_(world), waiting_share_(world.budget, Resource::files) {}
@@ -344,7 +341,7 @@ void SceneHandler::give_away() {
       one->content_ = scene->inlines().at(one->inline_node.index);
       scene->attach_inline(one->inline_node, nullptr);
     }
-    one->given_to = Arrivals::Place{scene, one->inline_node};
+    one->given_to = ResourceUpdates::Place{scene, one->inline_node};
     world_.withheld.push_back(one);
   }
 }

@@ -75,7 +75,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   vrml::MFString urls;                     // candidate URLs, for messages
   std::vector<AwaitedPrototype> awaiting;  // for a library: types of `outer` that wait for it
   vrml::SceneGraph* scene = nullptr;
-  std::optional<Arrivals::Place> given_to;  // Inline of a running world that gets the content when it is read
+  std::optional<ResourceUpdates::Place> given_to;  // Inline of a running world that gets the content when it is read
   /// Completeness of the file itself.
   enum class Content : std::uint8_t { whole, cut_short, refused };
   Content content = Content::whole;

@@ -11,7 +11,7 @@ namespace gs::app {
 void SceneHandler::load(const UrlRequest& request) {
   if (request.prototype) return load_prototype(request);
   Reference reference = refer(request.urls, request.source, request.fetched);
-  const Arrivals::Place& at = request.place;
+  const ResourceUpdates::Place& at = request.place;
   if (request.as_text) return load_text(request, std::move(reference));
   switch (request.content) {
     case vrml::UrlContent::scene:
@@ -63,7 +63,7 @@ void SceneHandler::load_inline(const UrlRequest& request, Reference reference) {
     if (is_former(one)) world_.withdraw(*one);
   std::erase_if(inner_, is_former);
   if (reference.places.empty()) {
-    world_.arrivals.contents.push_back({request.place, nullptr, {}});
+    world_.updates.contents.push_back({request.place, nullptr, {}});
     return;
   }
   auto inner = std::make_shared<SceneHandler>(world_, Role::inlined, this);

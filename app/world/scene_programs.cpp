@@ -6,7 +6,6 @@
 // Programs of Scripts in own files (VRML97 4.12.1), and texts that programs request.
 namespace gs::app {
 
-
 /// Content handler for a text of VRML or of a program, optionally gzip-compressed.
 struct WorldLoading::State::TextHandler final : ContentHandler {
   TextHandler(State& state, const SceneHandler* waits, const UrlRequest& request)
@@ -57,9 +56,9 @@ struct WorldLoading::State::TextHandler final : ContentHandler {
   bool full = false;
 };
 
-void WorldLoading::State::text_arrived(Arrivals::Text text) {
+void WorldLoading::State::text_arrived(ResourceUpdates::Text text) {
   if (taken)
-    arrivals.texts.push_back(std::move(text));
+    updates.texts.push_back(std::move(text));
   else
     world.programs.push_back({text.place.scene, text.place.node, std::move(text.text), std::move(text.url)});
 }

@@ -10,7 +10,6 @@
 namespace gs::app {
 namespace {
 
-
 // Returns true if a url refers to this file or to a part of it.
 bool names_file(net::Url url, const std::string& file) {
   url.fragment.clear();
@@ -144,14 +143,14 @@ void SceneHandler::take_library(SceneHandler& library) {
 // Passes prototypes to the running world, which owns the types.
 void SceneHandler::give_prototypes(std::vector<AwaitedPrototype> awaited, std::unique_ptr<vrml::SceneGraph> library,
                                    std::optional<std::string> why) {
-  Arrivals::Prototypes arrival;
-  arrival.scene = scene;
-  arrival.scene_held = given_.lock();
-  if (role != Role::root && !arrival.scene_held) return;  // the Inline was removed
-  arrival.awaited = std::move(awaited);
-  arrival.library = std::move(library);
-  arrival.why = std::move(why);
-  world_.arrivals.prototypes.push_back(std::move(arrival));
+  ResourceUpdates::Prototypes update;
+  update.scene = scene;
+  update.scene_held = given_.lock();
+  if (role != Role::root && !update.scene_held) return;  // the Inline was removed
+  update.awaited = std::move(awaited);
+  update.library = std::move(library);
+  update.why = std::move(why);
+  world_.updates.prototypes.push_back(std::move(update));
 }
 
 // Resolves EXTERNPROTOs, except those if fields of their instances are still being read.

@@ -213,8 +213,8 @@ void SceneHandler::visit_outlines(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
   ask_for(refer(id), &node,
-          std::make_shared<OutlineHandler>(world_, Arrivals::Place{scene, id}, node.text->file_name(), node.location,
-                                           list, &node),
+          std::make_shared<OutlineHandler>(world_, ResourceUpdates::Place{scene, id}, node.text->file_name(),
+                                           node.location, list, &node),
           Urgency::vectors);
 }
 

@@ -50,7 +50,7 @@ void SharedImage::missing(const std::string& why) {
   world.image_arrived({std::exchange(textures, {}), nullptr});
 }
 
-void SharedImage::add(const Arrivals::Place& texture) {
+void SharedImage::add(const ResourceUpdates::Place& texture) {
   if (stage == Stage::coming)
     textures.push_back(texture);
   else

@@ -25,7 +25,7 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   void missing(const std::string& why) override;
 
   /// Adds a texture, which gets the image now or when it is available.
-  void add(const Arrivals::Place& texture);
+  void add(const ResourceUpdates::Place& texture);
   [[nodiscard]] bool has_none() const { return stage == Stage::none; }
   /// Returns true if the image was shown but no texture uses it any more.
   [[nodiscard]] bool is_spent() const { return stage == Stage::shown && image.expired(); }
@@ -40,7 +40,7 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   vrml::MFString urls;
   std::vector<std::byte> bytes;
   Share held;  // of `bytes`
-  std::vector<Arrivals::Place> textures;
+  std::vector<ResourceUpdates::Place> textures;
   std::weak_ptr<const render::Image> image;
   enum class Stage : std::uint8_t { coming, shown, none };
   Stage stage = Stage::coming;

@@ -7,24 +7,24 @@
 
 namespace gs::app {
 
-OpenedWorld world_without_memory(const std::string& path) {
-  OpenedWorld none;
+LoadedWorld world_without_memory(const std::string& path) {
+  LoadedWorld none;
   none.path = path;
   none.truncated = true;
   none.diagnostics.add({Severity::error, path, {}, "not enough memory to open it"});
   return none;
 }
 
-OpenedWorld load_world(const std::string& path, const LoadOptions& options) try {
+LoadedWorld load_world(const std::string& path, const LoadOptions& options) try {
   WorldLoading loading(path, options);
   return load_world(loading, path);
 } catch (const std::bad_alloc&) {
   return world_without_memory(path);
 }
 
-OpenedWorld load_world(WorldLoading& loading, const std::string& path) try {
+LoadedWorld load_world(WorldLoading& loading, const std::string& path) try {
   while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
-  OpenedWorld world = loading.take();
+  LoadedWorld world = loading.take();
   for (const auto& feed : world.feeds) (void)feed->apply();
   return world;
 } catch (const std::bad_alloc&) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/updates/opened_world.h"
+#include "app/world/updates/loaded_world.h"
 #include "base/limits.h"
 #include "base/phases.h"
 
@@ -43,11 +43,11 @@ struct LoadOptions {
 
 /// Reads a world and its references from a path or URL, of any content type, optionally gzip-compressed. `scene` is
 /// null if there is nothing to show; the diagnostics give the reason. Safe for untrusted files and servers. Any thread.
-[[nodiscard]] OpenedWorld load_world(const std::string& path, const LoadOptions& options = {});
+[[nodiscard]] LoadedWorld load_world(const std::string& path, const LoadOptions& options = {});
 class WorldLoading;
 /// Reads a world with a loader that the caller keeps, so that it can request urls later.
-[[nodiscard]] OpenedWorld load_world(WorldLoading& loading, const std::string& path);
+[[nodiscard]] LoadedWorld load_world(WorldLoading& loading, const std::string& path);
 /// Returns the result for a world that does not fit in memory.
-[[nodiscard]] OpenedWorld world_without_memory(const std::string& path);
+[[nodiscard]] LoadedWorld world_without_memory(const std::string& path);
 
 }  // namespace gs::app

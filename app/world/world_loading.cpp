@@ -142,22 +142,22 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
   return true;
 }
 
-void WorldLoading::State::cloud_arrived(Arrivals::Cloud cloud) {
+void WorldLoading::State::cloud_arrived(ResourceUpdates::Cloud cloud) {
   changed = true;
   if (cloud.cloud && cloud.cloud->picture) cloud.image = pictures.image_of(cloud.cloud->picture, budget);
   if (!taken) return set_cloud(world, cloud);
-  for (Arrivals::Cloud& earlier : arrivals.clouds)
+  for (ResourceUpdates::Cloud& earlier : updates.clouds)
     if (earlier.place.scene == cloud.place.scene && earlier.place.node == cloud.place.node &&
         earlier.place.request == cloud.place.request) {
       earlier.cloud = std::move(cloud.cloud);
       earlier.image = std::move(cloud.image);
       return;
     }
-  arrivals.clouds.push_back(std::move(cloud));
+  updates.clouds.push_back(std::move(cloud));
 }
 
 void WorldLoading::State::note_progress(const UrlProgress& progress) {
-  std::vector<UrlProgress>& all = taken ? arrivals.progress : world.progress;
+  std::vector<UrlProgress>& all = taken ? updates.progress : world.progress;
   for (UrlProgress& earlier : all)
     if (earlier.scene == progress.scene && earlier.node == progress.node) {
       earlier.fraction = progress.fraction;
@@ -166,27 +166,26 @@ void WorldLoading::State::note_progress(const UrlProgress& progress) {
   all.push_back(progress);
 }
 
-void WorldLoading::State::outlines_arrived(Arrivals::Outlines arrival) {
+void WorldLoading::State::outlines_arrived(ResourceUpdates::Outlines update) {
   changed = true;
   if (taken) {
-    arrivals.outlines.push_back(std::move(arrival));
+    updates.outlines.push_back(std::move(update));
     return;
   }
-  set_outlines(world, arrival);
-  if (SceneHandler* const handler = root->handler_of(arrival.place.scene))
-    handler->outlines_changed(arrival.place.node);
+  set_outlines(world, update);
+  if (SceneHandler* const handler = root->handler_of(update.place.scene)) handler->outlines_changed(update.place.node);
 }
 
 void WorldLoading::State::give_outlines() {
   for (const auto& one : std::exchange(outlines, {})) one->give();
 }
 
-void WorldLoading::State::image_arrived(Arrivals::Image image) {
+void WorldLoading::State::image_arrived(ResourceUpdates::Image image) {
   changed = true;
   if (taken) {
-    arrivals.images.push_back(std::move(image));
+    updates.images.push_back(std::move(image));
   } else if (image.image) {
-    for (const Arrivals::Place& texture : image.textures)
+    for (const ResourceUpdates::Place& texture : image.textures)
       world.images[{&texture.scene->node(texture.node), texture.url}] = image.image;
   }
 }
@@ -228,7 +227,7 @@ bool WorldLoading::root_is_read() const {
   const State& s = *state_;
   return s.root && s.root->scene && !s.root->refused() && !s.taken && s.root->nothing_more_comes();
 }
-Arrivals WorldLoading::take_arrivals() { return state_->take_arrivals(); }
+ResourceUpdates WorldLoading::take_updates() { return state_->take_updates(); }
 void WorldLoading::request(std::vector<UrlRequest> requests) { state_->request(std::move(requests)); }
 void WorldLoading::rest(std::chrono::milliseconds wait) { state_->waker->wait(wait); }
 void WorldLoading::prioritize(std::unordered_map<const vrml::Node*, float> importance) {
@@ -276,12 +275,12 @@ const std::string& WorldLoading::title() const { return state_->world.title; }
 bool WorldLoading::authored() const { return state_->world.authored; }
 Upright WorldLoading::upright(const glm::vec3& size) const { return state_->world.upright(size); }
 
-OpenedWorld WorldLoading::take(render::MeshCache* meshes) {
+LoadedWorld WorldLoading::take(render::MeshCache* meshes) {
   State& s = *state_;
   s.give_outlines();
   s.taken = true;
   s.budget->stop_when({});
-  OpenedWorld world = std::exchange(s.world, OpenedWorld());
+  LoadedWorld world = std::exchange(s.world, LoadedWorld());
   s.world.path = world.path;
   s.world.title = world.title;
   world.bytes = s.root->bytes();

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "app/base/load_limit.h"
-#include "app/world/updates/arrivals.h"
-#include "app/world/updates/opened_world.h"
+#include "app/world/updates/loaded_world.h"
+#include "app/world/updates/resource_updates.h"
 #include "app/world/world_loader.h"
 #include "net/cells/cell_receiver.h"
 #include "render/scene/render_list.h"
@@ -54,7 +54,7 @@ class WorldLoading {
   /// polygons, images and vectors still load.
   [[nodiscard]] bool root_is_read() const;
   /// Returns the updates since the last call. Call after `take`.
-  [[nodiscard]] Arrivals take_arrivals();
+  [[nodiscard]] ResourceUpdates take_updates();
   /// Requests urls that were set, after `take`. Call `step` until it is done again. The updates contain the results; an
   /// Inline is included when its file is complete.
   void request(std::vector<UrlRequest> requests);
@@ -81,11 +81,11 @@ class WorldLoading {
   [[nodiscard]] const std::string& title() const;
   /// Returns the up axis. `size` is the extent of all visible objects.
   [[nodiscard]] Upright upright(const glm::vec3& size) const;
-  /// Returns true for an authored world; see OpenedWorld.
+  /// Returns true for an authored world; see LoadedWorld.
   [[nodiscard]] bool authored() const;
   /// Moves the world out. Call once, when the world is done or its root is read. The scene is not used afterwards;
   /// later results are updates. Meshes that `collect` made are moved to `meshes`.
-  [[nodiscard]] OpenedWorld take(render::MeshCache* meshes = nullptr);
+  [[nodiscard]] LoadedWorld take(render::MeshCache* meshes = nullptr);
 
   /// Returns the number of received and lost datagrams of cells.
   [[nodiscard]] net::CellClientStatistics cells() const;

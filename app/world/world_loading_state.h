@@ -5,8 +5,8 @@
 #include "app/streams/cell_stream.h"
 #include "app/streams/load_ledger.h"
 #include "app/world/content_handler.h"
-#include "app/world/updates/arrivals.h"
 #include "app/world/updates/missing_url.h"
+#include "app/world/updates/resource_updates.h"
 #include "app/world/world_loading.h"
 #include "base/budget.h"
 
@@ -73,12 +73,12 @@ struct WorldLoading::State {
   }
   void set_priorities();
   /// Gives a QNV node new or better vectors.
-  void cloud_arrived(Arrivals::Cloud cloud);
-  void image_arrived(Arrivals::Image image);
-  void media_arrived(Arrivals::Media media);
-  void text_arrived(Arrivals::Text text);
+  void cloud_arrived(ResourceUpdates::Cloud cloud);
+  void image_arrived(ResourceUpdates::Image image);
+  void media_arrived(ResourceUpdates::Media media);
+  void text_arrived(ResourceUpdates::Text text);
   void note_progress(const UrlProgress& progress);
-  void outlines_arrived(Arrivals::Outlines outlines);
+  void outlines_arrived(ResourceUpdates::Outlines outlines);
   /// Passes received polygons to the OutlineGroups.
   void give_outlines();
   // world_requests.cpp: urls that are set in a running world
@@ -86,7 +86,7 @@ struct WorldLoading::State {
   /// Cancels the fetches of a handler and its inner handlers.
   void withdraw(const SceneHandler& handler);
   void give_content(SceneHandler& handler);
-  Arrivals take_arrivals();
+  ResourceUpdates take_updates();
   net::Loader* network();
   // world_cells.cpp
   bool begin_cells(Fetch& fetch, const net::Url& url);
@@ -106,8 +106,8 @@ struct WorldLoading::State {
   net::ReferencePolicy policy;
   LoadLimit limit;
   WorldBudget budget;
-  OpenedWorld world;                                        // after `take`: only the members that accompany updates
-  Arrivals arrivals;                                        // since `take`
+  LoadedWorld world;                                        // after `take`: only the members that accompany updates
+  ResourceUpdates updates;                                  // since `take`
   std::vector<std::shared_ptr<SceneHandler>> withheld;      // contents of Inlines with incomplete files
   std::unordered_map<const vrml::Node*, float> importance;  // as the owner of the world computes it
   render::MeshCache meshes;

@@ -40,13 +40,13 @@ void WorldLoading::State::withdraw(const SceneHandler& handler) {
 
 // Hands over the content of an Inline with its meshes, so that the drawing thread need not make them.
 void WorldLoading::State::give_content(SceneHandler& handler) {
-  Arrivals::Content arrival{*handler.given_to, handler.give_content(), {}};
-  if (arrival.content) (void)render::collect(*arrival.content, {}, arrival.meshes, viewer, {});
-  arrivals.contents.push_back(std::move(arrival));
+  ResourceUpdates::Content update{*handler.given_to, handler.give_content(), {}};
+  if (update.content) (void)render::collect(*update.content, {}, update.meshes, viewer, {});
+  updates.contents.push_back(std::move(update));
 }
 
 // Returns the updates. They include the content of an Inline once its own file is complete.
-Arrivals WorldLoading::State::take_arrivals() {
+ResourceUpdates WorldLoading::State::take_updates() {
   give_outlines();
   const auto goes_on = [&](const SceneHandler& handler) {
     return !handler.nothing_more_comes() && std::any_of(fetches.begin(), fetches.end(), [&](const auto& fetch) {
@@ -63,7 +63,7 @@ Arrivals WorldLoading::State::take_arrivals() {
     withheld.erase(withheld.begin() + static_cast<std::ptrdiff_t>(i));
     give_content(*one);
   }
-  Arrivals taken_now = std::exchange(arrivals, {});
+  ResourceUpdates taken_now = std::exchange(updates, {});
   const auto is_withheld = [&](const vrml::SceneGraph* scene) {
     return std::any_of(withheld.begin(), withheld.end(), [&](const auto& one) { return one->handler_of(scene); });
   };
@@ -74,19 +74,19 @@ Arrivals WorldLoading::State::take_arrivals() {
     from.erase(kept, from.end());
   };
   if (!withheld.empty()) {
-    keep(taken_now.outlines, arrivals.outlines, [](const Arrivals::Outlines& one) { return one.place.scene; });
-    keep(taken_now.clouds, arrivals.clouds, [](const Arrivals::Cloud& one) { return one.place.scene; });
-    keep(taken_now.texts, arrivals.texts, [](const Arrivals::Text& one) { return one.place.scene; });
-    keep(taken_now.progress, arrivals.progress, [](const UrlProgress& one) { return one.scene; });
-    for (Arrivals::Image& one : taken_now.images) {
-      Arrivals::Image kept{{}, one.image};
-      keep(one.textures, kept.textures, [](const Arrivals::Place& place) { return place.scene; });
-      if (!kept.textures.empty()) arrivals.images.push_back(std::move(kept));
+    keep(taken_now.outlines, updates.outlines, [](const ResourceUpdates::Outlines& one) { return one.place.scene; });
+    keep(taken_now.clouds, updates.clouds, [](const ResourceUpdates::Cloud& one) { return one.place.scene; });
+    keep(taken_now.texts, updates.texts, [](const ResourceUpdates::Text& one) { return one.place.scene; });
+    keep(taken_now.progress, updates.progress, [](const UrlProgress& one) { return one.scene; });
+    for (ResourceUpdates::Image& one : taken_now.images) {
+      ResourceUpdates::Image kept{{}, one.image};
+      keep(one.textures, kept.textures, [](const ResourceUpdates::Place& place) { return place.scene; });
+      if (!kept.textures.empty()) updates.images.push_back(std::move(kept));
     }
-    for (Arrivals::Media& one : taken_now.media) {
-      Arrivals::Media kept{{}, one.media, one.image};
-      keep(one.players, kept.players, [](const Arrivals::Place& place) { return place.scene; });
-      if (!kept.players.empty()) arrivals.media.push_back(std::move(kept));
+    for (ResourceUpdates::Media& one : taken_now.media) {
+      ResourceUpdates::Media kept{{}, one.media, one.image};
+      keep(one.players, kept.players, [](const ResourceUpdates::Place& place) { return place.scene; });
+      if (!kept.players.empty()) updates.media.push_back(std::move(kept));
     }
   }
   taken_now.feeds = std::exchange(world.feeds, {});

@@ -58,7 +58,7 @@ class Studio {
                                                                        // position
     }
     drawing_.options.headlight = list.navigation.headlight;
-    const OpenedWorld world = loading.take();
+    const LoadedWorld world = loading.take();
     for (const auto& diagnostic : world.diagnostics.entries()) FAIL(diagnostic.text());
     return drawing_.draw(list, camera);
   }

@@ -96,7 +96,7 @@ void check_routes(const vrml::Execution& execution) {
 class Trace {
  public:
   Trace(const LoadOptions& options, const std::string& url, bool verbose) : loading_(url, options) {
-    OpenedWorld world = load_world(loading_, url);
+    LoadedWorld world = load_world(loading_, url);
     if (verbose)
       for (const Diagnostic& one : world.diagnostics.entries()) std::printf("%s\n", one.text().c_str());
     if (!world.scene) return;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/script/script_runner.h"
-#include "app/world/updates/arrivals.h"
+#include "app/world/updates/resource_updates.h"
 
 #include <cstddef>
 #include <optional>

@@ -47,7 +47,7 @@ TEST_CASE("stops reading a world when its loading is cancelled") {
   const std::atomic<bool> cancelled = true;
   LoadOptions options;
   options.cancelled = &cancelled;
-  const OpenedWorld world = load_world(path, options);
+  const LoadedWorld world = load_world(path, options);
   CHECK(world.truncated);
   CHECK(world.scene->roots().size() == 1);
 }

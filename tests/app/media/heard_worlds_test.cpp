@@ -34,7 +34,7 @@ Ears hear(const ScratchFolder& folder, const std::string& world, double seconds,
           const std::vector<InputRow>& rows = {}) {
   const std::string path = folder.write("main.wrl", kHeader + world);
   WorldLoading loading(path, {});
-  OpenedWorld opened = load_world(loading, path);
+  LoadedWorld opened = load_world(loading, path);
   for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
   CHECK(opened.diagnostics.entries().empty());
   REQUIRE(opened.scene);

@@ -40,7 +40,7 @@ Shown shown_at(const std::string& fields, double seconds, const std::string& fil
       folder.write("main.wrl", kHeader + "Shape { appearance Appearance { texture DEF M MovieTexture { url \"a.mpg\" " +
                                    fields + " } } geometry Box { } }");
   WorldLoading loading(path, {});
-  OpenedWorld opened = load_world(loading, path);
+  LoadedWorld opened = load_world(loading, path);
   for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
   REQUIRE(opened.scene);
   Simulation simulation(std::move(opened), {64, 48});
@@ -148,7 +148,7 @@ TEST_CASE("keeps the last frame of a movie that breaks off, and runs the world o
         "main.wrl", kHeader +
                         "Shape { appearance Appearance { texture MovieTexture { url \"a.mpg\" loop TRUE } } "
                         "geometry Box { } }");
-    OpenedWorld opened = load_world(path);
+    LoadedWorld opened = load_world(path);
     REQUIRE(opened.scene);
     Simulation simulation(std::move(opened), {64, 48});
     simulation.run(1.5);

@@ -52,7 +52,7 @@ struct Web {
   template <class Between>
   void run(const std::string& world, const Between& between) {
     WorldLoading loading(world, options);
-    OpenedWorld opened = load_world(loading, world);
+    LoadedWorld opened = load_world(loading, world);
     for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
     REQUIRE(opened.scene);
     Simulation simulation(std::move(opened), {64, 64});

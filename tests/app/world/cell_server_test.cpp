@@ -10,13 +10,13 @@ namespace {
 
 /// Returns the world after the server stops half-way and `then` runs.
 template <class Then>
-OpenedWorld interrupted(CellSite& site, const LoadOptions& options, const Then& then) {
+LoadedWorld interrupted(CellSite& site, const LoadOptions& options, const Then& then) {
   WorldLoading loading(site.url("packed.qnv"), options);
   while (!loading.done() && loading.state().received < 100'000) (void)loading.step(kCellWait);
   REQUIRE_FALSE(loading.done());
   then();
   while (!loading.done()) (void)loading.step(kCellWait);
-  OpenedWorld world = loading.take();
+  LoadedWorld world = loading.take();
   for (const auto& feed : world.feeds) (void)feed->apply();
   return world;
 }
@@ -51,7 +51,7 @@ TEST_CASE("keeps the received part when a cell server stops") {
   site.start();
   LoadOptions options;
   options.timeout_seconds = 60;
-  const OpenedWorld world = interrupted(site, options, [&] { site.archive.reset(); });
+  const LoadedWorld world = interrupted(site, options, [&] { site.archive.reset(); });
   CHECK(tells(world.diagnostics, "the server is stopping"));
   REQUIRE(world.scene);
   CHECK(world.truncated);
@@ -66,7 +66,7 @@ TEST_CASE("asks a killed cell server again, and detects a changed file") {
   LoadOptions options;
   options.timeout_seconds = 120;
   SECTION("the same file: what is there stays") {
-    const OpenedWorld world = interrupted(site, options, [&] {
+    const LoadedWorld world = interrupted(site, options, [&] {
       server.reset();
       server = std::make_unique<ServerProgram>(site, "20000000");
     });
@@ -74,7 +74,7 @@ TEST_CASE("asks a killed cell server again, and detects a changed file") {
     CHECK(cloud_of_world(world).size() > 500'000);
   }
   SECTION("another one") {
-    const OpenedWorld world = interrupted(site, options, [&] {
+    const LoadedWorld world = interrupted(site, options, [&] {
       server.reset();
       site.folder.write("packed.qnv", large_stream().substr(0, large_stream().size() / 2));
       server = std::make_unique<ServerProgram>(site);

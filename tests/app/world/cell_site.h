@@ -87,7 +87,7 @@ struct CellSite {
   }
 };
 
-inline qnv::Cloud cloud_of_world(const OpenedWorld& world) {
+inline qnv::Cloud cloud_of_world(const LoadedWorld& world) {
   REQUIRE(world.clouds.size() == 1);
   const auto& cloud = *world.clouds.begin()->second;
   return cloud.levels ? cloud.levels->whole() : cloud;

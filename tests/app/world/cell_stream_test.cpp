@@ -13,7 +13,7 @@ TEST_CASE("restores the stream of the file from cells", "[optimised]") {
     INFO(name);
     LoadOptions options;
     options.timeout_seconds = 120;
-    const OpenedWorld world = load_world(site.url(name), options);
+    const LoadedWorld world = load_world(site.url(name), options);
     REQUIRE(world.scene);
     CHECK(world.diagnostics.entries().empty());
     CHECK_FALSE(world.truncated);
@@ -34,7 +34,7 @@ TEST_CASE("restores a distant mesh over HTTP and from cells") {
     INFO(url);
     LoadOptions options;
     options.timeout_seconds = 120;
-    const OpenedWorld world = load_world(url, options);
+    const LoadedWorld world = load_world(url, options);
     REQUIRE(world.scene);
     CHECK(world.diagnostics.entries().empty());
     const qnv::Cloud cloud = cloud_of_world(world);
@@ -54,7 +54,7 @@ TEST_CASE("loses only detail with lost cells", "[optimised]") {
     LoadOptions options;
     options.timeout_seconds = 120;
     options.loss = 0.3;
-    const OpenedWorld world = load_world(site.url(name), options);
+    const LoadedWorld world = load_world(site.url(name), options);
     REQUIRE(world.scene);
     CHECK(world.diagnostics.errors() == 0);
     const qnv::Cloud cloud = cloud_of_world(world);
@@ -72,12 +72,12 @@ TEST_CASE("loads the first url of a QNV node that has a stream") {
   site.folder.write("two.wrl", world_text);
   LoadOptions options;
   options.timeout_seconds = 120;
-  const OpenedWorld world = load_world(site.folder.path("two.wrl"), options);
+  const LoadedWorld world = load_world(site.folder.path("two.wrl"), options);
   REQUIRE(world.scene);
   CHECK(world.diagnostics.entries().empty());
   CHECK(cloud_of_world(world).size() == 30'000);
   options.offline = true;
-  const OpenedWorld offline = load_world(site.folder.path("two.wrl"), options);
+  const LoadedWorld offline = load_world(site.folder.path("two.wrl"), options);
   CHECK(offline.clouds.empty());
   CHECK(tells(offline.diagnostics, "--offline"));
 }
@@ -85,20 +85,20 @@ TEST_CASE("loads the first url of a QNV node that has a stream") {
 TEST_CASE("reports sources that cannot be read as cells") {
   CellSite site;
   site.start();
-  const OpenedWorld none = load_world(site.url("none.qnv"));
+  const LoadedWorld none = load_world(site.url("none.qnv"));
   CHECK_FALSE(none.scene);
   CHECK(tells(none.diagnostics, "not found"));
-  const OpenedWorld other = load_world(site.url("world.wrl"));
+  const LoadedWorld other = load_world(site.url("world.wrl"));
   CHECK_FALSE(other.scene);
   CHECK(tells(other.diagnostics, "not a QNV stream"));
-  const OpenedWorld bad = load_world("cells://127.0.0.1:99999/a.qnv");
+  const LoadedWorld bad = load_world("cells://127.0.0.1:99999/a.qnv");
   CHECK_FALSE(bad.scene);
   CHECK(tells(bad.diagnostics, "expected cells://HOST:PORT/PATH"));
   const std::string url = site.url("packed.qnv");
   site.archive.reset();
   LoadOptions impatient;
   impatient.timeout_seconds = 0.5;
-  const OpenedWorld silent = load_world(url, impatient);
+  const LoadedWorld silent = load_world(url, impatient);
   CHECK_FALSE(silent.scene);
   CHECK(tells(silent.diagnostics, "time limit for loading was reached"));
 }
@@ -112,7 +112,7 @@ TEST_CASE("requests and receives only a part of a stream") {
   while (!loading.done()) (void)loading.step(kCellWait);
   CHECK(loading.state().received <= 200'000);
   CHECK(loading.state().received > 100'000);
-  const OpenedWorld world = loading.take();
+  const LoadedWorld world = loading.take();
   for (const auto& feed : world.feeds) (void)feed->apply();
   const std::size_t part = cloud_of_world(world).size();
   CHECK(part > 10'000);

@@ -50,7 +50,7 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
   while (!loading.done()) (void)loading.step(kCellWait);
   CHECK(loading.streaming());
   CHECK(loading.state().received < 200'000);
-  const OpenedWorld world = loading.take();
+  const LoadedWorld world = loading.take();
   REQUIRE(world.feeds.size() == 1);
   StreamFeed& feed = *world.feeds.front();
   (void)feed.apply();

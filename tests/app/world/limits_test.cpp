@@ -229,7 +229,7 @@ TEST_CASE("shrinks a texture beyond the limit during decoding") {
           "Shape { appearance Appearance { texture ImageTexture { url \"./large.png\" } } geometry Box { } }\n");
   LoadOptions options;
   options.limits.texture_pixels = 256 * 256;
-  const OpenedWorld world = load_world(path, options);
+  const LoadedWorld world = load_world(path, options);
   REQUIRE(world.diagnostics.entries().size() == 1);
   CHECK(world.diagnostics.entries()[0].message.find("is shown as 256x256 pixels, 4 times smaller in each direction: "
                                                     "more than the limit for one texture, 65536 pixels") !=
@@ -301,7 +301,7 @@ TEST_CASE("ends nested Inlines in data URLs") {
   }
   LoadOptions options;
   options.limits.inline_depth = 4;
-  const OpenedWorld world = load_world(folder.write("nested.wrl", inner), options);
+  const LoadedWorld world = load_world(folder.write("nested.wrl", inner), options);
   REQUIRE(world.scene);
   std::string said;
   for (const auto& diagnostic : world.diagnostics.entries()) said += diagnostic.text() + "\n";
@@ -314,7 +314,7 @@ TEST_CASE("stops a world of too many files, and names the limit") {
   for (int i = 0; i < 50; ++i) text += "Inline { url \"" + std::to_string(i) + ".wrl\" }\n";
   LoadOptions options;
   options.limits.files = 20;
-  const OpenedWorld world = load_world(folder.write("many.wrl", text), options);
+  const LoadedWorld world = load_world(folder.write("many.wrl", text), options);
   REQUIRE(world.scene);
   std::string said;
   for (const auto& diagnostic : world.diagnostics.entries()) said += diagnostic.text() + "\n";
@@ -352,7 +352,7 @@ TEST_CASE("cancels a load inside a gzip member and inside an image") {
   std::atomic<bool> cancelled = true;
   LoadOptions options;
   options.cancelled = &cancelled;
-  const OpenedWorld world = load_world(folder.write("blanks.wrz", packed(kHeader + kBox, 50 * kMega, ' ')), options);
+  const LoadedWorld world = load_world(folder.write("blanks.wrz", packed(kHeader + kBox, 50 * kMega, ' ')), options);
   CHECK(world.truncated);
   const auto budget = world.scene ? world.scene->budget() : own_budget();
   CHECK(budget->used(Resource::unpacked) < kMega);

@@ -14,7 +14,7 @@ namespace {
 
 const std::string kHeader = "#VRML V2.0 utf8\n";
 
-std::vector<std::string> texts_of(const OpenedWorld& world) {
+std::vector<std::string> texts_of(const LoadedWorld& world) {
   std::vector<std::string> texts;
   for (const Diagnostic& one : world.diagnostics.entries()) texts.push_back(one.text());
   return texts;
@@ -30,7 +30,7 @@ TEST_CASE("plays the first readable url of an AudioClip (4.5.2, 6.4)") {
   };
   for (const char* url : {"\"good.wav\"", "\"none.wav\" \"good.wav\"", "\"bad.wav\" \"text.wav\" \"good.wav\""}) {
     INFO(url);
-    const OpenedWorld world = world_of(url);
+    const LoadedWorld world = world_of(url);
     REQUIRE(world.scene);
     CHECK(texts_of(world).empty());
     REQUIRE(world.media.size() == 1);
@@ -39,7 +39,7 @@ TEST_CASE("plays the first readable url of an AudioClip (4.5.2, 6.4)") {
     REQUIRE(world.durations.size() == 1);
     CHECK(world.durations[0].seconds == Approx(0.25));
   }
-  const OpenedWorld none = world_of("\"bad.wav\" \"text.wav\"");
+  const LoadedWorld none = world_of("\"bad.wav\" \"text.wav\"");
   CHECK(none.media.empty());
   REQUIRE(none.durations.size() == 1);
   CHECK(none.durations[0].seconds == -1);
@@ -63,7 +63,7 @@ TEST_CASE("plays sounds in data: URLs, and reads a shared file once") {
     data += kDigits[static_cast<unsigned char>(letter) & 15];
   }
   (void)folder.write("a.wav", bytes);
-  const OpenedWorld world =
+  const LoadedWorld world =
       load_world(folder.write("main.wrl", kHeader + "Sound { source AudioClip { url \"" + data +
                                               "\" } } Sound { source AudioClip { url \"a.wav\" } } "
                                               "Sound { source AudioClip { url \"a.wav\" } }"));
@@ -79,7 +79,7 @@ TEST_CASE("leaves out a sound beyond the budget, with a message") {
   (void)folder.write("a.wav", media::constant(5));
   LoadOptions options;
   options.limits.memory = 400'000;
-  const OpenedWorld world =
+  const LoadedWorld world =
       load_world(folder.write("main.wrl", kHeader + "Sound { source AudioClip { url \"a.wav\" } }"), options);
   REQUIRE(world.scene);
   CHECK(world.media.empty());
@@ -106,11 +106,11 @@ TEST_CASE("loads another sound on set_url in a running world, and sends duration
   const auto requests = document->runtime->take_url_requests();
   REQUIRE(requests.size() == 1);
   CHECK(requests[0].content == vrml::UrlContent::sound);
-  Arrivals arrivals;
+  ResourceUpdates updates;
   auto file = std::make_shared<MediaFile>(media::bytes_of(media::tone(0.5)), Share());
   file->info = {0.5, false, true};
-  arrivals.media.push_back({{requests[0].place}, file, nullptr});
-  (void)arrive(*document, std::move(arrivals));
+  updates.media.push_back({{requests[0].place}, file, nullptr});
+  (void)arrive(*document, std::move(updates));
   (void)document->runtime->step(1002);
   CHECK(durations == std::vector<double>{0.25, 0.5});
   CHECK(document->world.media.at(&scene.node(clip)) == file);

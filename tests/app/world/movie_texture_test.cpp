@@ -28,7 +28,7 @@ TEST_CASE("shows the first frame of a MovieTexture (VRML97 6.28)") {
                                                    "Shape { appearance Appearance { texture MovieTexture { url [ " +
                                                    url + " ] } } geometry Box { } }\n"));
   };
-  const OpenedWorld good = world_of("\"good.mpg\"");
+  const LoadedWorld good = world_of("\"good.mpg\"");
   REQUIRE(good.scene);
   CHECK(good.diagnostics.entries().empty());
   REQUIRE(good.images.size() == 1);
@@ -41,7 +41,7 @@ TEST_CASE("shows the first frame of a MovieTexture (VRML97 6.28)") {
   // Urls are tried in order of preference.
   CHECK(world_of("\"none.mpg\" \"good.mpg\"").images.size() == 1);
 
-  const OpenedWorld cut = world_of("\"cut.mpg\"");
+  const LoadedWorld cut = world_of("\"cut.mpg\"");
   REQUIRE(cut.scene);
   CHECK(cut.images.empty());
   REQUIRE(cut.diagnostics.entries().size() == 1);

@@ -95,7 +95,7 @@ TEST_CASE("lets a world read its own folder and below, and above it only allowed
                         texture(in_quotes("file://" + folder.path("w/textures/above.gif")))));
   const std::string outside = fs::canonical(folder.path("w/textures")).string();
   LoadOptions options;
-  const OpenedWorld strict = load_world(world, options);
+  const LoadedWorld strict = load_world(world, options);
   INFO(said(strict));
   CHECK(strict.images.size() == 2);
   CHECK(strict.outside == std::vector<OutsideFolder>{{outside, "../textures/above.gif"}});
@@ -104,7 +104,7 @@ TEST_CASE("lets a world read its own folder and below, and above it only allowed
                             "world's folder; --allow " +
                             outside + " allows it)\n");
   options.allowed = {folder.path("w")};
-  const OpenedWorld allowed = load_world(world, options);
+  const LoadedWorld allowed = load_world(world, options);
   CHECK(allowed.images.size() == 4);
   CHECK(allowed.outside.empty());
   CHECK(said(allowed).empty());
@@ -121,11 +121,11 @@ TEST_CASE("reports all files of one folder in one message, and missing files in 
     folder.write("t/" + std::to_string(i) + ".gif", kPicture);
     body += texture("\"../t/" + std::to_string(i) + ".gif\"");
   }
-  const OpenedWorld world = load_world(folder.write("w/world.wrl", text(body)));
+  const LoadedWorld world = load_world(folder.write("w/world.wrl", text(body)));
   CHECK(lines_with(said(world), "--allow") == 1);
   CHECK(world.diagnostics.warnings() == 1);
   CHECK(world.outside.size() == 1);
-  const OpenedWorld missing = load_world(folder.write("w/other.wrl", text(texture("\"../none/a.gif\""))));
+  const LoadedWorld missing = load_world(folder.write("w/other.wrl", text(texture("\"../none/a.gif\""))));
   CHECK(said(missing).find("--allow") == std::string::npos);
   CHECK(missing.diagnostics.warnings() == 1);
   CHECK(missing.outside.empty());
@@ -138,7 +138,7 @@ TEST_CASE("judges links by their targets") {
   fs::create_symlink("own.gif", folder.path("w/in.gif"));
   fs::create_symlink(folder.path("secret/s.gif"), folder.path("w/out.gif"));
   fs::create_directory_symlink(folder.path("secret"), folder.path("w/Way"));
-  const OpenedWorld world = load_world(
+  const LoadedWorld world = load_world(
       folder.write("w/world.wrl", text(texture("\"in.gif\"") + texture("\"out.gif\"") + texture("\"Way/s.gif\"") +
                                        texture("\"way/s.gif\"") + texture("\"OWN.gif\""))));
   CHECK(world.images.size() == 2);
@@ -150,7 +150,7 @@ TEST_CASE("applies the folder of the world to all its Inlines") {
   folder.write("t.gif", kPicture);
   folder.write("w/t.gif", kPicture);
   folder.write("w/sub/in.wrl", text(texture("\"../t.gif\"") + texture("\"../../t.gif\"")));
-  const OpenedWorld world = load_world(folder.write("w/world.wrl", text("Inline { url \"sub/in.wrl\" }")));
+  const LoadedWorld world = load_world(folder.write("w/world.wrl", text("Inline { url \"sub/in.wrl\" }")));
   CHECK(world.images.size() == 1);
   CHECK(lines_with(said(world), "--allow") == 1);
 }
@@ -181,7 +181,7 @@ TEST_CASE("finds materials and buffers of meshes in their own folder") {
   folder.write("b.bin", std::string(36, '\0'));
   const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl green\nf 1 2 3\n";
   const std::string above = folder.write("w/above.obj", "mtllib ../m.mtl\n" + mesh);
-  const OpenedWorld refused = load_world(above);
+  const LoadedWorld refused = load_world(above);
   CHECK(said(refused).find(
             "above.obj:1:1: warning: material library ../m.mtl cannot be read: ../m.mtl: it lies outside") !=
         std::string::npos);
@@ -274,17 +274,17 @@ TEST_CASE("restricts a header from the network to the network") {
       web.put(std::string("memory://a/w/") + format.name, format.header(data));
       return load_world("memory://a/w/world.wrl", web.options);
     };
-    const OpenedWorld good = with("../data/v.raw");
+    const LoadedWorld good = with("../data/v.raw");
     INFO(said(good));
     CHECK(good.clouds.size() == 1);
     for (const std::string& data : {secret, "../../../../../../../.." + secret, "file://" + secret}) {
       INFO(data);
-      const OpenedWorld bad = with(data);
+      const LoadedWorld bad = with(data);
       CHECK(bad.clouds.empty());
       CHECK(said(bad).find("404") != std::string::npos);  // it was requested over the network
     }
     // Also as its own document.
-    const OpenedWorld alone = load_world(std::string("memory://a/w/") + format.name, web.options);
+    const LoadedWorld alone = load_world(std::string("memory://a/w/") + format.name, web.options);
     CHECK_FALSE(alone.scene);
   }
 }
@@ -299,7 +299,7 @@ TEST_CASE("a PROTO from the network stays of the network in a world of this mach
   web.put("memory://lib/lib.wrl", text("PROTO P [ ] { Group { children [ Inline { url \"in.wrl\" } " +
                                        texture("\"p.gif\"") + texture(in_quotes("file://" + picture)) + " ] } }"));
   const std::string world = folder.write("world.wrl", text("EXTERNPROTO P [ ] \"memory://lib/lib.wrl#P\"\nP { }\n"));
-  const OpenedWorld alone = load_world(world, web.options);
+  const LoadedWorld alone = load_world(world, web.options);
   REQUIRE(alone.scene);
   INFO(said(alone));
   CHECK(inlined(*alone.scene) == 0);
@@ -311,13 +311,13 @@ TEST_CASE("a PROTO from the network stays of the network in a world of this mach
   // Files beside the library are shown.
   web.put("memory://lib/in.wrl", text("Shape { geometry Sphere { } }"));
   web.put("memory://lib/p.gif", kPicture);
-  const OpenedWorld both = load_world(world, web.options);
+  const LoadedWorld both = load_world(world, web.options);
   CHECK(inlined(*both.scene) == 1);
   CHECK(both.images.size() == 1);
   // A library of files contains only files.
   folder.write("lib/lib.wrl", text("PROTO P [ ] { Group { children [ Inline { url \"deep.wrl\" } ] } }"));
   folder.write("lib/deep.wrl", text("Shape { geometry Box { } }"));
-  const OpenedWorld local =
+  const LoadedWorld local =
       load_world(folder.write("local.wrl", text("EXTERNPROTO P [ ] \"lib/lib.wrl#P\"\nP { }\n")), web.options);
   CHECK(inlined(*local.scene) == 1);
 }
@@ -335,7 +335,7 @@ TEST_CASE("resolves a url against the file that wrote it, not the PROTO that rec
         folder.write("world.wrl", text("EXTERNPROTO P [ field MFString u ] \"memory://lib/lib.wrl#P\"\n" + body)),
         web.options);
   };
-  const OpenedWorld given = with("P { u \"p.gif\" }");
+  const LoadedWorld given = with("P { u \"p.gif\" }");
   INFO(said(given));
   CHECK(given.images.size() == 1);
   CHECK(with("P { }").images.empty());
@@ -355,7 +355,7 @@ TEST_CASE("shares no images between texts of different origins, in any order of 
   for (const std::vector<int>& order : {std::vector<int>{0, 1, 2}, std::vector<int>{2, 1, 0}}) {
     std::string body;
     for (const int part : order) body += parts[part];
-    const OpenedWorld world = load_world(folder.write("world.wrl", text(body)), web.options);
+    const LoadedWorld world = load_world(folder.write("world.wrl", text(body)), web.options);
     INFO(said(world));
     CHECK(world.images.size() == 1);
   }
@@ -373,7 +373,7 @@ TEST_CASE("gives a data: text the origin of the text that contains it") {
   folder.write("in.wrl", text("Shape { geometry Box { } }"));
   folder.write("p.gif", kPicture);
   const std::string data = "data:model/vrml,%23VRML%20V2.0%20utf8%0AInline%20%7B%20url%20%22in.wrl%22%20%7D";
-  const OpenedWorld local = load_world(folder.write("world.wrl", text("Inline { url " + in_quotes(data) + " }")));
+  const LoadedWorld local = load_world(folder.write("world.wrl", text("Inline { url " + in_quotes(data) + " }")));
   INFO(said(local));
   CHECK(inlined(*local.scene) == 2);
   Web web;
@@ -382,11 +382,11 @@ TEST_CASE("gives a data: text the origin of the text that contains it") {
   web.put("memory://a/world.wrl",
           text("Inline { url " + in_quotes(file) + " } Inline { url " + in_quotes(data) + " }"));
   web.put("memory://a/in.wrl", text("Shape { geometry Box { } }"));
-  const OpenedWorld remote = load_world("memory://a/world.wrl", web.options);
+  const LoadedWorld remote = load_world("memory://a/world.wrl", web.options);
   CHECK(inlined(*remote.scene) == 3);  // both texts, and the one beside the document
   CHECK(said(remote).find("may not refer to file:") != std::string::npos);
   // A URL that the user enters has no origin.
-  const OpenedWorld given = load_world(file);
+  const LoadedWorld given = load_world(file);
   REQUIRE(given.scene);
   CHECK(inlined(*given.scene) == 0);
 }
@@ -404,7 +404,7 @@ TEST_CASE("keeps this machine and its networks from a world of the Internet, at 
   web.put("memory://router/in.wrl", text(all), Space::local);
   web.put("memory://router/far.wrl", text("Inline { url \"memory://far/far.wrl\" }"), Space::local);
   web.put("memory://lib/lib.wrl", text("PROTO P [ ] { Group { children [ " + all + " ] } }"));
-  const OpenedWorld far = load_world("memory://far/far.wrl", web.options);
+  const LoadedWorld far = load_world("memory://far/far.wrl", web.options);
   CHECK(inlined(*far.scene) == 0);
   CHECK(said(far).find("its address is of a local network; a document of the Internet may not reach it") !=
         std::string::npos);
@@ -443,7 +443,7 @@ TEST_CASE("greets few unresponsive servers at a time") {
   const ScratchFolder folder;
   LoadOptions options;
   options.timeout_seconds = 1;
-  const OpenedWorld world = load_world(folder.write("world.wrl", text(body)), options);
+  const LoadedWorld world = load_world(folder.write("world.wrl", text(body)), options);
   CHECK(world.clouds.empty());
   std::set<net::Endpoint> clients;
   std::size_t count = 0;

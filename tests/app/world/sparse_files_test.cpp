@@ -23,7 +23,7 @@ Read read_sparse(const std::string& name, const std::string& head) {
   std::filesystem::resize_file(path, std::uint64_t{4} << 30);
   const auto begin = std::chrono::steady_clock::now();
   Read read;
-  const OpenedWorld world = load_world(path, {});
+  const LoadedWorld world = load_world(path, {});
   read.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   for (const auto& diagnostic : world.diagnostics.entries()) read.said += diagnostic.message + "\n";
   CHECK_FALSE(world.scene);

@@ -35,7 +35,7 @@ const std::string& ball_stream() {
 TEST_CASE("loads a displaced surface as patches for drawing, and as triangles for other callers") {
   const ScratchFolder folder;
   const std::string path = folder.write("ball.qnv", ball_stream());
-  OpenedWorld world = load_world(path);
+  LoadedWorld world = load_world(path);
   INFO(said(world));
   REQUIRE(world.clouds.size() == 1);
   const qnv::Cloud& cloud = *world.clouds.begin()->second;
@@ -43,13 +43,13 @@ TEST_CASE("loads a displaced surface as patches for drawing, and as triangles fo
   CHECK(cloud.positions.empty());
   LoadOptions whole;
   whole.whole_surfaces = true;
-  const OpenedWorld other = load_world(path, whole);
+  const LoadedWorld other = load_world(path, whole);
   const qnv::Cloud& arrays = *other.clouds.begin()->second;
   CHECK(!arrays.patches);
   CHECK(arrays.positions.size() == cloud.patches->vertex_count());
   LoadOptions cut;
   cut.max_bytes = ball_stream().size() * 9 / 10;
-  const OpenedWorld part = load_world(path, cut);
+  const LoadedWorld part = load_world(path, cut);
   INFO(said(part));
   REQUIRE(part.clouds.size() == 1);
   CHECK(part.clouds.begin()->second->patches);
@@ -65,7 +65,7 @@ TEST_CASE("loads a displaced surface as patches for drawing, and as triangles fo
 
 TEST_CASE("hits the drawn triangles of a displaced surface by the pointer") {
   const ScratchFolder folder;
-  OpenedWorld world = load_world(folder.write("ball.qnv", ball_stream()));
+  LoadedWorld world = load_world(folder.write("ball.qnv", ball_stream()));
   render::MeshCache meshes;
   render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
   REQUIRE(list.items.size() == 1);

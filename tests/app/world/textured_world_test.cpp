@@ -68,7 +68,7 @@ TEST_CASE("shows a textured surface with the received part of mesh and texture")
   for (std::size_t bytes = 1400; bytes < torus_stream().size() + 400; bytes += 400) {
     LoadOptions cut;
     cut.max_bytes = bytes;
-    OpenedWorld world = load_world(path, cut);
+    LoadedWorld world = load_world(path, cut);
     INFO(bytes << " bytes: " << said(world));
     REQUIRE(world.clouds.size() == 1);
     const auto& [node, cloud] = *world.clouds.begin();
@@ -115,7 +115,7 @@ TEST_CASE("keeps the texture of a surface when its material changes, and under t
       folder.write("world.wrl",
                    "#VRML V2.0 utf8\nShape { appearance Appearance { material DEF M Material { transparency 0 } }\n"
                    "geometry QNV { url \"torus.qnv\" } }");
-  OpenedWorld world = load_world(path);
+  LoadedWorld world = load_world(path);
   INFO(said(world));
   REQUIRE(world.clouds.size() == 1);
   render::MeshCache meshes;

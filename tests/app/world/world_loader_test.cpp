@@ -105,7 +105,7 @@ TEST_CASE("opens gzip'd worlds under any name, and shows the beginning of a trun
   const ScratchFolder folder;
   const std::string packed = gzipped_text(kBoxWorld);
   for (const char* name : {"a.wrl", "a.wrz", "a.wrl.gz", "a"}) {
-    const OpenedWorld world = load_world(folder.write(name, packed));
+    const LoadedWorld world = load_world(folder.write(name, packed));
     REQUIRE(world.scene);
     CHECK(world.scene->roots().size() == 1);
     CHECK(world.diagnostics.errors() == 0);
@@ -115,7 +115,7 @@ TEST_CASE("opens gzip'd worlds under any name, and shows the beginning of a trun
   for (int i = 0; i < 5000; ++i)
     large += "Shape { geometry Sphere { radius " + std::to_string(i * 7919 % 1000) + " } }\n";
   const std::string packed_large = gzipped_text(large);
-  const OpenedWorld world = load_world(folder.write("cut.wrl", packed_large.substr(0, packed_large.size() / 2)));
+  const LoadedWorld world = load_world(folder.write("cut.wrl", packed_large.substr(0, packed_large.size() / 2)));
   REQUIRE(world.scene);
   CHECK(world.truncated);
   CHECK(world.scene->roots().size() > 1000);
@@ -125,7 +125,7 @@ TEST_CASE("opens gzip'd worlds under any name, and shows the beginning of a trun
 TEST_CASE("reports in one line why a file cannot be opened") {
   const ScratchFolder folder;
   const auto refused = [&](const std::string& path, const std::string& word) {
-    const OpenedWorld world = load_world(path);
+    const LoadedWorld world = load_world(path);
     CHECK_FALSE(world.scene);
     CHECK(world.diagnostics.entries().size() == 1);
     INFO(said(world));
@@ -158,7 +158,7 @@ TEST_CASE("finds Inlines, EXTERNPROTOs and textures beside the file, in any lett
   folder.write("parts/lib.wrl",
                "#VRML V2.0 utf8\nPROTO A [ ] { Group { } } PROTO B [ field SFFloat r 2 ] { Sphere { radius IS r } }\n");
   folder.write("img/Red.GIF", kGif);
-  const OpenedWorld world = load_world(
+  const LoadedWorld world = load_world(
       folder.write("main.wrl",
                    "#VRML V2.0 utf8\nEXTERNPROTO B [ field SFFloat r ] [ \"nowhere.wrl#B\" \"parts/lib.wrl#B\" ]\n"
                    "Inline { url [ \"urn:nobody:box\" \"PARTS\\box.wrl\" ] }\nShape { geometry B { r 5 } appearance "
@@ -182,7 +182,7 @@ TEST_CASE("loads the panorama images of a Background, each file once") {
   const ScratchFolder folder;
   folder.write("sky/side.gif", kGif);
   folder.write("top.gif", kGif);
-  const OpenedWorld world = load_world(
+  const LoadedWorld world = load_world(
       folder.write("main.wrl",
                    "#VRML V2.0 utf8\nBackground { frontUrl \"sky/side.gif\" backUrl [ \"gone.gif\" \"sky/side.gif\" ] "
                    "leftUrl \"sky/side.gif\" topUrl \"top.gif\" bottomUrl \"gone.gif\" rightUrl \"\" }\n"));
@@ -204,7 +204,7 @@ TEST_CASE("leaves out broken and cyclic references, and reports them") {
   const ScratchFolder folder;
   folder.write("b.wrl", "#VRML V2.0 utf8\nInline { url \"a.wrl\" }\nShape { }\n");
   folder.write("x.png", "no picture");
-  const OpenedWorld world = load_world(
+  const LoadedWorld world = load_world(
       folder.write("a.wrl",
                    "#VRML V2.0 utf8\nInline { url \"b.wrl\" }\nInline { url [ \"gone.wrl\" \"http://x/y.wrl\" ] }\n"
                    "Shape { appearance Appearance { texture ImageTexture { url \"x.png\" } } }\nEXTERNPROTO P [ ] "
@@ -226,12 +226,12 @@ TEST_CASE("ignores an empty url, and searches a url from a server's root in the 
   };
   CHECK(said(load_world(folder.write("empty.wrl", texture("")))).empty());
   (void)folder.write("pictures/red.gif", kGif);
-  const OpenedWorld rooted = load_world(folder.write("rooted.wrl", texture("/pictures/red.gif")));
+  const LoadedWorld rooted = load_world(folder.write("rooted.wrl", texture("/pictures/red.gif")));
   CHECK(said(rooted).empty());
   CHECK(rooted.images.size() == 1);
   // Not in folders that the world may not read.
   (void)folder.write("inner/outer.gif", kGif);
-  const OpenedWorld outside = load_world(folder.write("inner/deep/world.wrl", texture("/outer.gif")));
+  const LoadedWorld outside = load_world(folder.write("inner/deep/world.wrl", texture("/outer.gif")));
   CHECK(outside.images.empty());
   CHECK(outside.diagnostics.warnings() == 1);
 }
@@ -240,7 +240,7 @@ TEST_CASE("reads only the first bytes on request, without errors about the rest"
   const ScratchFolder folder;
   LoadOptions options;
   options.max_bytes = 60;
-  const OpenedWorld world =
+  const LoadedWorld world =
       load_world(folder.write("a.wrl", kBoxWorld + kBoxWorld.substr(16) + kBoxWorld.substr(16)), options);
   REQUIRE(world.scene);
   CHECK(world.bytes == 60);
@@ -250,7 +250,7 @@ TEST_CASE("reads only the first bytes on request, without errors about the rest"
 
 TEST_CASE("data: URLs hold worlds, textures and libraries") {
   const ScratchFolder folder;
-  const OpenedWorld world = load_world(
+  const LoadedWorld world = load_world(
       folder.write("a.wrl",
                    "#VRML V2.0 utf8\nInline { url \"data:model/vrml,%23VRML%20V2.0%20utf8%0AShape%20%7B%20%7D\" }\n"
                    "Inline { url \"data:;base64,a*bc\" }\n"));
@@ -266,7 +266,7 @@ TEST_CASE("leaves out a bitmap of height 0 in a data: URL with a message") {
   const std::string bitmap =
       "Qk12AAAAAAAAAHYAAAAoAAAACQAAAAAAAAABAAQAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAABEREQAiIiIAMzMzAERE"
       "RABVVVUAZmZmAHd3dwCIiIgAmZmZAKqqqgC7u7sAzMzMAN3d3QDu7u4A////AA==";
-  const OpenedWorld world =
+  const LoadedWorld world =
       load_world(folder.write("a.wrl",
                               "#VRML V2.0 utf8\nShape { appearance Appearance { texture ImageTexture { url "
                               "\"data:image/bmp;base64," +

@@ -88,7 +88,7 @@ TEST_CASE("shows a world before its file ends, with more of it each time") {
   REQUIRE(seen.size() > 3);
   CHECK(seen.front() < 1000);
   CHECK(seen.back() == 3000);
-  const OpenedWorld world = loading.take();
+  const LoadedWorld world = loading.take();
   CHECK(world.diagnostics.entries().empty());
   CHECK(world.bytes == text.size());
 }
@@ -142,7 +142,7 @@ TEST_CASE("loads Inlines, libraries, textures and importers' files from beside t
   WorldLoading loading("memory://a/main.wrl", web.options);
   while (!loading.done()) (void)loading.step(kLoadingWait);
   const render::RenderList list = loading.collect({0, 0, 10});
-  const OpenedWorld world = loading.take();
+  const LoadedWorld world = loading.take();
   INFO(said(world));
   CHECK(world.diagnostics.entries().empty());
   REQUIRE(world.scene);
@@ -162,7 +162,7 @@ TEST_CASE("warns once of an EXTERNPROTO that differs from its PROTO (VRML97 4.9.
   web.put("memory://a/lib.wrl", "#VRML V2.0 utf8\nPROTO Ball [ exposedField SFFloat r 2 ] { Sphere { } }\n");
   WorldLoading loading("memory://a/main.wrl", web.options);
   while (!loading.done()) (void)loading.step(kLoadingWait);
-  const OpenedWorld world = loading.take();
+  const LoadedWorld world = loading.take();
   CHECK(said(world) ==
         "memory://a/main.wrl:3:13: warning: PROTO Ball of memory://a/lib.wrl has no field SFTime 'r', as declared by "
         "EXTERNPROTO Bad (VRML97 4.9.2)\n");
@@ -215,7 +215,7 @@ TEST_CASE("reports failures during loading, and shows the rest") {
     Web web;
     web.options.timeout_seconds = 20;
     web.put_script("memory://a/world.wrl", one.answer);
-    const OpenedWorld world = load_world("memory://a/world.wrl", web.options);
+    const LoadedWorld world = load_world("memory://a/world.wrl", web.options);
     INFO(said(world));
     CHECK(world.diagnostics.errors() >= 1);
     CHECK(said(world).find(one.message) != std::string::npos);
@@ -235,7 +235,7 @@ TEST_CASE("ends stalled loads at the time limit") {
     answer.answers = false;
     return answer;
   });
-  const OpenedWorld world = load_world("memory://a/world.wrl", web.options);
+  const LoadedWorld world = load_world("memory://a/world.wrl", web.options);
   REQUIRE(world.scene);
   CHECK(world.scene->roots().size() == 4);
   CHECK(said(world).find("the time limit for loading was reached") != std::string::npos);
@@ -246,12 +246,12 @@ TEST_CASE("keeps files from a document of the network, and the network from offl
   const std::string secret = folder.write("secret.wrl", boxes(1));
   Web web;
   web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nInline { url \"file://" + secret + "\" }\nShape { }\n");
-  const OpenedWorld world = load_world("memory://a/world.wrl", web.options);
+  const LoadedWorld world = load_world("memory://a/world.wrl", web.options);
   REQUIRE(world.scene);
   CHECK_FALSE(world.scene->inlined(world.scene->roots()[0]));
   CHECK(said(world).find("may not refer to file:") != std::string::npos);
   web.options.offline = true;
-  const OpenedWorld none = load_world("memory://a/world.wrl", web.options);
+  const LoadedWorld none = load_world("memory://a/world.wrl", web.options);
   CHECK_FALSE(none.scene);
   CHECK(said(none).find("--offline") != std::string::npos);
 }
@@ -281,7 +281,7 @@ TEST_CASE("shows a stream from its front, and refines it") {
   REQUIRE(clusters.size() > 3);
   CHECK(std::is_sorted(clusters.begin(), clusters.end()));
   CHECK(clusters.front() * 2 < clusters.back());
-  const OpenedWorld world = load_world("memory://a/ball.qnv", web.options);
+  const LoadedWorld world = load_world("memory://a/ball.qnv", web.options);
   REQUIRE(world.clouds.size() == 1);
   CHECK(world.clouds.begin()->second->levels->clusters() == clusters.back());
 }
@@ -293,7 +293,7 @@ TEST_CASE("slows a stream beside one of more weight") {
     web.put("memory://a/ball.qnv", large_stream());
     WorldLoading loading("memory://a/ball.qnv", web.options);
     while (!loading.done()) (void)loading.step(kLoadingWait);
-    const OpenedWorld world = loading.take();
+    const LoadedWorld world = loading.take();
     REQUIRE(world.feeds.size() == 1);
     StreamFeed& feed = *world.feeds[0];
     feed.set_weight(weight);
@@ -334,7 +334,7 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
   web.put("memory://a/ball.qnv", large_stream());
   WorldLoading loading("memory://a/ball.qnv", web.options);
   while (!loading.done()) (void)loading.step(kLoadingWait);
-  const OpenedWorld world = loading.take();
+  const LoadedWorld world = loading.take();
   REQUIRE(world.scene);
   REQUIRE(world.feeds.size() == 1);
   StreamFeed& feed = *world.feeds[0];

@@ -76,7 +76,7 @@ TEST_CASE("leaves out a cancelled file, and loads the rest of the world") {
   loads.ledger->cancel(loads.row("never.wrl").number);
   loads.finish();
   CHECK(loads.row("never.wrl").stage == LoadStage::cancelled);
-  const OpenedWorld world = loads.loading->take();
+  const LoadedWorld world = loads.loading->take();
   CHECK_FALSE(world.scene->inlined(world.scene->roots()[0]));
   CHECK(world.scene->inlined(world.scene->roots()[1]));
 }
@@ -90,7 +90,7 @@ TEST_CASE("keeps the loaded part of a cancelled world") {
   loads.ledger->cancel(loads.row("world.wrl").number);
   loads.finish();
   CHECK(loads.row("world.wrl").stage == LoadStage::cancelled);
-  const OpenedWorld world = loads.loading->take();
+  const LoadedWorld world = loads.loading->take();
   REQUIRE(world.scene);
   CHECK(world.truncated);
   CHECK(vrml::print(*world.scene).find("Box") != std::string::npos);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/world/updates/external_prototypes.h"
-#include "app/world/updates/opened_world.h"
+#include "app/world/updates/loaded_world.h"
 #include "base/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -16,7 +16,7 @@
 namespace gs::app {
 
 /// Updates for a running world. The reader thread makes them; the thread of the world applies them.
-struct Arrivals {
+struct ResourceUpdates {
   struct Place {
     vrml::SceneGraph* scene = nullptr;  // the root or the content of an Inline; used by the world's thread only
     vrml::NodeId node;
@@ -67,10 +67,10 @@ struct Arrivals {
   };
 
   // Defined in the source file because the members are large.
-  Arrivals();
-  Arrivals(Arrivals&& other) noexcept;
-  Arrivals& operator=(Arrivals&& other) noexcept;
-  ~Arrivals();
+  ResourceUpdates();
+  ResourceUpdates(ResourceUpdates&& other) noexcept;
+  ResourceUpdates& operator=(ResourceUpdates&& other) noexcept;
+  ~ResourceUpdates();
 
   std::vector<Text> texts;
   std::vector<Content> contents;  // applied before the updates of their nodes
@@ -90,13 +90,13 @@ struct Arrivals {
            outside.empty();
   }
   /// Appends later updates.
-  void append(Arrivals&& later);
+  void append(ResourceUpdates&& later);
 };
 
 /// Request to fetch urls of a running world. They were set, or belong to a node that was made at run time, or to an
 /// EXTERNPROTO in a text that was read at run time.
 struct UrlRequest {
-  Arrivals::Place place;
+  ResourceUpdates::Place place;
   const vrml::Node* node = nullptr;  // determines the importance; must not be dereferenced by the reader thread
   vrml::UrlContent content = vrml::UrlContent::none;
   bool as_text = false;  // requests the text itself instead of `content`
@@ -111,11 +111,11 @@ struct UrlRequest {
 };
 
 /// Gives a QNV node its vectors. The node's own transfer function overrides that of the stream.
-void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival);
+void set_cloud(LoadedWorld& world, const ResourceUpdates::Cloud& update);
 /// Gives an OutlineGroup its polygons.
-void set_outlines(OpenedWorld& world, const Arrivals::Outlines& arrival);
+void set_outlines(LoadedWorld& world, const ResourceUpdates::Outlines& update);
 /// Applies all updates except `contents`, `prototypes`, `progress` and `outlines`; the last two become events. Returns
 /// the nodes with a changed appearance.
-[[nodiscard]] std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals);
+[[nodiscard]] std::vector<ResourceUpdates::Place> take_in(LoadedWorld& world, ResourceUpdates&& updates);
 
 }  // namespace gs::app

@@ -49,12 +49,12 @@ struct ProgramText {
 };
 
 /// World that was read, with all data that a picture of it needs.
-struct OpenedWorld {
+struct LoadedWorld {
   // Defined in the source file because the members are large.
-  OpenedWorld();
-  OpenedWorld(OpenedWorld&& other) noexcept;
-  OpenedWorld& operator=(OpenedWorld&& other) noexcept;
-  ~OpenedWorld();
+  LoadedWorld();
+  LoadedWorld(LoadedWorld&& other) noexcept;
+  LoadedWorld& operator=(LoadedWorld&& other) noexcept;
+  ~LoadedWorld();
 
   std::string title;                        // WorldInfo.title or the file's name
   std::string path;                         // as requested
