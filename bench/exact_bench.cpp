@@ -7,7 +7,7 @@
 // whole, and of Draco's, against pictures of the full model from six sides, 800x600, headlight. Needs draco_encoder and
 // draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/mesh_files.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"

@@ -6,7 +6,7 @@
 // from six sides, 800x600, headlight, and its mean and worst decrease over N seeds (8) after the loss of 10 and 30 % of
 // all packets beyond the first 16 kB, without retransmission.
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"

@@ -6,7 +6,7 @@
 // its empirical entropy per level, and normals and offsets as differences from the previous voxel in Morton order, with
 // the same static models and cluster sizes.
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "qnv/codecs/octree/encode/packed_quantize.h"
 #include "qnv/codecs/octree/packed_layout.h"
 

@@ -7,7 +7,7 @@
 // sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file. A mesh needs its own file per budget,
 // the best of several simplifications and quantisations. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/mesh_files.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"

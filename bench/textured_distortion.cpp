@@ -9,7 +9,7 @@
 // model has one Shape with one texture. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
 #include "qnv/codecs/payloads.h"

@@ -5,14 +5,14 @@
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/picture/animation.h"
 #include "app/picture/frame_writer.h"
 #include "app/picture/volume_show.h"
 #include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
 #include "app/viewer/offscreen.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 
 #include <algorithm>
 #include <memory>

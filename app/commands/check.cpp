@@ -2,8 +2,8 @@
 
 #include "app/base/console.h"
 #include "app/commands/common/shared.h"
+#include "app/loading/world_loader.h"
 #include "app/script/script_runner.h"
-#include "app/world/world_loader.h"
 #include "base/json_value.h"
 
 namespace gs::app {

@@ -2,7 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/commands/common/shared.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "vrml/syntax/printer.h"
 
 #include <string_view>

@@ -2,11 +2,11 @@
 
 #include "app/base/console.h"
 #include "app/commands/common/shared.h"
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/media/wave_file.h"
 #include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "net/files/file.h"
 #include "vrml/syntax/printer.h"
 

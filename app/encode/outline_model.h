@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/updates/loaded_world.h"
+#include "app/loading/updates/loaded_world.h"
 #include "qnv/base/triangles.h"
 #include "qnv/codecs/outlines/grouping/outline_groups.h"
 #include "qnv/container/outline_header.h"

@@ -1,9 +1,9 @@
 #include "app/simulation/simulation.h"
 
+#include "app/loading/world_loading.h"
 #include "app/script/run_time_nodes.h"
 #include "app/streams/stream_feed.h"
 #include "app/view/navigation.h"
-#include "app/world/world_loading.h"
 #include "vrml/syntax/parser.h"
 
 #include <glm/glm.hpp>

@@ -2,7 +2,7 @@
 
 #include "app/encode/outline_model.h"
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/mesh_files.h"
 #include "net/files/file.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"

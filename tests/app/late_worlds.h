@@ -1,8 +1,8 @@
 #pragma once
 
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/session/documents/world_runtime.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "tests/net/memory_network.h"
 #include "vrml/syntax/parser.h"
 

@@ -1,7 +1,7 @@
 // Comparison of small pictures of two worlds, pixel by pixel.
 #pragma once
 
-#include "app/world/world_loading.h"
+#include "app/loading/world_loading.h"
 #include "render/scene/camera.h"
 #include "render/scene/shape_resources.h"
 #include "tests/app/formats_helpers.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"

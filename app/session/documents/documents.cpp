@@ -1,8 +1,8 @@
 #include "app/session/documents/documents.h"
 
+#include "app/loading/updates/limit_report.h"
+#include "app/loading/world_loading.h"
 #include "app/view/navigation.h"
-#include "app/world/updates/limit_report.h"
-#include "app/world/world_loading.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
+#include "app/loading/world_loading.h"
 #include "app/session/documents/world_runtime.h"
-#include "app/world/updates/loaded_world.h"
-#include "app/world/world_loading.h"
 #include "qnv/base/cloud.h"
 #include "render/scene/render_list.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/updates/resource_updates.h"
+#include "app/loading/updates/resource_updates.h"
 #include "app/script/script_runner.h"
 
 #include <cstddef>

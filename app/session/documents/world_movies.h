@@ -1,7 +1,7 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
 #include "app/media/movie_player.h"
-#include "app/world/updates/loaded_world.h"
 #include "vrml/events/execution.h"
 
 #include <cstdint>

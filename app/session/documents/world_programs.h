@@ -1,7 +1,7 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
 #include "app/script/script_runner.h"
-#include "app/world/updates/loaded_world.h"
 #include "vrml/events/execution.h"
 #include "vrml/syntax/parser.h"
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/session/documents/documents.h"
 #include "app/streams/load_ledger.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 
 #include <atomic>
 #include <functional>

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
+#include "app/loading/updates/resource_updates.h"
 #include "app/session/documents/run_time_requests.h"
 #include "app/session/documents/world_movies.h"
 #include "app/session/documents/world_programs.h"
-#include "app/world/updates/loaded_world.h"
-#include "app/world/updates/resource_updates.h"
 #include "render/scene/render_scene.h"
 #include "vrml/events/execution.h"
 

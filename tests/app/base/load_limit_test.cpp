@@ -1,7 +1,7 @@
 #include "app/base/load_limit.h"
 
 #include "app/formats/qnv/cloud_reader.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 // Tests of files of vectors as worlds, and of QNV nodes.
 #include "app/formats/content_types.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "qnv/codecs/records/encode/encode_cloud.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/shared/encode_options.h"

@@ -1,8 +1,8 @@
 // Tests of playing MovieTextures with movies of tests/fuzz/corpus/render/movie. Frame i has the grey 20 + 4 i.
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/media/movie_player.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/render/media/media_files.h"
 

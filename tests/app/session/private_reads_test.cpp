@@ -1,7 +1,7 @@
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/net/memory_network.h"
 

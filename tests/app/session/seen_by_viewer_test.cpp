@@ -1,6 +1,6 @@
 // Tests of content that depends on the viewer's orientation: screen-facing Billboards and HUDs.
+#include "app/loading/world_loader.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
 #include "tests/app/pairs.h"
 #include "tests/app/scratch_folder.h"
 

@@ -1,7 +1,7 @@
 // Tests of meshes in GLB, with colours or a texture.
 #include "app/formats/export/export_glb_mesh.h"
 #include "app/formats/qnv/surface_pictures.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "render/image/image.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"

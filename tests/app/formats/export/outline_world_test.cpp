@@ -2,7 +2,7 @@
 #include "app/encode/outline_model.h"
 #include "app/formats/export/outline_text.h"
 #include "app/formats/qnv/outline_scene.h"
-#include "app/world/world_loading.h"
+#include "app/loading/world_loading.h"
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"

@@ -2,7 +2,7 @@
 #include "app/formats/qnv/cloud_reader.h"
 
 #include "app/formats/common/color_key.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "tests/app/clouds.h"

@@ -1,7 +1,7 @@
 // Tests of views of objects with other up axes than VRML97's, and of parallel projection.
 #include "app/session/viewports/view.h"
 
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
 
