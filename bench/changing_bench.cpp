@@ -35,7 +35,7 @@ struct Times {
 };
 
 void run(std::size_t side, int frames, bool beside, bool picks) {
-  app::OpenedWorld opened;
+  app::LoadedWorld opened;
   opened.scene = std::make_unique<vrml::SceneGraph>("changing.wrl");
   Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nShape { geometry IndexedFaceSet { creaseAngle 3 coord DEF C Coordinate { } } }",

@@ -64,7 +64,7 @@ class Server final : public ControlChannel {
 struct Controlled {
   Controlled(ControlChannel& channel, const std::string& text, const std::function<void()>& wake)
       : session({{}, {}, {}, true}, {}, [] {}), control(channel, wake) {
-    OpenedWorld world;
+    LoadedWorld world;
     world.scene = std::make_unique<vrml::SceneGraph>("bench.wrl");
     Diagnostics diagnostics;
     (void)vrml::parse("#VRML V2.0 utf8\n" + text, *world.scene, diagnostics);

@@ -7,7 +7,7 @@
 // whole, and of Draco's, against pictures of the full model from six sides, 800x600, headlight. Needs draco_encoder and
 // draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/mesh_files.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
@@ -53,7 +53,7 @@ Places places_of(std::span<const std::byte> stream) {
 }
 
 bool measure(Studio& studio, const std::string& file, int bits) {
-  app::OpenedWorld world = app::load_world(file);
+  app::LoadedWorld world = app::load_world(file);
   if (!world.scene) return false;
   render::MeshCache cache;
   const render::RenderList full = render::collect(*world.scene, world.images, cache);
@@ -93,7 +93,7 @@ bool measure(Studio& studio, const std::string& file, int bits) {
   double draco_psnr = 0;
   if (bench::write_obj(bench::welded(full), base + ".obj") && bench::make_draco(base, bits)) {
     draco = std::filesystem::file_size(base + ".drc");
-    app::OpenedWorld back = app::load_world(base + ".out.obj");
+    app::LoadedWorld back = app::load_world(base + ".out.obj");
     render::MeshCache own;
     if (back.scene) draco_psnr = psnr(render::collect(*back.scene, back.images, own));
   }

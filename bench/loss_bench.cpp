@@ -6,7 +6,7 @@
 // from six sides, 800x600, headlight, and its mean and worst decrease over N seeds (8) after the loss of 10 and 30 % of
 // all packets beyond the first 16 kB, without retransmission.
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
@@ -32,7 +32,7 @@ using bench::Studio;
 constexpr std::array<bench::View, 6> kViews{{{0, 0}, {60, 20}, {120, -20}, {180, 0}, {240, 30}, {300, -10}}};
 
 bool measure(Studio& studio, const std::string& file, unsigned seeds) {
-  app::OpenedWorld world = app::load_world(file);
+  app::LoadedWorld world = app::load_world(file);
   if (!world.scene) return false;
   render::MeshCache cache;
   const render::RenderList full = render::collect(*world.scene, world.images, cache);

@@ -6,7 +6,7 @@
 // its empirical entropy per level, and normals and offsets as differences from the previous voxel in Morton order, with
 // the same static models and cluster sizes.
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "qnv/codecs/octree/encode/packed_quantize.h"
 #include "qnv/codecs/octree/packed_layout.h"
 
@@ -157,7 +157,7 @@ int main(int count, char** arguments) {
       "decoding, M vectors/s a core |\n");
   std::printf("|---|---|---:|---:|---:|---:|---:|---:|---:|\n");
   for (int i = 1; i < count; ++i) {
-    app::OpenedWorld world = app::load_world(arguments[i]);
+    app::LoadedWorld world = app::load_world(arguments[i]);
     if (!world.scene) return 1;
     render::MeshCache cache;
     const render::RenderList list = render::collect(*world.scene, world.images, cache);

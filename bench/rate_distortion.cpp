@@ -7,7 +7,7 @@
 // sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file. A mesh needs its own file per budget,
 // the best of several simplifications and quantisations. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/curve_table.h"
 #include "bench/mesh_files.h"
 #include "bench/picture_error.h"
@@ -132,7 +132,7 @@ void measure_meshes(Studio& studio, const render::RenderList& full, const std::v
     for (const int bits : {7, 8, 9, 10, 11, 12, 14}) {
       if ((part < 0.01 && bits > 10) || (part > 0.1 && bits < 10)) continue;
       if (!bench::make_draco(base, bits)) continue;
-      app::OpenedWorld world = app::load_world(base + ".out.obj");
+      app::LoadedWorld world = app::load_world(base + ".out.obj");
       if (!world.scene) continue;
       render::MeshCache cache;
       const render::RenderList back = render::collect(*world.scene, world.images, cache);
@@ -225,7 +225,7 @@ int main(int count, char** arguments) {
   }
   std::vector<std::pair<std::string, Curves>> models;
   for (const std::string& file : files) {
-    app::OpenedWorld world = app::load_world(file);
+    app::LoadedWorld world = app::load_world(file);
     if (!world.scene) {
       std::fprintf(stderr, "rate_distortion: %s cannot be opened\n", file.c_str());
       return 1;

@@ -9,7 +9,7 @@
 // model has one Shape with one texture. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/curve_table.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
@@ -262,7 +262,7 @@ class DracoAndJpeg {
                                       " -qn 7 >/dev/null 2>&1 && draco_decoder -i " + base + ".drc -o " + base +
                                       ".out.obj >/dev/null 2>&1";
           if (std::system(command.c_str()) != 0) continue;
-          app::OpenedWorld world = app::load_world(base + ".out.obj");
+          app::LoadedWorld world = app::load_world(base + ".out.obj");
           if (!world.scene) continue;
           render::MeshCache cache;
           Candidate<render::RenderList> one{std::filesystem::file_size(base + ".drc"),
@@ -310,7 +310,7 @@ int main(int count, char** arguments) {
       others = false;
       continue;
     }
-    app::OpenedWorld world = app::load_world(arguments[i]);
+    app::LoadedWorld world = app::load_world(arguments[i]);
     render::MeshCache cache;
     const render::RenderList full =
         world.scene ? render::collect(*world.scene, world.images, cache) : render::RenderList{};

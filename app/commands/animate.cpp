@@ -5,14 +5,14 @@
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/picture/animation.h"
 #include "app/picture/frame_writer.h"
 #include "app/picture/volume_show.h"
 #include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
 #include "app/viewer/offscreen.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 
 #include <algorithm>
 #include <memory>
@@ -35,7 +35,7 @@ class AnimatedWorld {
     simulation_.reset();
     file_ = file;
     loading_.emplace(file, load_options(options_));
-    OpenedWorld world = load_world(*loading_, file);
+    LoadedWorld world = load_world(*loading_, file);
     print_diagnostics(world.diagnostics);
     if (!world.scene) return std::string();
     simulation_ = std::make_unique<Simulation>(std::move(world), glm::ivec2(options_.width, options_.height),

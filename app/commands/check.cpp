@@ -2,8 +2,8 @@
 
 #include "app/base/console.h"
 #include "app/commands/common/shared.h"
+#include "app/loading/world_loader.h"
 #include "app/script/script_runner.h"
-#include "app/world/world_loader.h"
 #include "base/json_value.h"
 
 namespace gs::app {
@@ -14,7 +14,7 @@ int run_check(const CheckCommand& options) {
   for (const std::string& file : options.files) {
     LoadOptions load = load_options(options);
     load.references = false;
-    OpenedWorld world = load_world(file, load);
+    LoadedWorld world = load_world(file, load);
     if (options.scripts && world.scene) check_programs(*world.scene, world.diagnostics);
     for (const Diagnostic& diagnostic : world.diagnostics.entries()) print_line("%s", diagnostic.text().c_str());
     if (world.diagnostics.dropped() > 0)

@@ -3,8 +3,8 @@
 #include "app/base/console.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
+#include "app/loading/world_loading.h"
 #include "app/streams/stream_feed.h"
-#include "app/world/world_loading.h"
 #include "base/json_value.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
@@ -44,7 +44,7 @@ bool shows(const render::RenderList& list) {
   });
 }
 
-void count(OpenedWorld& world, Report& report) {
+void count(LoadedWorld& world, Report& report) {
   for (const auto& [node, cloud] : world.clouds)
     report.vectors += cloud->levels ? cloud->levels->count() : cloud->size();
   render::MeshCache meshes;
@@ -138,7 +138,7 @@ int run_fetch(const FetchCommand& options) {
   report.bytes = loading.state().received;
   report.cells = loading.cells();
   const bool cancelled = progress.cancelled();
-  OpenedWorld world = loading.take();
+  LoadedWorld world = loading.take();
   print_diagnostics(world.diagnostics);
   if (!world.scene || cancelled) return kFailed;
   report.complete = !world.truncated && world.diagnostics.errors() == 0;

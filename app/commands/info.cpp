@@ -255,7 +255,7 @@ void put_notes(JsonValue& facts, const Diagnostics& diagnostics) {
 
 void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
-  const OpenedWorld& world = opened.world;
+  const LoadedWorld& world = opened.world;
   std::size_t vectors = 0;
   for (const auto& [node, cloud] : world.clouds)
     vectors += cloud->levels ? static_cast<std::size_t>(cloud->levels->header().vectors) : cloud->size();

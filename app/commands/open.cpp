@@ -3,11 +3,11 @@
 #include "app/base/console.h"
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/shared.h"
+#include "app/loading/world_loader.h"
 #include "app/settings/user_folders.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer.h"
-#include "app/world/world_loader.h"
 
 #include <atomic>
 

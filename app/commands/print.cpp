@@ -2,7 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/commands/common/shared.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "vrml/syntax/printer.h"
 
 #include <string_view>
@@ -12,7 +12,7 @@ namespace gs::app {
 int run_print(const LoadingOptions& options) {
   LoadOptions load = load_options(options);
   load.references = false;
-  const OpenedWorld world = load_world(options.files.front(), load);
+  const LoadedWorld world = load_world(options.files.front(), load);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
   vrml::print(*world.scene, [](std::string_view text) {

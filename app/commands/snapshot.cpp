@@ -3,6 +3,9 @@
 #include "app/commands/common/picture_world.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/open.h"
+#include "app/loading/updates/limit_report.h"
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/media/wave_file.h"
 #include "app/picture/paint.h"
 #include "app/picture/volume_show.h"
@@ -10,9 +13,6 @@
 #include "app/simulation/simulation.h"
 #include "app/view/navigation.h"
 #include "app/viewer/offscreen.h"
-#include "app/world/updates/limit_report.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "base/json_value.h"
 #include "net/files/file.h"
 #include "render/draw/renderer.h"
@@ -162,7 +162,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
       std::async(std::launch::async, open_renderer, confined ? "osmesa" : options.backend, first_part);
   phases.enter(Phase::read);
   std::optional<WorldLoading> loading(std::in_place, file, load);
-  OpenedWorld world = load_world(*loading, file);
+  LoadedWorld world = load_world(*loading, file);
   phases.enter(Phase::other);
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);

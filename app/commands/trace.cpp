@@ -2,11 +2,11 @@
 
 #include "app/base/console.h"
 #include "app/commands/common/shared.h"
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/media/wave_file.h"
 #include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "net/files/file.h"
 #include "vrml/syntax/printer.h"
 
@@ -74,7 +74,7 @@ int run_trace(const TraceCommand& options) {
   const GivenPlace given = given_place(options.files.front());
   if (!given.problem.empty()) return fail(given.target + ": " + given.problem);
   WorldLoading loading(given.target, load_options(options));
-  OpenedWorld world = load_world(loading, given.target);
+  LoadedWorld world = load_world(loading, given.target);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
   Simulation simulation(std::move(world), {options.width, options.height});

@@ -142,7 +142,7 @@ class Builder {
 
 }  // namespace
 
-TextureUrls texture_urls(const OpenedWorld& world) {
+TextureUrls texture_urls(const LoadedWorld& world) {
   TextureUrls urls;
   if (!world.scene) return urls;
   const net::Url asked = net::parse_url(world.path);

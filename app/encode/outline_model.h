@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/updates/opened_world.h"
+#include "app/loading/updates/loaded_world.h"
 #include "qnv/base/triangles.h"
 #include "qnv/codecs/outlines/grouping/outline_groups.h"
 #include "qnv/container/outline_header.h"
@@ -24,7 +24,7 @@ struct OutlineModel {
 
 /// Texture URLs of a world, resolved against the world's URL. Pictures embedded in the world have data: URLs.
 using TextureUrls = std::unordered_map<const render::Image*, std::string>;
-[[nodiscard]] TextureUrls texture_urls(const OpenedWorld& world);
+[[nodiscard]] TextureUrls texture_urls(const LoadedWorld& world);
 
 /// Converts all triangles of a render list. A face with different corner colours gets their mean. A mesh with smooth
 /// normals gets the best matching creaseAngle (VRML97 4.6.3.5).

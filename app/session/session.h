@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/loading/world_loader.h"
 #include "app/session/documents/session_log.h"
 #include "app/session/input/input_handler.h"
 #include "app/session/input/pointing.h"
@@ -17,7 +18,6 @@
 #include "app/session/viewports/session_viewports.h"
 #include "app/session/viewports/step.h"
 #include "app/view/picking.h"
-#include "app/world/world_loader.h"
 
 #include <functional>
 #include <optional>

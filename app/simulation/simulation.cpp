@@ -1,9 +1,9 @@
 #include "app/simulation/simulation.h"
 
+#include "app/loading/world_loading.h"
 #include "app/script/run_time_nodes.h"
 #include "app/streams/stream_feed.h"
 #include "app/view/navigation.h"
-#include "app/world/world_loading.h"
 #include "vrml/syntax/parser.h"
 
 #include <glm/glm.hpp>
@@ -26,7 +26,7 @@ SessionOptions simulated(const ViewStyle& style) {
 
 }  // namespace
 
-Simulation::Simulation(OpenedWorld world, const glm::ivec2& size, const ViewStyle& style)
+Simulation::Simulation(LoadedWorld world, const glm::ivec2& size, const ViewStyle& style)
     : document_(hold_world(std::move(world))), session_(simulated(style), {}, [] {}) {
   input_.area = Viewport{0, 0, size.x, size.y};
   execution().viewer().set_aspect(static_cast<double>(size.x) / size.y);
@@ -241,7 +241,7 @@ void Simulation::fetch() {
   loading_->request(std::move(requests));
   constexpr std::chrono::milliseconds kWait{1000};
   while (!loading_->done()) (void)loading_->step(kWait);
-  Arrivals arrivals = loading_->take_arrivals();
+  ResourceUpdates arrivals = loading_->take_updates();
   for (const auto& feed : arrivals.feeds) (void)feed->apply();
   (void)arrive(*document_, std::move(arrivals));
 }

@@ -31,7 +31,7 @@ inline constexpr double kSimulationStep = 1.0 / 60;
 class Simulation {
  public:
   /// Starts a simulation of a world, which must have a scene. `size` is the picture for the pointing device, in pixels.
-  Simulation(OpenedWorld world, const glm::ivec2& size, const ViewStyle& style = {});
+  Simulation(LoadedWorld world, const glm::ivec2& size, const ViewStyle& style = {});
 
   /// Plans input rows. Returns false if rows name things that the world lacks; `diagnostics` lists them.
   [[nodiscard]] bool plan(const std::vector<InputRow>& rows, const std::string& file, Diagnostics& diagnostics);
@@ -58,7 +58,7 @@ class Simulation {
   /// Measures the time of phases with `phases`, which must outlive the simulation.
   void measure(PhaseClock* phases) { document_->meshes.phases = phases; }
 
-  [[nodiscard]] OpenedWorld& world() { return document_->world; }
+  [[nodiscard]] LoadedWorld& world() { return document_->world; }
   [[nodiscard]] vrml::Execution& execution() { return document_->runtime->execution(); }
   /// Sets the receiver of script messages; see WorldPrograms::observe().
   void observe_scripts(std::function<void(const ScriptMessage&)> observer) {

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "app/control/control_service.h"
+#include "app/loading/world_loader.h"
 #include "app/picture/volume_show.h"
 #include "app/session/session.h"
 #include "app/settings/user_folders.h"
-#include "app/world/world_loader.h"
 #include "render/draw/renderer.h"
 
 #include <glm/vec3.hpp>

@@ -403,7 +403,7 @@ bool ViewerController::take_chosen_files() {
 std::string ViewerController::title() {
   const View* seen = session_.view();
   if (!seen) return "GhostSpace";
-  const OpenedWorld& world = seen->document->world;
+  const LoadedWorld& world = seen->document->world;
   return title_of(world.title, file_label(world.path)) + " - GhostSpace";
 }
 

@@ -311,7 +311,7 @@ void ViewerTools::take_picture(const View& seen, const Viewport& place, const Te
     return tell("Cannot save the picture: " + *problem, true);
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
-  const OpenedWorld& world = seen.document->world;
+  const LoadedWorld& world = seen.document->world;
   const std::string path = free_path(
       folder_, picture_name(world.title.empty() ? file_label(world.path) : world.title, seconds_since_1970()));
   remove_unfinished_beside(path);
@@ -353,7 +353,7 @@ void ViewerTools::start_animation(const View& seen, const Viewport& place, bool 
   made.request.transparent = wish_.request.transparent && !movie;
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
-  const OpenedWorld& world = seen.document->world;
+  const LoadedWorld& world = seen.document->world;
   const std::string title = world.title.empty() ? file_label(world.path) : world.title;
   const char* const end = wish_.animation == AnimationFile::webm ? ".webm" : ".mp4";
   made.path = movie ? free_path(folder_, picture_name(title, seconds_since_1970(), end))

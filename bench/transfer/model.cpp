@@ -2,7 +2,7 @@
 
 #include "app/encode/outline_model.h"
 #include "app/encode/surface_triangles.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "bench/mesh_files.h"
 #include "net/files/file.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
@@ -51,7 +51,7 @@ std::optional<std::string> Model::make_world() {
     if (!bytes) return options_.file + " cannot be read";
     text = std::move(*bytes);
   } else {
-    const app::OpenedWorld world = app::load_world(options_.file);
+    const app::LoadedWorld world = app::load_world(options_.file);
     if (!world.scene) return options_.file + " cannot be opened";
     render::MeshCache cache;
     const render::RenderList list = render::collect(*world.scene, world.images, cache);
@@ -65,7 +65,7 @@ std::optional<std::string> Model::make_world() {
 
 // Loads Draco's output with the shading of the model.
 void Model::take_draco(const std::string& base) {
-  const app::OpenedWorld world = app::load_world(base + ".out.obj");
+  const app::LoadedWorld world = app::load_world(base + ".out.obj");
   if (!world.scene) return;
   render::MeshCache cache;
   const std::string text = vrml_text(welded(render::collect(*world.scene, world.images, cache)), crease_angle_);
@@ -121,7 +121,7 @@ std::variant<std::unique_ptr<Model>, std::string> Model::make(const ModelOptions
   std::error_code error;
   fs::create_directories(model->folder(), error);
   if (auto problem = model->make_world()) return *problem;
-  const app::OpenedWorld world = app::load_world(model->folder() + "/model.wrl");
+  const app::LoadedWorld world = app::load_world(model->folder() + "/model.wrl");
   if (!world.scene) return options.file + " cannot be opened";
   render::MeshCache cache;
   const render::RenderList full = render::collect(*world.scene, world.images, cache);
@@ -144,7 +144,7 @@ std::optional<Shown> Model::show_world(const std::string& path, std::uint64_t by
   app::LoadOptions options;
   options.max_bytes = bytes;
   options.offline = true;
-  const app::OpenedWorld world = app::load_world(path, options);
+  const app::LoadedWorld world = app::load_world(path, options);
   if (!world.scene) return std::nullopt;
   render::MeshCache cache;
   return compare(render::collect(*world.scene, world.images, cache));

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/session/documents/world_runtime.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "tests/net/memory_network.h"
 #include "vrml/syntax/parser.h"
 
@@ -95,13 +95,13 @@ struct World {
     runtime->step(time += 1);
   }
   /// Returns the requested resources when they are loaded.
-  Arrivals fetch() {
+  ResourceUpdates fetch() {
     loading.request(runtime->take_url_requests());
     while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
-    return loading.take_arrivals();
+    return loading.take_updates();
   }
-  void arrive(Arrivals&& arrivals) {
-    runtime->arrive(std::move(arrivals));
+  void arrive(ResourceUpdates&& updates) {
+    runtime->arrive(std::move(updates));
     runtime->step(time += 1);
   }
   /// Delivers all requested resources, and those that they request.
@@ -110,16 +110,16 @@ struct World {
       loading.request(runtime->take_url_requests());
       while (!loading.done()) {
         (void)loading.step(std::chrono::milliseconds(1000));
-        runtime->arrive(loading.take_arrivals());
+        runtime->arrive(loading.take_updates());
       }
-      arrive(loading.take_arrivals());
+      arrive(loading.take_updates());
     } while (requests_wait());
   }
   /// Steps for a duration.
   void step_for(std::chrono::milliseconds span) {
     const auto end = std::chrono::steady_clock::now() + span;
     while (std::chrono::steady_clock::now() < end) (void)loading.step(std::chrono::milliseconds(5));
-    arrive(loading.take_arrivals());
+    arrive(loading.take_updates());
   }
   bool requests_wait() {
     auto requests = runtime->take_url_requests();
@@ -134,7 +134,7 @@ struct World {
   std::size_t items() { return list().items.size(); }
 
   WorldLoading loading;
-  OpenedWorld opened;
+  LoadedWorld opened;
   render::MeshCache meshes;
   std::unique_ptr<WorldRuntime> runtime;
   std::shared_ptr<RuntimeScene> seen;

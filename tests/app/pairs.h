@@ -1,7 +1,7 @@
 // Comparison of small pictures of two worlds, pixel by pixel.
 #pragma once
 
-#include "app/world/world_loading.h"
+#include "app/loading/world_loading.h"
 #include "render/collection/shape_resources.h"
 #include "render/scene/camera.h"
 #include "tests/app/formats_helpers.h"
@@ -58,7 +58,7 @@ class Studio {
                                                                        // position
     }
     drawing_.options.headlight = list.navigation.headlight;
-    const OpenedWorld world = loading.take();
+    const LoadedWorld world = loading.take();
     for (const auto& diagnostic : world.diagnostics.entries()) FAIL(diagnostic.text());
     return drawing_.draw(list, camera);
   }

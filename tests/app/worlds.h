@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"
@@ -14,15 +14,15 @@
 namespace gs::app {
 
 /// Returns all diagnostics of a world, one per line.
-inline std::string said(const OpenedWorld& world) {
+inline std::string said(const LoadedWorld& world) {
   std::string text;
   for (const auto& diagnostic : world.diagnostics.entries()) text += diagnostic.text() + "\n";
   return text;
 }
 
 /// Returns a world of nodes of these types.
-inline OpenedWorld world_with(std::initializer_list<const char*> types) {
-  OpenedWorld world;
+inline LoadedWorld world_with(std::initializer_list<const char*> types) {
+  LoadedWorld world;
   world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");
   for (const char* type : types) {
     REQUIRE(vrml::built_in_node_type(type));
@@ -32,8 +32,8 @@ inline OpenedWorld world_with(std::initializer_list<const char*> types) {
 }
 
 /// Returns a world of this text, without its header.
-inline OpenedWorld world_of(const std::string& body) {
-  OpenedWorld world;
+inline LoadedWorld world_of(const std::string& body) {
+  LoadedWorld world;
   world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");
   Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\n" + body, *world.scene, diagnostics);

@@ -34,8 +34,8 @@ constexpr char kWorld[] =
     "DEF V Viewpoint { description \"v\" } DEF P PixelTexture {} ROUTE T.fraction_changed TO I.set_fraction "
     "ROUTE I.value_changed TO B.translation";
 
-OpenedWorld small_world() {
-  OpenedWorld world;
+LoadedWorld small_world() {
+  LoadedWorld world;
   Limits limits;
   limits.memory = std::size_t{16} << 20;
   world.scene = std::make_unique<vrml::SceneGraph>("fuzz.wrl", limits);

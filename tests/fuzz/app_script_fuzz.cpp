@@ -1,10 +1,10 @@
 // Worlds with hostile Scripts (script_worlds.h): they run as in `ghostspace trace`, beside other worlds and in a
 // session that follows loadURL. Garbage is collected when a program prints "gc".
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/script/engine.h"
 #include "app/session/session.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "tests/fuzz/app_targets.h"
 #include "tests/fuzz/script_worlds.h"
 #include "tests/net/memory_network.h"
@@ -96,7 +96,7 @@ void check_routes(const vrml::Execution& execution) {
 class Trace {
  public:
   Trace(const LoadOptions& options, const std::string& url, bool verbose) : loading_(url, options) {
-    OpenedWorld world = load_world(loading_, url);
+    LoadedWorld world = load_world(loading_, url);
     if (verbose)
       for (const Diagnostic& one : world.diagnostics.entries()) std::printf("%s\n", one.text().c_str());
     if (!world.scene) return;

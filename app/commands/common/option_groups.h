@@ -2,11 +2,11 @@
 
 #include "app/formats/common/upright.h"
 #include "app/formats/volume/raw_volume.h"
+#include "app/loading/world_loader.h"
 #include "app/picture/animation_request.h"
 #include "app/picture/picture_request.h"
 #include "app/picture/volume_show.h"
 #include "app/view/pose.h"
-#include "app/world/world_loader.h"
 #include "render/scene/draw_options.h"
 
 #include <glm/vec2.hpp>

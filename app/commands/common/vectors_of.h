@@ -4,7 +4,7 @@
 #include "app/commands/common/progress_bar.h"
 #include "app/encode/mesh_stream.h"
 #include "app/encode/outline_model.h"
-#include "app/world/updates/opened_world.h"
+#include "app/loading/updates/loaded_world.h"
 #include "net/files/file.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/sampling/volume/volume.h"
@@ -19,7 +19,7 @@ namespace gs::app {
 
 /// Surfaces of a world, ready to be encoded.
 struct OpenedSurface {
-  OpenedWorld world;
+  LoadedWorld world;
   render::MeshCache meshes;
   render::RenderList list;
 };

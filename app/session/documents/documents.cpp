@@ -1,8 +1,8 @@
 #include "app/session/documents/documents.h"
 
+#include "app/loading/updates/limit_report.h"
+#include "app/loading/world_loading.h"
 #include "app/view/navigation.h"
-#include "app/world/updates/limit_report.h"
-#include "app/world/world_loading.h"
 
 #include <algorithm>
 #include <utility>
@@ -56,7 +56,7 @@ std::shared_ptr<Document> preview_document(const std::string& path, const WorldL
   return document;
 }
 
-std::shared_ptr<Document> hold_world(OpenedWorld world, render::MeshCache meshes) {
+std::shared_ptr<Document> hold_world(LoadedWorld world, render::MeshCache meshes) {
   auto document = std::make_shared<Document>();
   document->world = std::move(world);
   document->meshes = std::move(meshes);
@@ -85,21 +85,21 @@ void begin_world(Document& document, double now) {
   inspect_clouds(document);
 }
 
-bool arrive(Document& document, Arrivals&& arrivals) {
+bool arrive(Document& document, ResourceUpdates&& updates) {
   std::vector<std::pair<const vrml::SceneGraph*, std::uint32_t>> grown;
-  for (const Arrivals::Content& one : arrivals.contents)
+  for (const ResourceUpdates::Content& one : updates.contents)
     if (one.content) grown.emplace_back(one.content.get(), 1);
-  for (const Arrivals::Prototypes& one : arrivals.prototypes)
+  for (const ResourceUpdates::Prototypes& one : updates.prototypes)
     if (document.runtime->execution().scenes().has(one.scene))
       grown.emplace_back(one.scene, static_cast<std::uint32_t>(one.scene->node_count()) + 1);
-  document.runtime->arrive(std::move(arrivals));
+  document.runtime->arrive(std::move(updates));
   for (const auto& [scene, first] : grown)
     if (document.runtime->execution().scenes().has(scene)) inspect(document, *scene, first);
   document.has_navigation_info = document.runtime->bound().navigation_info != nullptr;
   return !grown.empty();
 }
 
-std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {
+std::shared_ptr<Document> make_document(LoadedWorld world, render::MeshCache meshes) {
   auto document = hold_world(std::move(world), std::move(meshes));
   if (document->runtime && document->runtime->execution().scripts().has_scripts())
     (void)document->runtime->look({0, 0, 10}, true);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
+#include "app/loading/world_loading.h"
 #include "app/session/documents/world_runtime.h"
-#include "app/world/updates/opened_world.h"
-#include "app/world/world_loading.h"
 #include "qnv/base/cloud.h"
 #include "render/scene/render_list.h"
 
@@ -23,7 +23,7 @@ class WorldReader;
 
 /// Opened world, shared by all views of it.
 struct Document {
-  OpenedWorld world;
+  LoadedWorld world;
   render::MeshCache meshes;
   std::unique_ptr<WorldRuntime> runtime;           // null if there is no scene (yet)
   std::shared_ptr<RuntimeScene> first_scene;       // the initial view; null if there is no scene (yet)
@@ -45,14 +45,14 @@ struct Document {
 
 /// Makes a document of an opened world without starting time in it. `meshes` holds meshes that were already made for
 /// its nodes. Called on any thread that owns the world.
-[[nodiscard]] std::shared_ptr<Document> hold_world(OpenedWorld world, render::MeshCache meshes = {});
+[[nodiscard]] std::shared_ptr<Document> hold_world(LoadedWorld world, render::MeshCache meshes = {});
 /// Starts the world at `now`, in seconds since 1970, and collects its render list. Call once.
 void begin_world(Document& document, double now);
 /// Applies received updates to a running world. Returns true if nodes were added: Inlines or bodies of EXTERNPROTOs.
-bool arrive(Document& document, Arrivals&& arrivals);
+bool arrive(Document& document, ResourceUpdates&& updates);
 /// Calls `hold_world` and `begin_world`, at the present time. A world with Scripts is not started here, because its own
 /// thread must start it; only its meshes are made.
-[[nodiscard]] std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes = {});
+[[nodiscard]] std::shared_ptr<Document> make_document(LoadedWorld world, render::MeshCache meshes = {});
 /// Makes a document of the parts of a world that were read so far, without its scene.
 [[nodiscard]] std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,
                                                          render::RenderList list);

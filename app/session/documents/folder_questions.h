@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/updates/opened_world.h"
+#include "app/loading/updates/loaded_world.h"
 
 #include <deque>
 #include <string>

@@ -107,8 +107,4 @@ std::optional<std::variant<SceneLink, std::string>> scene_link_of(const std::str
   return read_link_file(text);
 }
 
-std::string place_of(const SceneLink& link) {
-  return link.viewpoint.empty() ? link.url : link.url + "#" + link.viewpoint;
-}
-
 }  // namespace gs::app

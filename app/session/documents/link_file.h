@@ -37,7 +37,5 @@ inline constexpr std::string_view kLinkMime = "application/x-ghostspace-link", k
 /// Parses the link that the user's file or URL names. Returns nullopt if its name is not that of a link. Reads the
 /// file.
 [[nodiscard]] std::optional<std::variant<SceneLink, std::string>> scene_link_of(const std::string& path_or_url);
-/// Returns the URL of a link with its Viewpoint as fragment.
-[[nodiscard]] std::string place_of(const SceneLink& link);
 
 }  // namespace gs::app

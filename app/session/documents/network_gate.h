@@ -1,7 +1,7 @@
 #pragma once
 
+#include "app/loading/updates/resource_updates.h"
 #include "app/script/script_runner.h"
-#include "app/world/updates/arrivals.h"
 
 #include <cstddef>
 #include <optional>
@@ -21,9 +21,6 @@ struct NetworkQuestion {
 /// back until the user decides (docs/security.md, "What Scripts may read"). One thread.
 class NetworkGate {
  public:
-  enum class Decision : std::uint8_t { open, asks, allowed, refused };
-
-  [[nodiscard]] Decision decision() const { return decision_; }
   void allow() { decision_ = Decision::allowed; }
   void refuse();
   /// Starts to hold back requests, unless the user has already decided. `file` is the URL of the private file.
@@ -45,6 +42,7 @@ class NetworkGate {
   std::vector<std::string> move_held(std::vector<Request>& from, std::vector<Request>& to, const Needs& needs,
                                      const UrlsOf& urls_of);
 
+  enum class Decision : std::uint8_t { open, asks, allowed, refused };
   Decision decision_ = Decision::open;
   std::string file_, first_url_;
   std::vector<UrlRequest> urls_;

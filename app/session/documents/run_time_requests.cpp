@@ -14,7 +14,7 @@ constexpr std::size_t kMaxRequests = 10'000;  // further requests are dropped un
 
 // Takes the inline vectors of a QNV node that was made at run time: from a text, or from a PROTO body. They override
 // the url. Returns false if the node has none.
-bool take_own_vectors(OpenedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
+bool take_own_vectors(LoadedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
   if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
   const vrml::Node& node = scene.node(id);
   if (world.clouds.contains(&node)) return true;
@@ -53,7 +53,7 @@ bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
 
 }  // namespace
 
-RunTimeRequests::RunTimeRequests(OpenedWorld& world, vrml::Execution& execution, WorldPrograms& programs)
+RunTimeRequests::RunTimeRequests(LoadedWorld& world, vrml::Execution& execution, WorldPrograms& programs)
     : world_(world), execution_(execution), programs_(programs) {
   if (world.network_allowed) gate_.allow();
 }
@@ -100,33 +100,33 @@ void RunTimeRequests::request_text(ScriptRequest&& one, bool computed) {
   asked_texts_[number] = std::move(one);
 }
 
-void RunTimeRequests::take_text(Arrivals::Text&& arrival) {
-  const auto asked = asked_texts_.extract(arrival.place.url);
-  const bool gone = is_stale(arrival.place);
+void RunTimeRequests::take_text(ResourceUpdates::Text&& update) {
+  const auto asked = asked_texts_.extract(update.place.url);
+  const bool gone = is_stale(update.place);
   if (!asked) {
     // A Script in an Inline may not have started yet.
     programs_.start();
     if (ScriptRunner* const runner = programs_.runner(); !gone && runner)
-      runner->provide(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+      runner->provide(*update.place.scene, update.place.node, std::move(update.text), update.url);
     return;
   }
   if (gone) return;
-  url_numbers_.erase({&arrival.place.scene->node(arrival.place.node), arrival.place.url});
+  url_numbers_.erase({&update.place.scene->node(update.place.node), update.place.url});
   if (asked.mapped().kind == ScriptRequest::Kind::program) {
     if (ScriptRunner* const runner = programs_.runner())
-      runner->found(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+      runner->found(*update.place.scene, update.place.node, std::move(update.text), update.url);
     return;
   }
-  if (!arrival.text) return;
+  if (!update.text) return;
   Diagnostics diagnostics;
   const ScriptRequest& request = asked.mapped();
-  const vrml::RunTimeNodes made = programs_.create(*request.scene, arrival.url, *arrival.text, diagnostics,
-                                                   request.origin, std::move(arrival.source));
+  const vrml::RunTimeNodes made =
+      programs_.create(*request.scene, update.url, *update.text, diagnostics, request.origin, std::move(update.source));
   (void)send_made(execution_, request, made.roots);
   for (const Diagnostic& one : diagnostics.entries()) programs_.tell({one, false});
 }
 
-bool RunTimeRequests::is_stale(const Arrivals::Place& place) const {
+bool RunTimeRequests::is_stale(const ResourceUpdates::Place& place) const {
   if (!execution_.scenes().has(place.scene) || !place.scene->contains(place.node)) return true;
   const auto number = url_numbers_.find({&place.scene->node(place.node), place.url});
   return place.request != (number == url_numbers_.end() ? 0 : number->second);

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
+#include "app/loading/updates/resource_updates.h"
 #include "app/session/documents/network_gate.h"
 #include "app/session/documents/world_programs.h"
-#include "app/world/updates/arrivals.h"
-#include "app/world/updates/opened_world.h"
 #include "render/collection/render_scene.h"
 #include "vrml/events/execution.h"
 
@@ -20,7 +20,7 @@ namespace gs::app {
 /// URLs and texts that a running world requests, and the network gate for them. Used by the world's thread.
 class RunTimeRequests {
  public:
-  RunTimeRequests(OpenedWorld& world, vrml::Execution& execution, WorldPrograms& programs);
+  RunTimeRequests(LoadedWorld& world, vrml::Execution& execution, WorldPrograms& programs);
 
   /// Requests the urls among changed fields, and the bodies of EXTERNPROTOs.
   void note_changes(std::span<const vrml::NodeChange> changes);
@@ -31,9 +31,9 @@ class RunTimeRequests {
   /// Fetches a file and sends its nodes to an eventIn (createVrmlFromURL); see ScriptRequest::Kind::create_from_url.
   void create_from_url(ScriptRequest request) { request_text(std::move(request), false); }
   /// Applies a received text.
-  void take_text(Arrivals::Text&& arrival);
+  void take_text(ResourceUpdates::Text&& update);
   /// Reports whether an update is stale: its node, scene or URL no longer exists.
-  [[nodiscard]] bool is_stale(const Arrivals::Place& place) const;
+  [[nodiscard]] bool is_stale(const ResourceUpdates::Place& place) const;
   /// Opens the target of an Anchor like loadURL of a Script, if a Script may have computed its url. Returns false
   /// otherwise; the caller then opens the target.
   bool open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId anchor);
@@ -57,7 +57,7 @@ class RunTimeRequests {
   void watch_private_files();
   void warn_held_back(const std::vector<std::string>& messages);
 
-  OpenedWorld& world_;
+  LoadedWorld& world_;
   vrml::Execution& execution_;
   WorldPrograms& programs_;
   NetworkGate gate_;
@@ -66,7 +66,7 @@ class RunTimeRequests {
   std::vector<ScriptRequest> script_requests_;
   std::unordered_map<std::size_t, ScriptRequest> asked_texts_;  // by number
   std::size_t next_text_ = 0;
-  /// Newest Arrivals::Place::request of each place, if not 0.
+  /// Newest ResourceUpdates::Place::request of each place, if not 0.
   std::unordered_map<render::ImagePlace, std::uint32_t, render::HashImagePlace> url_numbers_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
 #include "app/media/movie_player.h"
-#include "app/world/updates/opened_world.h"
 #include "vrml/events/execution.h"
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace gs::app {
 /// Movies of a running world, as images with pixels that change in place. Used by the world's thread.
 class WorldMovies {
  public:
-  WorldMovies(OpenedWorld& world, vrml::Execution& execution) : world_(world), execution_(execution) {}
+  WorldMovies(LoadedWorld& world, vrml::Execution& execution) : world_(world), execution_(execution) {}
 
   /// Gives the movie of a node an own image. Does nothing if its file has no pictures.
   void open(const MediaDuration& of);
@@ -35,7 +35,7 @@ class WorldMovies {
     std::shared_ptr<MoviePlayers::Player> player;
   };
 
-  OpenedWorld& world_;
+  LoadedWorld& world_;
   vrml::Execution& execution_;
   MoviePlayers players_;
   std::vector<Played> movies_;

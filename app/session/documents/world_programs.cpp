@@ -16,7 +16,7 @@ constexpr std::size_t kMaxMessages = 1000;  // further messages are dropped unti
 
 }  // namespace
 
-WorldPrograms::WorldPrograms(OpenedWorld& world, vrml::Execution& execution) : world_(world), execution_(execution) {
+WorldPrograms::WorldPrograms(LoadedWorld& world, vrml::Execution& execution) : world_(world), execution_(execution) {
   browser_.world_url = world_.path;
   if (!net::parse_url(world_.path).scheme.empty()) return;
   std::error_code error;

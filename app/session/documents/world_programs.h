@@ -1,7 +1,7 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
 #include "app/script/script_runner.h"
-#include "app/world/updates/opened_world.h"
 #include "vrml/events/execution.h"
 #include "vrml/syntax/parser.h"
 
@@ -20,7 +20,7 @@ namespace gs::app {
 /// 4.12.10). Used by the world's thread.
 class WorldPrograms {
  public:
-  WorldPrograms(OpenedWorld& world, vrml::Execution& execution);
+  WorldPrograms(LoadedWorld& world, vrml::Execution& execution);
   WorldPrograms(const WorldPrograms&) = delete;
   WorldPrograms& operator=(const WorldPrograms&) = delete;
 
@@ -56,7 +56,7 @@ class WorldPrograms {
   [[nodiscard]] ScriptRunner* runner() const { return runner_.get(); }
 
  private:
-  OpenedWorld& world_;
+  LoadedWorld& world_;
   vrml::Execution& execution_;
   ScriptRunner::Settings settings_{0.05, false};
   std::function<void(const ScriptMessage&)> observer_;

@@ -73,7 +73,7 @@ void WorldReader::tell(News news) {
   {
     const std::lock_guard lock(mutex_);
     if (news.document) news_.document = std::move(news.document);
-    news_.arrivals.append(std::move(news.arrivals));
+    news_.updates.append(std::move(news.updates));
     news_.over = news_.over || news.over;
     news_.streams_grew = news_.streams_grew || news.streams_grew;
     news_.state = news.state;
@@ -98,8 +98,8 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     if (loading.done()) break;
     if (lives) {
       take_requests(loading);
-      News news{nullptr, loading.take_arrivals(), false, loading.streams_grew(), loading.state()};
-      if (!news.arrivals.empty() || news.streams_grew || !(news.state == told)) {
+      News news{nullptr, loading.take_updates(), false, loading.streams_grew(), loading.state()};
+      if (!news.updates.empty() || news.streams_grew || !(news.state == told)) {
         told = news.state;
         tell(std::move(news));
       }
@@ -131,7 +131,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   }
   if (stage_ == Stage::running) {
     if (!lives) give_away(loading);
-    tell({nullptr, loading.take_arrivals(), true, false, loading.state()});
+    tell({nullptr, loading.take_updates(), true, false, loading.state()});
   }
   while (stage_ == Stage::running) {
     take_requests(loading);
@@ -141,8 +141,8 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     }
     (void)loading.step(loading.done() ? kStreamWait : kWait);
     const bool grew = loading.streams_grew();
-    if (Arrivals arrivals = loading.take_arrivals(); grew || !arrivals.empty())
-      tell({nullptr, std::move(arrivals), false, grew, loading.state()});
+    if (ResourceUpdates updates = loading.take_updates(); grew || !updates.empty())
+      tell({nullptr, std::move(updates), false, grew, loading.state()});
   }
   const std::lock_guard lock(mutex_);
   loading_ = nullptr;
@@ -151,7 +151,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
 // Hands the world over to the owner.
 void WorldReader::give_away(WorldLoading& loading) {
   render::MeshCache meshes;
-  OpenedWorld world = loading.take(&meshes);
+  LoadedWorld world = loading.take(&meshes);
   const WorldBudget budget = world.scene ? world.scene->budget() : own_budget();
   budget->stop_when([this] { return cancelled_.load(); });
   auto document = make_document(std::move(world), std::move(meshes));

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/session/documents/documents.h"
 #include "app/streams/load_ledger.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 
 #include <atomic>
 #include <functional>
@@ -20,7 +20,7 @@ namespace gs::app {
 
 /// Reader of one world on an own thread, which reports progress meanwhile. Once the file is read, the world belongs to
 /// the owner and time starts in it. Inlines, EXTERNPROTOs, images and vectors still load afterwards. Reported data is
-/// moved or immutable, except for streams: they belong to the owner and are fed through `OpenedWorld::feeds`. The
+/// moved or immutable, except for streams: they belong to the owner and are fed through `LoadedWorld::feeds`. The
 /// owner's thread calls all functions below.
 class WorldReader {
  public:
@@ -28,7 +28,7 @@ class WorldReader {
   struct News {
     /// A preview, or the complete world. A document without a scene could not be opened. Null if it has not changed.
     std::shared_ptr<Document> document;
-    Arrivals arrivals;          // for the running world
+    ResourceUpdates updates;    // for the running world
     bool over = false;          // only bytes of streams and results of `request` may follow
     bool streams_grew = false;  // bytes of streams were received
     LoadingState state;

@@ -25,7 +25,7 @@ double world_time() {
   return at_begin + std::chrono::duration<double>(Steady::now() - begin).count();
 }
 
-WorldRuntime::WorldRuntime(OpenedWorld& world, render::MeshCache& meshes)
+WorldRuntime::WorldRuntime(LoadedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
   execution_.lifetime().observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
 }
@@ -75,43 +75,42 @@ void WorldRuntime::tell_durations() {
   });
 }
 
-void WorldRuntime::show_content(Arrivals::Content&& arrival) {
-  if (requests_.is_stale(arrival.place)) {
-    if (arrival.content) forget(*arrival.content, {});
+void WorldRuntime::show_content(ResourceUpdates::Content&& update) {
+  if (requests_.is_stale(update.place)) {
+    if (update.content) forget(*update.content, {});
     return;
   }
-  vrml::SceneGraph& scene = *arrival.place.scene;
-  execution_.lifetime().remove_content(scene, arrival.place.node);
-  if (!arrival.content) return;
-  meshes_.take(std::move(arrival.meshes));
-  scene.attach_inline(arrival.place.node, std::move(arrival.content));
+  vrml::SceneGraph& scene = *update.place.scene;
+  execution_.lifetime().remove_content(scene, update.place.node);
+  if (!update.content) return;
+  meshes_.take(std::move(update.meshes));
+  scene.attach_inline(update.place.node, std::move(update.content));
   execution_.scenes().attach(scene);
   programs_.start();
-  execution_.changes().mark_content(scene, arrival.place.node);
+  execution_.changes().mark_content(scene, update.place.node);
 }
 
-void WorldRuntime::take_prototypes(Arrivals::Prototypes&& arrival) {
-  if (!execution_.scenes().has(arrival.scene)) return;
-  vrml::SceneGraph& scene = *arrival.scene;
-  if (!app::take_prototypes(scene, arrival.awaited, std::move(arrival.library), arrival.why, world_.diagnostics))
-    return;
-  for (const AwaitedPrototype& one : arrival.awaited)
+void WorldRuntime::take_prototypes(ResourceUpdates::Prototypes&& update) {
+  if (!execution_.scenes().has(update.scene)) return;
+  vrml::SceneGraph& scene = *update.scene;
+  if (!app::take_prototypes(scene, update.awaited, std::move(update.library), update.why, world_.diagnostics)) return;
+  for (const AwaitedPrototype& one : update.awaited)
     if (vrml::has(one.type->role, render::kGeometryParts)) meshes_.forget_scene(scene);
   execution_.scenes().attach(scene);
   execution_.stacks().bind_new_types();
 }
 
 // Sets the polygon lists without events, because only the browser may set them.
-void WorldRuntime::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::NodeChange>& changes) {
-  vrml::SceneGraph& scene = *arrival.place.scene;
-  const vrml::NodeId node = arrival.place.node;
+void WorldRuntime::take_outlines(ResourceUpdates::Outlines&& update, std::vector<vrml::NodeChange>& changes) {
+  vrml::SceneGraph& scene = *update.place.scene;
+  const vrml::NodeId node = update.place.node;
   std::vector<std::pair<const vrml::InterfaceDeclaration*, vrml::FieldValue>> told;
-  for (const auto& one : arrival.fields)
+  for (const auto& one : update.fields)
     if (one.first->access == vrml::AccessType::exposedField &&
         !(scene.node(node).values[one.first->slot] == one.second))
       told.push_back(one);
-  std::erase_if(arrival.fields, [](const auto& one) { return one.first->access == vrml::AccessType::exposedField; });
-  set_outlines(world_, arrival);
+  std::erase_if(update.fields, [](const auto& one) { return one.first->access == vrml::AccessType::exposedField; });
+  set_outlines(world_, update);
   for (const auto& [field, value] : told) (void)execution_.send(scene, node, *field, value);
   changes.push_back({&scene, node, 0});
   // The group that it refines is drawn together with it.
@@ -120,27 +119,27 @@ void WorldRuntime::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml:
       if (const vrml::NodeId refined = scene.resolve(*other)) changes.push_back({&scene, refined, 0});
 }
 
-void WorldRuntime::arrive(Arrivals&& arrivals) {
-  for (Arrivals::Content& one : arrivals.contents) show_content(std::move(one));
-  for (Arrivals::Text& one : arrivals.texts) requests_.take_text(std::move(one));
-  for (Arrivals::Prototypes& one : arrivals.prototypes) take_prototypes(std::move(one));
-  const auto gone = [this](const Arrivals::Place& place) { return requests_.is_stale(place); };
-  for (Arrivals::Image& one : arrivals.images) std::erase_if(one.textures, gone);
-  for (Arrivals::Media& one : arrivals.media) {
+void WorldRuntime::arrive(ResourceUpdates&& updates) {
+  for (ResourceUpdates::Content& one : updates.contents) show_content(std::move(one));
+  for (ResourceUpdates::Text& one : updates.texts) requests_.take_text(std::move(one));
+  for (ResourceUpdates::Prototypes& one : updates.prototypes) take_prototypes(std::move(one));
+  const auto gone = [this](const ResourceUpdates::Place& place) { return requests_.is_stale(place); };
+  for (ResourceUpdates::Image& one : updates.images) std::erase_if(one.textures, gone);
+  for (ResourceUpdates::Media& one : updates.media) {
     std::erase_if(one.players, gone);
-    for (const Arrivals::Place& player : one.players)
+    for (const ResourceUpdates::Place& player : one.players)
       durations_.push_back({player.scene, player.node, one.media ? one.media->info.duration : -1});
   }
-  std::erase_if(arrivals.clouds, [&](const Arrivals::Cloud& one) { return requests_.is_stale(one.place); });
-  progress_.insert(progress_.end(), arrivals.progress.begin(), arrivals.progress.end());
+  std::erase_if(updates.clouds, [&](const ResourceUpdates::Cloud& one) { return requests_.is_stale(one.place); });
+  progress_.insert(progress_.end(), updates.progress.begin(), updates.progress.end());
   std::vector<vrml::NodeChange> changes;
-  for (Arrivals::Outlines& one : arrivals.outlines)
+  for (ResourceUpdates::Outlines& one : updates.outlines)
     if (!requests_.is_stale(one.place)) take_outlines(std::move(one), changes);
   render::forget_changed(meshes_, changes);
   std::vector<MediaDuration> movies;
-  for (const Arrivals::Media& one : arrivals.media)
-    for (const Arrivals::Place& player : one.players) movies.push_back({player.scene, player.node});
-  for (const Arrivals::Place& place : take_in(world_, std::move(arrivals)))
+  for (const ResourceUpdates::Media& one : updates.media)
+    for (const ResourceUpdates::Place& player : one.players) movies.push_back({player.scene, player.node});
+  for (const ResourceUpdates::Place& place : take_in(world_, std::move(updates)))
     changes.push_back({place.scene, place.node, 0});
   for (const MediaDuration& one : movies) movies_.open(one);
   if (!changes.empty()) add_changes(std::move(changes));

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "app/loading/updates/loaded_world.h"
+#include "app/loading/updates/resource_updates.h"
 #include "app/session/documents/run_time_requests.h"
 #include "app/session/documents/world_movies.h"
 #include "app/session/documents/world_programs.h"
-#include "app/world/updates/arrivals.h"
-#include "app/world/updates/opened_world.h"
 #include "render/collection/render_scene.h"
 #include "vrml/events/execution.h"
 
@@ -37,7 +37,7 @@ struct RuntimeScene {
 /// world and the cache must outlive it.
 class WorldRuntime {
  public:
-  WorldRuntime(OpenedWorld& world, render::MeshCache& meshes);
+  WorldRuntime(LoadedWorld& world, render::MeshCache& meshes);
   ~WorldRuntime();
   WorldRuntime(const WorldRuntime&) = delete;
   WorldRuntime& operator=(const WorldRuntime&) = delete;
@@ -61,7 +61,7 @@ class WorldRuntime {
   /// Takes the finished meshes at the start of a frame. Returns true if something changed.
   bool take_meshes();
   /// Applies received updates.
-  void arrive(Arrivals&& arrivals);
+  void arrive(ResourceUpdates&& updates);
   /// Returns the urls that were set since the last call. The caller fetches them and passes the results to `arrive`.
   [[nodiscard]] std::vector<UrlRequest> take_url_requests();
   /// Returns the time of the next event; see Execution::next_time().
@@ -84,11 +84,11 @@ class WorldRuntime {
   void tell_durations();
   void add_changes(std::vector<vrml::NodeChange> changes);
   void forget(vrml::SceneGraph& scene, vrml::NodeId node);
-  void show_content(Arrivals::Content&& arrival);
-  void take_prototypes(Arrivals::Prototypes&& arrival);
-  void take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::NodeChange>& changes);
+  void show_content(ResourceUpdates::Content&& update);
+  void take_prototypes(ResourceUpdates::Prototypes&& update);
+  void take_outlines(ResourceUpdates::Outlines&& update, std::vector<vrml::NodeChange>& changes);
 
-  OpenedWorld& world_;
+  LoadedWorld& world_;
   render::MeshCache& meshes_;
   vrml::Execution execution_;
   WorldPrograms programs_{world_, execution_};

@@ -125,13 +125,13 @@ bool DocumentReaders::apply_updates(Document& document, const std::string& path,
   if (news.over) note_empty(document, path);
   // Ignores the reader's last state when everything is loaded, so that the session can become idle.
   const bool progress = !document.all_came && !(state == document.arriving);
-  const bool any = news.streams_grew || news.over || progress || !news.arrivals.empty();
+  const bool any = news.streams_grew || news.over || progress || !news.updates.empty();
   if (!document.all_came) document.arriving = state;
   document.all_came = document.all_came || news.over;
-  if (news.arrivals.empty()) return any;
-  if (!news.arrivals.outside.empty()) peers_.questions.ask(path, news.arrivals.outside);
-  const bool told = !news.arrivals.diagnostics.entries().empty();
-  if (arrive(document, std::move(news.arrivals))) viewports_.loading().grow(document);
+  if (news.updates.empty()) return any;
+  if (!news.updates.outside.empty()) peers_.questions.ask(path, news.updates.outside);
+  const bool told = !news.updates.diagnostics.entries().empty();
+  if (arrive(document, std::move(news.updates))) viewports_.loading().grow(document);
   if (told) peers_.log.note(path, document.world.diagnostics);
   return true;
 }

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "app/loading/world_loader.h"
 #include "app/session/documents/session_log.h"
 #include "app/session/viewports/session_viewports.h"
 #include "app/session/viewports/step.h"
-#include "app/world/world_loader.h"
 
 #include <cstddef>
 #include <map>

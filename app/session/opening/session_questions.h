@@ -1,8 +1,8 @@
 #pragma once
 
+#include "app/loading/world_loader.h"
 #include "app/session/documents/folder_questions.h"
 #include "app/session/viewports/panes.h"
-#include "app/world/world_loader.h"
 
 #include <optional>
 #include <string>

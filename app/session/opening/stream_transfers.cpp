@@ -1,8 +1,8 @@
 #include "app/session/opening/stream_transfers.h"
 
+#include "app/loading/fetch/importance.h"
 #include "app/streams/load_ledger.h"
 #include "app/streams/stream_feed.h"
-#include "app/world/importance.h"
 
 #include <algorithm>
 #include <map>

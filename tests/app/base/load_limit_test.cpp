@@ -1,7 +1,7 @@
 #include "app/base/load_limit.h"
 
 #include "app/formats/qnv/cloud_reader.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>
@@ -47,7 +47,7 @@ TEST_CASE("stops reading a world when its loading is cancelled") {
   const std::atomic<bool> cancelled = true;
   LoadOptions options;
   options.cancelled = &cancelled;
-  const OpenedWorld world = load_world(path, options);
+  const LoadedWorld world = load_world(path, options);
   CHECK(world.truncated);
   CHECK(world.scene->roots().size() == 1);
 }

@@ -1,6 +1,6 @@
 // Tests of files of vectors as worlds, and of QNV nodes.
 #include "app/formats/content_types.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "qnv/codecs/records/encode/encode_cloud.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/shared/encode_options.h"
@@ -35,7 +35,7 @@ double area(const qnv::Cloud& cloud) {
 }
 
 // Returns the only point set of a world.
-const qnv::Cloud& only_cloud(const OpenedWorld& world) {
+const qnv::Cloud& only_cloud(const LoadedWorld& world) {
   INFO(said(world));
   REQUIRE(world.clouds.size() == 1);
   CHECK(world.clouds.begin()->first->type->name == "QNV");
@@ -54,7 +54,7 @@ std::string words_of(const qnv::RecordFields& fields) {
 TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   const ScratchFolder folder;
   const std::string bytes = ball_stream(3000), file = folder.write("ball.qnv", bytes);
-  const OpenedWorld world = load_world(file);
+  const LoadedWorld world = load_world(file);
   const qnv::Cloud& cloud = only_cloud(world);
   CHECK(cloud.size() == 3000);
   CHECK(area(cloud) == Approx(12.566370614).epsilon(0.001));
@@ -73,7 +73,7 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   std::size_t before = 0;
   LoadOptions cut;
   for (cut.max_bytes = 3000; cut.max_bytes < bytes.size(); cut.max_bytes += 1500) {
-    const OpenedWorld part = load_world(file, cut);
+    const LoadedWorld part = load_world(file, cut);
     INFO(cut.max_bytes << " " << said(part));
     CHECK(part.diagnostics.errors() + part.diagnostics.warnings() == 0);
     CHECK_FALSE(part.truncated);
@@ -83,11 +83,11 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   }
   CHECK(before > 1500);
   // A truncated file is reported; one without a header is refused.
-  const OpenedWorld early = load_world(folder.write("early.qnv", bytes.substr(0, bytes.size() / 2)));
+  const LoadedWorld early = load_world(folder.write("early.qnv", bytes.substr(0, bytes.size() / 2)));
   CHECK(early.diagnostics.errors() == 0);
   CHECK(said(early).find("early.qnv: warning: byte ") != std::string::npos);
   CHECK_FALSE(only_cloud(early).empty());
-  const OpenedWorld none = load_world(folder.write("none.qnv", bytes.substr(0, 50)));
+  const LoadedWorld none = load_world(folder.write("none.qnv", bytes.substr(0, 50)));
   CHECK_FALSE(none.scene);
   CHECK(none.diagnostics.errors() == 1);
 }
@@ -96,7 +96,7 @@ TEST_CASE("loses one chunk to damage in a stream, and reports its position") {
   const ScratchFolder folder;
   std::string bytes = ball_stream(3000);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
-  const OpenedWorld world = load_world(folder.write("ball.qnv", bytes));
+  const LoadedWorld world = load_world(folder.write("ball.qnv", bytes));
   const qnv::Cloud& cloud = only_cloud(world);
   CHECK(cloud.size() > 1000);
   CHECK(cloud.size() < 3000);
@@ -108,7 +108,7 @@ TEST_CASE("loads vectors of QNV nodes in the main scene, in Inlines and in PROTO
   const ScratchFolder folder;
   folder.write("ball.qnv", ball_stream(500));
   folder.write("inner.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url [ \"missing.qnv\" \"ball.qnv\" ] } }\n");
-  const OpenedWorld world = load_world(folder.write(
+  const LoadedWorld world = load_world(folder.write(
       "world.wrl",
       "#VRML V2.0 utf8\nPROTO Ball [ field MFString from [] ] { Shape { geometry QNV { url IS from } } }\n"
       "Shape { geometry DEF A QNV { url \"ball.qnv\" } }\nBall { from \"ball.qnv\" }\nInline { url \"inner.wrl\" }\n"
@@ -133,13 +133,13 @@ TEST_CASE("replaces the fallback PROTO of a QNV node by its stream") {
   const std::string text =
       "#VRML V2.0 utf8\nPROTO QNV [ exposedField MFString url [] ] { PointSet { } }\nShape { geometry QNV { url "
       "\"ball.qnv\" } }\n";
-  const OpenedWorld world = load_world(folder.write("world.wrl", text));
+  const LoadedWorld world = load_world(folder.write("world.wrl", text));
   CHECK(only_cloud(world).size() == 500);
   const vrml::NodeId geometry = world.scene->get<vrml::SFNode>(world.scene->roots()[0], "geometry");
   CHECK(&world.scene->node(world.scene->resolve(geometry)) == world.clouds.begin()->first);
   // Without the stream, the fallback remains.
   const ScratchFolder other;
-  const OpenedWorld fallback = load_world(other.write("world.wrl", text));
+  const LoadedWorld fallback = load_world(other.write("world.wrl", text));
   CHECK(fallback.clouds.empty());
   const vrml::NodeId kept = fallback.scene->get<vrml::SFNode>(fallback.scene->roots()[0], "geometry");
   CHECK(fallback.scene->node(fallback.scene->resolve(kept)).type->name == "PointSet");
@@ -152,7 +152,7 @@ TEST_CASE("places records inside a QNV node in its bounding box") {
     return load_world(folder.write(
         "world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { vectors [ " + words + "] " + fields + " } }\n"));
   };
-  const OpenedWorld world = node("bboxCenter 1 2 3 bboxSize 2 4 8 transfer [ 0 1 0 0 1  1 0 0 1 1 ]");
+  const LoadedWorld world = node("bboxCenter 1 2 3 bboxSize 2 4 8 transfer [ 0 1 0 0 1  1 0 0 1 1 ]");
   const qnv::Cloud& cloud = only_cloud(world);
   REQUIRE(cloud.size() == 2);
   CHECK(cloud.positions[0].x == Approx(0).margin(0.002));
@@ -163,12 +163,12 @@ TEST_CASE("places records inside a QNV node in its bounding box") {
   REQUIRE(cloud.colors.size() == 2);
   CHECK(cloud.colors[0] == qnv::Rgb8{0, 0, 255});
   CHECK(cloud.colors[1] == qnv::Rgb8{255, 0, 0});
-  const OpenedWorld volume = node("bboxSize 1 1 1 profile \"VOLUME\"");
+  const LoadedWorld volume = node("bboxSize 1 1 1 profile \"VOLUME\"");
   CHECK(only_cloud(volume).description.kind == qnv::Kind::volume);
   CHECK(only_cloud(volume).classes == std::vector<std::uint8_t>{255, 0});
   CHECK(only_cloud(volume).weights[0] == Approx(1));
   for (const char* bad : {"", "bboxSize 0 0 0", "bboxSize 1e30 1e30 1e30", "bboxSize -1 2 2"}) {
-    const OpenedWorld none = node(bad);
+    const LoadedWorld none = node(bad);
     CHECK(none.clouds.empty());
     CHECK(said(none).find("expected bboxCenter and bboxSize") != std::string::npos);
   }
@@ -176,9 +176,9 @@ TEST_CASE("places records inside a QNV node in its bounding box") {
 
 TEST_CASE("opens splats, points and volumes as shapes of vectors") {
   const ScratchFolder folder;
-  const OpenedWorld points = load_world(folder.write("p.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n"));
+  const LoadedWorld points = load_world(folder.write("p.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n"));
   CHECK(only_cloud(points).size() == 4);
-  const OpenedWorld ply =
+  const LoadedWorld ply =
       load_world(folder.write("p.ply",
                               "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
                               "float z\nproperty float nx\n"
@@ -186,7 +186,7 @@ TEST_CASE("opens splats, points and volumes as shapes of vectors") {
   CHECK(only_cloud(ply).size() == 2);
   std::string voxels(4 * 4 * 4, '\0');
   voxels[21] = '\x64';
-  const OpenedWorld volume = load_world(
+  const LoadedWorld volume = load_world(
       folder.write("v.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n" + voxels));
   const qnv::Cloud& gradients = only_cloud(volume);
   CHECK(gradients.description.kind == qnv::Kind::volume);
@@ -204,7 +204,7 @@ TEST_CASE("opens splats, points and volumes as shapes of vectors") {
                                     {"bad.ksplat", ""},
                                     {"bad.xyz", "a b c"},
                                     {"bad.nii", "xx"}}) {
-    const OpenedWorld bad = load_world(folder.write(name, bytes));
+    const LoadedWorld bad = load_world(folder.write(name, bytes));
     INFO(name << "\n" << said(bad));
     CHECK_FALSE(bad.scene);
     CHECK(bad.diagnostics.errors() == 1);
@@ -217,7 +217,7 @@ TEST_CASE("adds a note to a world of translucent splats about how they are drawn
   std::string splat;
   for (const float f : {1.0f, 2.0f, 3.0f, 0.5f, 0.25f, 0.001f}) splat.append(reinterpret_cast<const char*>(&f), 4);
   splat += "\x10\x20\x30\x40\xff\x80\x80\x80";
-  const OpenedWorld world = load_world(folder.write("glass.splat", splat));
+  const LoadedWorld world = load_world(folder.write("glass.splat", splat));
   CHECK(said(world) ==
         folder.path("glass.splat") + ": note: splats are drawn as opaque surface splats, without their opacity\n");
   splat[27] = '\xff';

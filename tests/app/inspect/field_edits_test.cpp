@@ -10,7 +10,7 @@
 namespace gs::app::field_edits_test {
 
 struct Editor {
-  OpenedWorld world = world_of("DEF A Group {} DEF B Group {}");
+  LoadedWorld world = world_of("DEF A Group {} DEF B Group {}");
   vrml::NodeNames names{*world.scene};
 
   // Returns the valid value, or the error.

@@ -37,7 +37,7 @@ struct Routed {
     execution.end_update();
   }
 
-  OpenedWorld world;
+  LoadedWorld world;
   vrml::Execution execution;
   RouteList routes;
   EventWatch watch;

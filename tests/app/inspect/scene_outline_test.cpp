@@ -14,7 +14,7 @@
 namespace gs::app::scene_outline_test {
 
 struct Tree {
-  explicit Tree(OpenedWorld opened) : world(std::move(opened)), execution(*world.scene) {
+  explicit Tree(LoadedWorld opened) : world(std::move(opened)), execution(*world.scene) {
     execution.scenes().attach();
     index.set_world(&execution);
     outline.set_world(&execution, &index);
@@ -49,7 +49,7 @@ struct Tree {
     return {};
   }
 
-  OpenedWorld world;
+  LoadedWorld world;
   vrml::Execution execution;
   SceneIndex index;
   SceneOutline outline;
@@ -168,7 +168,7 @@ TEST_CASE("finds nodes by parts of names and types, and shows them in the tree")
 
 TEST_CASE("costs only the visible lines in a world of a million nodes") {
   const std::size_t count = 1'000'000 / watched_step(49);
-  OpenedWorld opened;
+  LoadedWorld opened;
   opened.scene = std::make_unique<vrml::SceneGraph>("large.wrl");
   const vrml::NodeType& group = vrml::built_in_node_type(vrml::NodeKind::group);
   const vrml::NodeId root = opened.scene->create(group);

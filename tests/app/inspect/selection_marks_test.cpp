@@ -40,7 +40,7 @@ TEST_CASE("drops edges behind the viewer, and cuts edges that pass the viewer") 
 }
 
 TEST_CASE("computes the bounds of a node over all its instances, and of the first visible one") {
-  const OpenedWorld world = world_of(
+  const LoadedWorld world = world_of(
       "DEF Two Group { children [ DEF One Shape { geometry DEF Box Box {} } Transform { translation 4 0 0 children USE "
       "One } ] } DEF Sensor TimeSensor {} PROTO P [] { Transform { translation 0 9 0 children Shape { geometry Box {} "
       "} } } "

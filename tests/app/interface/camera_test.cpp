@@ -192,7 +192,7 @@ TEST_CASE("copies and pastes a camera, and reports invalid text") {
 
 TEST_CASE("shows axes in the corner of unstyled objects, and the size of the grid") {
   Driver user;
-  OpenedWorld world = world_of(kBoxes);
+  LoadedWorld world = world_of(kBoxes);
   world.path = "head.mha";
   world.authored = false;
   world.up = UpRule::patient_s;

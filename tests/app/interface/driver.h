@@ -133,7 +133,7 @@ class Driver final : public WindowOperations {
 
   /// Shows a running world in the active viewport.
   void show_world(const std::string& body, const std::string& path = "test.wrl") {
-    OpenedWorld world = world_of(body);
+    LoadedWorld world = world_of(body);
     world.path = path;
     auto document = hold_world(std::move(world));
     begin_world(*document, time_);

@@ -1,8 +1,8 @@
 // Tests of the sound of whole worlds, in simulated time. The standard's formulas give levels and times.
 #include "app/base/exit_status.h"
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/render/media/media_files.h"
@@ -34,7 +34,7 @@ Ears hear(const ScratchFolder& folder, const std::string& world, double seconds,
           const std::vector<InputRow>& rows = {}) {
   const std::string path = folder.write("main.wrl", kHeader + world);
   WorldLoading loading(path, {});
-  OpenedWorld opened = load_world(loading, path);
+  LoadedWorld opened = load_world(loading, path);
   for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
   CHECK(opened.diagnostics.entries().empty());
   REQUIRE(opened.scene);

@@ -1,8 +1,8 @@
 // Tests of playing MovieTextures with movies of tests/fuzz/corpus/render/movie. Frame i has the grey 20 + 4 i.
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/media/movie_player.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/render/media/media_files.h"
 
@@ -40,7 +40,7 @@ Shown shown_at(const std::string& fields, double seconds, const std::string& fil
       folder.write("main.wrl", kHeader + "Shape { appearance Appearance { texture DEF M MovieTexture { url \"a.mpg\" " +
                                    fields + " } } geometry Box { } }");
   WorldLoading loading(path, {});
-  OpenedWorld opened = load_world(loading, path);
+  LoadedWorld opened = load_world(loading, path);
   for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
   REQUIRE(opened.scene);
   Simulation simulation(std::move(opened), {64, 48});
@@ -148,7 +148,7 @@ TEST_CASE("keeps the last frame of a movie that breaks off, and runs the world o
         "main.wrl", kHeader +
                         "Shape { appearance Appearance { texture MovieTexture { url \"a.mpg\" loop TRUE } } "
                         "geometry Box { } }");
-    OpenedWorld opened = load_world(path);
+    LoadedWorld opened = load_world(path);
     REQUIRE(opened.scene);
     Simulation simulation(std::move(opened), {64, 48});
     simulation.run(1.5);

@@ -93,7 +93,7 @@ struct World {
   Gate gate;
   std::shared_ptr<render::MeshWorker> worker = std::make_shared<render::MeshWorker>(
       std::function<void()>{}, [this](const std::shared_ptr<const vrml::Mesh>&) { gate.pass(); });
-  OpenedWorld opened;
+  LoadedWorld opened;
   render::MeshCache meshes;
   std::unique_ptr<WorldRuntime> runtime;
   std::shared_ptr<RuntimeScene> seen;

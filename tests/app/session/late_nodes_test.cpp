@@ -81,7 +81,7 @@ TEST_CASE("withdraws a partly visible Inline until it is loaded completely") {
   // Reads until a preview contains a part.
   while (loading.collect({0, 0, 10}).items.size() < 5) (void)loading.step(std::chrono::milliseconds(5));
   REQUIRE(loading.root_is_read());
-  OpenedWorld opened = loading.take();
+  LoadedWorld opened = loading.take();
   render::MeshCache meshes;
   WorldRuntime runtime(opened, meshes);
   runtime.start(1000);
@@ -89,7 +89,7 @@ TEST_CASE("withdraws a partly visible Inline until it is loaded completely") {
   CHECK(seen->scene.list().items.size() == 1);
   CHECK(opened.scene->inlined(opened.scene->roots()[1]) == nullptr);
   while (!loading.done()) (void)loading.step(std::chrono::milliseconds(100));
-  runtime.arrive(loading.take_arrivals());
+  runtime.arrive(loading.take_updates());
   (void)runtime.show(*seen, {0, 0, 10});
   CHECK(seen->scene.list().items.size() == 402);
 }

@@ -1,6 +1,6 @@
+#include "app/loading/world_loading.h"
 #include "app/session/documents/documents.h"
 #include "app/session/viewports/view.h"
-#include "app/world/world_loading.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,7 @@
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/session/opening/links.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/net/memory_network.h"
 
@@ -52,7 +52,7 @@ struct Web {
   template <class Between>
   void run(const std::string& world, const Between& between) {
     WorldLoading loading(world, options);
-    OpenedWorld opened = load_world(loading, world);
+    LoadedWorld opened = load_world(loading, world);
     for (const Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
     REQUIRE(opened.scene);
     Simulation simulation(std::move(opened), {64, 64});

@@ -1,6 +1,6 @@
 // Tests of content that depends on the viewer's orientation: screen-facing Billboards and HUDs.
+#include "app/loading/world_loader.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
 #include "tests/app/pairs.h"
 #include "tests/app/scratch_folder.h"
 
@@ -23,7 +23,7 @@ class Eye {
   render::Image seen(const std::string& text, double seconds = 0.1, const std::string& viewpoint = {},
                      const std::optional<render::Camera>& from = {}) {
     const ScratchFolder folder;
-    OpenedWorld world = load_world(folder.write("main.wrl", "#VRML V2.0 utf8\n" + text));
+    LoadedWorld world = load_world(folder.write("main.wrl", "#VRML V2.0 utf8\n" + text));
     REQUIRE(world.scene);
     CHECK(world.diagnostics.errors() == 0);
     Simulation simulation(std::move(world), {64, 64});

@@ -1,7 +1,7 @@
+#include "app/loading/world_loader.h"
+#include "app/loading/world_loading.h"
 #include "app/session/session.h"
 #include "app/simulation/simulation.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
 #include "base/gzip.h"
 #include "tests/app/late_worlds.h"
 #include "tests/net/memory_network.h"
@@ -31,7 +31,7 @@ std::string packed(const std::string& text) {
 /// Returns the lines that programs of memory://a/world.wrl print in simulated time.
 std::vector<std::string> run(const LoadOptions& options, double seconds = 1) {
   WorldLoading loading("memory://a/world.wrl", options);
-  OpenedWorld world = load_world(loading, "memory://a/world.wrl");
+  LoadedWorld world = load_world(loading, "memory://a/world.wrl");
   for (const Diagnostic& one : world.diagnostics.entries()) UNSCOPED_INFO(one.text());
   REQUIRE(world.scene);
   Simulation simulation(std::move(world), {64, 64});

@@ -53,7 +53,7 @@ struct World : late_worlds::World {
   explicit World(const Site& site) : late_worlds::World(site) {}
   vrml::NodeId geometry() { return scene().get<vrml::SFNode>(root(0), "geometry"); }
   void set_url(const std::string& url) { late_worlds::World::set_url(geometry(), url); }
-  Arrivals come() { return fetch(); }
+  ResourceUpdates come() { return fetch(); }
   void arrive() { late_worlds::World::arrive(come()); }
   std::size_t vectors() {
     const auto& splats = list().splats;
@@ -83,10 +83,10 @@ TEST_CASE("replaces the vectors of a QNV node on set_url") {
   world.arrive();
   CHECK(world.vectors() == large);
   world.set_url("small.qnv");
-  Arrivals former = world.come();
+  ResourceUpdates former = world.come();
   REQUIRE(former.clouds.size() == 1);
   world.set_url("large.qnv");
-  Arrivals present = world.come();
+  ResourceUpdates present = world.come();
   world.runtime->arrive(std::move(former));
   CHECK(world.vectors() == large);
   world.runtime->arrive(std::move(present));
@@ -120,10 +120,10 @@ TEST_CASE("replaces the polygons of an OutlineGroup on set_url") {
     CHECK(world.triangles() == 12);
   }
   world.set_url("tetrahedron.qnv");
-  Arrivals former = world.come();
+  ResourceUpdates former = world.come();
   REQUIRE(former.outlines.size() == 1);
   world.set_url("box.qnv");
-  Arrivals present = world.come();
+  ResourceUpdates present = world.come();
   world.runtime->arrive(std::move(former));
   CHECK(world.triangles() == 12);
   world.runtime->arrive(std::move(present));

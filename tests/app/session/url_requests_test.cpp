@@ -126,17 +126,17 @@ TEST_CASE("sets the faces of a Background one by one (6.5)") {
 TEST_CASE("drops the result of a former url") {
   World world(site());
   world.set_url(world.texture(), "light.pgm");
-  Arrivals former = world.fetch();
+  ResourceUpdates former = world.fetch();
   REQUIRE(former.images.size() == 1);
   world.set_url(world.texture(), "dark.pgm");
-  Arrivals present = world.fetch();
+  ResourceUpdates present = world.fetch();
   world.runtime->arrive(std::move(former));
   CHECK(world.shades() == Shades{-1, 10});
   world.runtime->arrive(std::move(present));
   CHECK(world.shades() == Shades{-1, 10});
 
   world.set_url(world.scene().roots()[0], "two.wrl");
-  Arrivals inner = world.fetch();
+  ResourceUpdates inner = world.fetch();
   world.set_url(world.scene().roots()[0], "");
   world.runtime->arrive(std::move(inner));
   CHECK(world.shades() == Shades{-1, 10});
@@ -171,7 +171,7 @@ TEST_CASE("gives up a stalled Inline when its url is set again") {
   world.loading.request(world.runtime->take_url_requests());
   (void)world.loading.step(std::chrono::milliseconds(20));
   CHECK(world.loading.state().waiting == 1);
-  CHECK(world.loading.take_arrivals().contents.empty());
+  CHECK(world.loading.take_updates().contents.empty());
   world.set_url(inlined, "two.wrl");
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 200, -1, 10});
@@ -238,7 +238,7 @@ TEST_CASE("continues to read requests while the world runs") {
     };
     const std::string wanted = std::string("memory://a/") + url;
     wait_for([&] {
-      if (!news.arrivals.contents.empty()) document->runtime->arrive(std::move(news.arrivals));
+      if (!news.updates.contents.empty()) document->runtime->arrive(std::move(news.updates));
       return shown() == wanted;
     });
     CHECK(shown() == wanted);

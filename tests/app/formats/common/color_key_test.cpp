@@ -52,7 +52,7 @@ TEST_CASE("writes the meaning of colours to a WorldInfo, and reads it back") {
 }
 
 TEST_CASE("reads the meaning of colours from worlds of any program") {
-  const OpenedWorld world = world_of(
+  const LoadedWorld world = world_of(
       "PROTO P [ ] { WorldInfo { info \"color key: 9 9 #000000 #ffffff\" } } "
       "WorldInfo { title \"A wing\" info [ \"by nobody\", \"color key: 0 2 #0000ff #ff0000 Mach\" ] }");
   const auto key = color_key_of(*world.scene);

@@ -1,7 +1,7 @@
 // Tests of meshes in GLB, with colours or a texture.
 #include "app/formats/export/export_glb_mesh.h"
 #include "app/formats/qnv/surface_pictures.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "render/image/image.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
@@ -36,7 +36,7 @@ qnv::Cloud square(bool pictured) {
   return cloud;
 }
 
-OpenedWorld loaded(const ScratchFolder& folder, const qnv::Cloud& cloud) {
+LoadedWorld loaded(const ScratchFolder& folder, const qnv::Cloud& cloud) {
   const Exported glb = export_glb(cloud, {"square", {}});
   REQUIRE(std::holds_alternative<std::vector<std::byte>>(glb));
   const auto& bytes = std::get<std::vector<std::byte>>(glb);
@@ -47,7 +47,7 @@ OpenedWorld loaded(const ScratchFolder& folder, const qnv::Cloud& cloud) {
 
 TEST_CASE("exports triangles of a point set as a mesh in GLB, with their colours") {
   const ScratchFolder folder;
-  OpenedWorld world = loaded(folder, square(false));
+  LoadedWorld world = loaded(folder, square(false));
   INFO(said(world));
   REQUIRE(world.scene);
   render::MeshCache meshes;
@@ -64,7 +64,7 @@ TEST_CASE("exports triangles of a point set as a mesh in GLB, with their colours
 
 TEST_CASE("exports a texture to GLB pixel by pixel, beside coloured triangles") {
   const ScratchFolder folder;
-  OpenedWorld world = loaded(folder, square(true));
+  LoadedWorld world = loaded(folder, square(true));
   INFO(said(world));
   REQUIRE(world.scene);
   render::MeshCache meshes;

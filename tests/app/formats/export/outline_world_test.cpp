@@ -2,7 +2,7 @@
 #include "app/encode/outline_model.h"
 #include "app/formats/export/outline_text.h"
 #include "app/formats/qnv/outline_scene.h"
-#include "app/world/world_loading.h"
+#include "app/loading/world_loading.h"
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
@@ -59,14 +59,14 @@ double area_of(const render::RenderList& list) {
   return sum;
 }
 
-render::RenderList collected(const OpenedWorld& world) {
+render::RenderList collected(const LoadedWorld& world) {
   REQUIRE(world.scene);
   render::MeshCache meshes;
   return render::collect(*world.scene, world.images, meshes);
 }
 
 Encoded encoded(const std::string& path, double tolerance = 0.05) {
-  const OpenedWorld world = load_world(path);
+  const LoadedWorld world = load_world(path);
   const render::RenderList list = collected(world);
   Encoded result{outline_model(list, texture_urls(world)), {}, area_of(list)};
   qnv::OutlineOptions options;
@@ -152,7 +152,7 @@ TEST_CASE("keeps appearance, area and shading of a model as outline groups, as t
   const std::string stream = folder.write("outlines.qnv", outline_stream_of(made, 20));
   for (const std::string& path : {text, stream}) {
     INFO(path);
-    const OpenedWorld world = load_world(path);
+    const LoadedWorld world = load_world(path);
     for (const auto& diagnostic : world.diagnostics.entries()) FAIL(diagnostic.text());
     const render::RenderList list = collected(world);
     CHECK(area_of(list) == Approx(made.area).epsilon(1e-4));
@@ -185,7 +185,7 @@ TEST_CASE("shows the groups of every prefix of an outline stream, with ever bett
   for (std::size_t bytes = 200; bytes <= stream.size() + kPiece; bytes += kPiece) {
     LoadOptions options;
     options.max_bytes = bytes;
-    const OpenedWorld world = load_world(path, options);
+    const LoadedWorld world = load_world(path, options);
     if (!world.scene) continue;
     const double area = area_of(collected(world));
     INFO(bytes);
@@ -205,7 +205,7 @@ TEST_CASE("loads an outline stream by the url of an OutlineGroup, and rejects it
                    "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { diffuseColor 0 1 0 } } "
                    "geometry OutlineGroup { url [ \"none.qnv\" \"outlines.qnv\" ] solid FALSE } }\n"
                    "Shape { geometry QNV { url \"outlines.qnv\" } }\n");
-  const OpenedWorld opened = load_world(world);
+  const LoadedWorld opened = load_world(world);
   const render::RenderList list = collected(opened);
   CHECK(area_of(list) == Approx(made.area).epsilon(1e-3));
   CHECK(list.items.front().material.diffuse == glm::vec3(0, 1, 0));
@@ -221,7 +221,7 @@ TEST_CASE("shows the remaining polygons by the fallback of an outline world") {
   // Another browser does not know the name, and uses the PROTO.
   for (std::size_t at = 0; (at = text.find("OutlineGroup", at)) != std::string::npos; at += 5)
     text.replace(at, std::string("OutlineGroup").size(), "Other");
-  const OpenedWorld world = load_world(folder.write("other.wrl", text));
+  const LoadedWorld world = load_world(folder.write("other.wrl", text));
   for (const auto& diagnostic : world.diagnostics.entries()) FAIL(diagnostic.text());
   CHECK(area_of(collected(world)) == Approx(made.area).epsilon(1e-4));
 }
@@ -239,7 +239,7 @@ TEST_CASE("changes no more than a pixel of flat-shaded CAD parts by merging copl
       continue;
     }
     INFO(part);
-    const OpenedWorld world = load_world(data + part);
+    const LoadedWorld world = load_world(data + part);
     render::RenderList list = collected(world);
     const Encoded made = encoded(data + part, 0);
     std::size_t inner = 0;

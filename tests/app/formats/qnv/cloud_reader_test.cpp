@@ -2,7 +2,7 @@
 #include "app/formats/qnv/cloud_reader.h"
 
 #include "app/formats/common/color_key.h"
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "tests/app/clouds.h"
@@ -23,7 +23,7 @@ using namespace gs::app;
 
 namespace {
 
-qnv::LodStream& levels_of(const OpenedWorld& world) {
+qnv::LodStream& levels_of(const LoadedWorld& world) {
   REQUIRE(world.clouds.size() == 1);
   REQUIRE(world.clouds.begin()->second->levels);
   return *world.clouds.begin()->second->levels;
@@ -43,7 +43,7 @@ std::size_t discs(qnv::LodStream& stream, float error_pixels) {
 TEST_CASE("reads a large octree stream in place, also if the file becomes shorter") {
   const ScratchFolder folder;
   const std::string file = folder.write("ball.qnv", large_stream());
-  const OpenedWorld world = load_world(file);
+  const LoadedWorld world = load_world(file);
   CHECK(world.diagnostics.errors() + world.diagnostics.warnings() == 0);
   qnv::LodStream& stream = levels_of(world);
   CHECK(stream.header().vectors > 1'000'000);
@@ -56,7 +56,7 @@ TEST_CASE("reads a large octree stream in place, also if the file becomes shorte
   CHECK_FALSE(stream.problems().empty());
   // A deleted file stays readable while it is open.
   const std::string other = folder.write("other.qnv", large_stream());
-  const OpenedWorld second = load_world(other);
+  const LoadedWorld second = load_world(other);
   std::filesystem::remove(other);
   CHECK(discs(levels_of(second), 0) >= stream.header().vectors);  // some are two-sided
   CHECK(levels_of(second).problems().empty());
@@ -67,17 +67,17 @@ TEST_CASE("opens a truncated, thinned or damaged large octree stream with less d
   const std::string file = folder.write("ball.qnv", large_stream());
   LoadOptions cut;
   cut.max_bytes = large_stream().size() / 2;
-  const OpenedWorld half = load_world(file, cut);
+  const LoadedWorld half = load_world(file, cut);
   CHECK(half.diagnostics.errors() + half.diagnostics.warnings() == 0);
   LoadOptions lossy;
   lossy.loss = 0.3;
-  const OpenedWorld thinned = load_world(file, lossy);
+  const LoadedWorld thinned = load_world(file, lossy);
   const std::size_t all = discs(levels_of(load_world(file)), 0);
   CHECK(discs(levels_of(half), 0) < all);
   CHECK(discs(levels_of(half), 0) > all / 4);
   CHECK(discs(levels_of(thinned), 0) < all);
   // A truncated stream has no directory: it is read as a whole, and reported.
-  const OpenedWorld early =
+  const LoadedWorld early =
       load_world(folder.write("early.qnv", large_stream().substr(0, large_stream().size() * 9 / 10)));
   CHECK(early.diagnostics.errors() == 0);
   CHECK(early.diagnostics.warnings() == 1);

@@ -1,6 +1,6 @@
 // Tests of files that change while they are read.
 #include "app/formats/volume/volume.h"
-#include "app/world/world_loading.h"
+#include "app/loading/world_loading.h"
 #include "net/files/file.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/watched.h"

@@ -20,8 +20,8 @@ std::shared_ptr<Document> empty_document(const std::string& path) {
 }
 
 /// Returns a world of one QNV node with this point set.
-OpenedWorld world_of(qnv::Cloud cloud) {
-  OpenedWorld world = world_with({});
+LoadedWorld world_of(qnv::Cloud cloud) {
+  LoadedWorld world = world_with({});
   const auto make = [&](const char* type) { return world.scene->create(*vrml::built_in_node_type(type)); };
   const vrml::NodeId shape = make("Shape"), qnv = make("QNV");
   world.scene->set<vrml::SFNode>(shape, "geometry", qnv);
@@ -136,10 +136,10 @@ TEST_CASE("chooses navigation and Viewpoint at the entry of a world") {
     CHECK(view.navigation.speed == 1);
   }
   SECTION("nothing at all") {
-    const auto document = make_document(OpenedWorld());
+    const auto document = make_document(LoadedWorld());
     REQUIRE(document->list);
     CHECK(document->list->items.empty());
-    View view = view_of(std::shared_ptr<Document>(make_document(OpenedWorld())), {800, 600}, "");
+    View view = view_of(std::shared_ptr<Document>(make_document(LoadedWorld())), {800, 600}, "");
     CHECK_FALSE(follow_world(view));
   }
 }

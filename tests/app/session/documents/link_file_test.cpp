@@ -17,6 +17,11 @@ SceneLink good(const std::string& text) {
   return std::get<SceneLink>(read);
 }
 
+// Returns the URL of a link with its Viewpoint as fragment.
+std::string place_of(const SceneLink& link) {
+  return link.viewpoint.empty() ? link.url : link.url + "#" + link.viewpoint;
+}
+
 TEST_CASE("names a scene, a Viewpoint and a budget in a link file, and reads it back") {
   const SceneLink link = good(
       "[GhostSpace link]\r\n# of the archive\nurl = https://example.org/a%20b.qnv \nViewpoint=The gate\n"

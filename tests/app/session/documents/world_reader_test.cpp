@@ -101,7 +101,7 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
   WorldReader reader("memory://a/world.wrl", options, {});
   std::shared_ptr<Document> document;
   bool over = false;
-  Arrivals arrivals;
+  ResourceUpdates updates;
   std::optional<std::size_t> waited;  // when the world was received
   while (!over) {
     WorldReader::News news = reader.take();
@@ -113,14 +113,14 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
       CHECK(document->runtime->next_time().has_value());  // its time advances
       CHECK(document->list->items.at(0).texture.image == nullptr);
     }
-    arrivals.append(std::move(news.arrivals));
+    updates.append(std::move(news.updates));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   REQUIRE(document);
   CHECK(waited == 1u);  // the missing image was known by then
-  CHECK(arrivals.images.size() == 1);
-  CHECK(document->world.diagnostics.warnings() + arrivals.diagnostics.warnings() == 1);
-  document->runtime->arrive(std::move(arrivals));
+  CHECK(updates.images.size() == 1);
+  CHECK(document->world.diagnostics.warnings() + updates.diagnostics.warnings() == 1);
+  document->runtime->arrive(std::move(updates));
   CHECK(document->runtime->show(*document->first_scene, {0, 0, 10}));
   REQUIRE(document->list->items.at(0).texture.image);
   CHECK(document->list->items.at(0).mesh->texture_coordinates.size() == 3);

@@ -35,7 +35,7 @@ struct World {
     return seen->scene.list();
   }
 
-  OpenedWorld opened;
+  LoadedWorld opened;
   render::MeshCache meshes;
   std::unique_ptr<WorldRuntime> runtime;
   std::shared_ptr<RuntimeScene> seen;
@@ -66,9 +66,9 @@ TEST_CASE("drops images and meshes of removed nodes, also when their slots are r
     image->components = 3;
     image->pixels.resize(3);
     const auto arrive = [&](vrml::SceneGraph* of) {
-      Arrivals arrivals;
-      arrivals.images.push_back({{{of, texture, 0, 1}}, image});
-      world.runtime->arrive(std::move(arrivals));
+      ResourceUpdates updates;
+      updates.images.push_back({{{of, texture, 0, 1}}, image});
+      world.runtime->arrive(std::move(updates));
     };
     arrive(&scene);
     CHECK(world.list().items[0].texture.image == image);

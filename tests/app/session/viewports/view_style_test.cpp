@@ -1,7 +1,7 @@
 // Tests of views of objects with other up axes than VRML97's, and of parallel projection.
 #include "app/session/viewports/view.h"
 
-#include "app/world/world_loader.h"
+#include "app/loading/world_loader.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
 
@@ -21,7 +21,7 @@ constexpr glm::vec2 kSize(800, 600);
 bool close(const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b) < 1e-3f; }
 
 std::shared_ptr<Document> standing(const std::string& body, UpRule up) {
-  OpenedWorld world = world_of(body);
+  LoadedWorld world = world_of(body);
   world.up = up;
   return make_document(std::move(world));
 }
@@ -94,7 +94,7 @@ TEST_CASE(
 TEST_CASE("takes the up axis from format or header, and a look of its own from worlds only") {
   const ScratchFolder folder;
   const auto read = [&](const std::string& name, const std::string& text) {
-    OpenedWorld world = load_world(folder.write(name, text));
+    LoadedWorld world = load_world(folder.write(name, text));
     INFO(name);
     CHECK(world.scene);
     return std::pair{world.upright({1, 1, 1}), world.authored};

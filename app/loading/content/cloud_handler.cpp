@@ -1,0 +1,222 @@
+#include "app/loading/content/cloud_handler.h"
+
+#include "app/base/temporary_file.h"
+#include "qnv/codecs/octree/lod/lod_source.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/reader/stream_decoder.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+// Decoding of streams, volumes and splat files to vectors.
+namespace gs::app {
+namespace {
+
+std::string file_name_of(const Found& found) {
+  net::Url as_file = found.url;
+  as_file.scheme = "file";
+  return std::filesystem::path(found.local ? found.path : net::path_of_url(as_file)).filename().string();
+}
+
+}  // namespace
+
+CloudHandler::CloudHandler(Loading& loading, UrlRequest request, Show show, Progress progress)
+    : ResourceHandler(loading, std::move(request)),
+      show_(std::move(show)),
+      progress_(std::move(progress)),
+      decoded_(loading.budget, Resource::vectors) {}
+
+CloudHandler::~CloudHandler() = default;
+
+bool CloudHandler::whole_file(const net::MappedFile& file, const std::string& path) {
+  way_ = Way::done;
+  read_whole(file.bytes(), path);
+  return true;
+}
+
+void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::string& path) {
+  const ContentType& type = content_type_of(path, first_bytes(bytes));
+  if (is_outline_stream(bytes))
+    return warn(": " + path + " is a stream of outlines; expected vectors, or an OutlineGroup for outlines");
+  if (!type.is_cloud()) return warn(": " + path + " is " + std::string(type.name) + "; expected a QNV stream");
+  CloudFile file{path, bytes, cut};
+  file.to_draw = !loading_.options.whole_surfaces;
+  file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_)};
+  if (!is_node()) {
+    file.loss = loading_.options.loss;
+    file.loss_seed = loading_.options.loss_seed;
+  }
+  auto cloud = read_cloud(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
+  if (!cloud) return;
+  if (auto held = hold_cloud(std::move(*cloud), loading_.budget))
+    show_(std::move(held));
+  else
+    give_up(Resource::vectors);
+}
+
+void CloudHandler::give_up(Resource resource) {
+  way_ = Way::done;
+  drop_bytes();
+  loading_.results.report(Severity::error, found_.path, {},
+                          loading_.budget->refusal(resource) + "; all or the finer vectors are left out");
+}
+
+bool CloudHandler::count_decoded() {
+  const std::uint64_t bytes = decoder_->vectors() * kDecodedBytes;
+  return bytes <= decoded_.amount() || decoded_.grow(bytes - decoded_.amount());
+}
+
+void CloudHandler::receive(std::span<const std::byte> bytes) {
+  if (way_ == Way::done) return;
+  if (way_ == Way::pushed) return feed_->push(bytes);
+  if (way_ == Way::decoded) {
+    (void)decoder_->push(bytes);
+    if (count_decoded() && !decoder_->full()) return show_records(false);
+    show_records(true);
+    return give_up(Resource::vectors);
+  }
+  if (!keep(bytes)) return give_up(Resource::files);
+  if (way_ == Way::unknown) choose_way();
+}
+
+// Selects the decoder. QNV streams are shown from the first bytes on; other files are read when they are complete.
+void CloudHandler::choose_way() {
+  if (!qnv::is_stream(bytes_)) {
+    if (bytes_.size() >= kTypeBytes) way_ = Way::whole;
+    return;
+  }
+  // For cells, the transport simulates the loss.
+  if (loading_.options.loss > 0 && !is_node() && found_.url.scheme != "cells") {
+    way_ = Way::whole;
+    return;
+  }
+  std::size_t header_bytes = 0;
+  bool need_more = false;
+  const auto header = qnv::decode_header(bytes_, header_bytes, need_more);
+  if (need_more) return;
+  if (!std::holds_alternative<qnv::StreamHeader>(header)) {
+    way_ = Way::whole;  // the reader of whole files gives the better error message
+    return;
+  }
+  const auto& known = std::get<qnv::StreamHeader>(header);
+  const qnv::PayloadReader reader = qnv::row_of(known).reader;
+  if (reader == qnv::PayloadReader::polygons) {
+    way_ = Way::whole;  // the reader of whole files reports that these are polygons
+    return;
+  }
+  if (reader == qnv::PayloadReader::levels) {
+    directory_ = known.directory;
+    auto begun = qnv::LodStream::begin(bytes_);
+    if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&begun)) {
+      way_ = Way::pushed;
+      start_feed(hold_levels(std::move(*stream), loading_.budget, true));
+      bytes_ = {};
+      return;
+    }
+  }
+  way_ = Way::decoded;
+  decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*loading_.budget));
+  (void)decoder_->push(std::exchange(bytes_, {}));
+  show_records(false);
+}
+
+void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
+  qnv::Cloud cloud;
+  cloud.description = stream->header().description;
+  cloud.color = stream->header().color;
+  cloud.levels = std::move(stream);
+  feed_ = std::make_shared<StreamFeed>(cloud.levels, [waker = loading_.waker] { waker->wake(); });
+  loading_.results.add(feed_);
+  show_(std::make_shared<const qnv::Cloud>(std::move(cloud)));
+}
+
+// Shows the vectors again when their number has grown by a quarter, because making a point set takes linear time.
+// Vectors of a surface move as their number grows.
+void CloudHandler::show_records(bool last) {
+  // Meshes are counted when they are made.
+  const bool mesh = decoder_->mesh().shown();
+  const std::size_t vectors = mesh ? shown_ + 1 : decoder_->vectors();
+  const std::uint64_t revision = decoder_->revision();
+  const bool more = vectors >= shown_ + shown_ / 4 + 1000, finer = revision > shown_revision_ + shown_revision_ / 4;
+  const bool exact = decoder_->mesh().final && !shown_exact_;
+  if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer && !exact)) return;
+  shown_exact_ = decoder_->mesh().final;
+  shown_ = vectors;
+  shown_revision_ = revision;
+  show_(std::make_shared<const qnv::Cloud>(loading_.options.whole_surfaces ? decoder_->cloud()
+                                                                           : decoder_->cloud_to_draw()));
+}
+
+void CloudHandler::end(const std::optional<std::string>& problem) {
+  if (problem) warn(": " + *problem + "; the received part is shown");
+  if (way_ == Way::done) return;
+  const bool part = cut || problem;
+  if (way_ == Way::pushed) {
+    feed_->finish();
+  } else if (way_ == Way::decoded) {
+    if (!part) decoder_->finish();
+    report_problems(decoder_->problems(), Severity::warning);
+    if (decoder_->refused_chunks() > 0)
+      loading_.results.report(Severity::warning, found_.path, {},
+                              std::to_string(decoder_->refused_chunks()) + " invalid chunks are left out");
+    show_records(true);
+    decoder_.reset();
+  } else {
+    cut = part;
+    read_bytes();
+  }
+}
+
+void CloudHandler::read_bytes() {
+  const std::string name = found_.local ? found_.path : file_name_of(found_);
+  const ContentType& type = content_type_of(name, first_bytes(bytes_));
+  if (type.content != ContentClass::volume || found_.local) {
+    read_whole(bytes_, name);
+  } else {
+    // Slices of volumes are read from a file.
+    const TemporaryFile file(name, bytes_);
+    if (file.problem().empty())
+      read_whole(bytes_, file.path());
+    else
+      loading_.results.report(Severity::error, found_.path, {}, file.problem());
+  }
+  bytes_ = {};
+}
+
+bool CloudHandler::seek(RangedStream::Place place) {
+  if (way_ != Way::pushed) return false;
+  place.directory = directory_;
+  if (directory_ == 0 || directory_ >= place.total || directory_ < place.front) return false;
+  loading_.fetcher.network().follow(feed_, std::move(place));
+  return true;
+}
+
+void CloudHandler::receive_cells(const net::CellEvent& event) {
+  if (way_ == Way::pushed) {
+    feed_->add_loose(event.name.chunk, event.bytes);
+  } else if (way_ == Way::decoded && event.records) {
+    // The records keep their position in the chunk. Records before them may follow later or be lost.
+    const auto head = std::span(event.head).subspan(std::min(event.head.size(), qnv::kChunkHeaderBytes));
+    std::vector<std::byte> payload(head.begin(), head.end());
+    payload.resize(head.size() + event.offset);
+    payload.insert(payload.end(), event.bytes.begin(), event.bytes.end());
+    const qnv::ByteRange missing{head.size(), head.size() + event.offset};
+    decoder_->add(qnv::ChunkType::records, payload, std::span(&missing, event.offset > 0 ? 1 : 0));
+    show_records(false);
+  } else if (way_ == Way::decoded) {
+    // This chunk is useful only as a whole.
+    const auto chunk = qnv::sound_chunk(event.bytes);
+    if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_->add(sound->type, sound->payload);
+    show_records(false);
+  }
+}
+
+void CloudHandler::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {
+  for (const qnv::StreamProblem& problem : problems)
+    loading_.results.report(severity, found_.path, {},
+                            "byte " + std::to_string(problem.offset) + ": " + problem.message);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "app/formats/qnv/cloud_reader.h"
+#include "app/loading/content/resource_handler.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::qnv {
+class StreamDecoder;
+struct StreamProblem;
+}  // namespace gs::qnv
+
+namespace gs::app {
+
+/// Content handler that decodes QNV streams, volumes and splat files of other programs as their bytes are received.
+class CloudHandler final : public ResourceHandler {
+ public:
+  /// Called with each better version of the vectors.
+  using Show = std::function<void(const std::shared_ptr<const qnv::Cloud>&)>;
+  using Progress = std::function<void(double)>;
+  /// Creates a handler. A `request` without content means that the file is the world itself.
+  CloudHandler(Loading& loading, UrlRequest request, Show show, Progress progress = {});
+  ~CloudHandler() override;
+  void tell_progress(double fraction) override {
+    if (progress_) progress_(fraction);
+  }
+  bool whole_file(const net::MappedFile& file, const std::string& path) override;
+  void receive(std::span<const std::byte> bytes) override;
+  void end(const std::optional<std::string>& problem) override;
+  bool seek(RangedStream::Place place) override;
+  void receive_cells(const net::CellEvent& event) override;
+  std::shared_ptr<StreamFeed> follow() override { return way_ == Way::pushed ? feed_ : nullptr; }
+
+ private:
+  enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };
+  void choose_way();
+  void start_feed(std::shared_ptr<qnv::LodStream> stream);
+  void show_records(bool last);
+  void read_bytes();
+  void read_whole(std::span<const std::byte> bytes, const std::string& path);
+  void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
+  /// Stops reading after the memory budget has refused a part, which is omitted.
+  void give_up(Resource resource);
+  bool count_decoded();
+  [[nodiscard]] bool is_node() const { return request_.content != vrml::UrlContent::none; }
+
+  Show show_;
+  Progress progress_;
+  Way way_ = Way::unknown;
+  Share decoded_;
+  std::shared_ptr<StreamFeed> feed_;
+  std::unique_ptr<qnv::StreamDecoder> decoder_;
+  std::size_t shown_ = 0;
+  std::uint64_t shown_revision_ = 0;
+  bool shown_exact_ = false;     // the exact mesh of the tail is shown
+  std::uint64_t directory_ = 0;  // offset of the directory of a packed stream; 0 means unknown
+};
+
+}  // namespace gs::app

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "app/loading/content/resource_handler.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+/// Content handler for an image that is fetched once for all textures that show it.
+class ImageHandler final : public ResourceHandler {
+ public:
+  using ResourceHandler::ResourceHandler;
+
+  bool whole_file(const net::MappedFile& file, const std::string&) override {
+    decode(file.bytes());
+    return true;
+  }
+  void receive(std::span<const std::byte> bytes) override;
+  void end(const std::optional<std::string>& problem) override;
+  void missing(const std::string& why) override;
+
+  /// Adds a texture, which gets the image now or when it is available.
+  void add(const ResourceUpdates::Place& texture);
+  [[nodiscard]] bool has_none() const { return stage_ == Stage::none; }
+  /// Returns true if the image was shown but no texture uses it any more.
+  [[nodiscard]] bool is_spent() const { return stage_ == Stage::shown && image_.expired(); }
+
+ private:
+  void leave_out(const std::string& why);
+  void decode(std::span<const std::byte> bytes);
+
+  std::vector<ResourceUpdates::Place> textures_;
+  std::weak_ptr<const render::Image> image_;
+  enum class Stage : std::uint8_t { waiting, shown, none };
+  Stage stage_ = Stage::waiting;
+};
+
+}  // namespace gs::app

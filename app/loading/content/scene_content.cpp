@@ -1,0 +1,205 @@
+#include "app/loading/content/scene_content.h"
+
+#include "app/formats/mesh_import.h"
+#include "app/loading/content/cloud_handler.h"
+#include "app/loading/content/outline_reader.h"
+#include "app/loading/content/scene_target.h"
+#include "base/gzip.h"
+#include "base/text.h"
+#include "vrml/syntax/parser.h"
+
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+/// Text of VRML97, which may be gzip-compressed.
+class TextContent final : public SceneContent {
+ public:
+  explicit TextContent(SceneTarget& target)
+      : target_(target), parser_(std::in_place, *target.scene(), target.loading().results.diagnostics()) {}
+
+  void receive(std::span<const std::byte> bytes) override {
+    if (packing_ == Packing::unknown) {
+      packing_ = is_gzip(bytes) ? Packing::gzip : Packing::plain;
+      if (packing_ == Packing::gzip) gunzip_ = std::make_unique<Gunzip>(target_.loading().budget);
+    }
+    parse(bytes);
+    target_.loading().results.set_changed(true);
+    target_.add_nodes();
+  }
+  void end(bool damaged) override {
+    if (gunzip_) {
+      if (const auto damage = gunzip_->finish(); damage && !cut && !damaged) {
+        target_.report(Severity::error, {}, *damage);
+        target_.cut_short();
+      }
+    }
+    const vrml::ParseOutcome outcome = parser_->finish();
+    if (outcome == vrml::ParseOutcome::refused)
+      target_.refuse();
+    else if (outcome != vrml::ParseOutcome::complete && !cut)
+      target_.cut_short();
+    parser_.reset();
+    if (!damaged && !cut) complete_outlines();
+  }
+  [[nodiscard]] std::vector<vrml::NodeId> open_nodes() const override {
+    return parser_ ? parser_->open_nodes() : std::vector<vrml::NodeId>();
+  }
+
+ private:
+  void parse(std::span<const std::byte> bytes) {
+    const PhaseScope phase(target_.loading().options.phases, Phase::parse);
+    if (gunzip_)
+      gunzip_->push(bytes, [this](std::string_view piece) {
+        parser_->push(piece);
+        return !target_.scene()->exhausted();
+      });
+    else
+      parser_->push(text_of(bytes));
+  }
+  // Marks all outline groups as complete, because the file has ended.
+  void complete_outlines() {
+    vrml::SceneGraph& scene = *target_.scene();
+    for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
+      const vrml::NodeId id = scene.id_at(i);
+      if (scene.node_at(i).type->url_content != vrml::UrlContent::outlines) continue;
+      scene.set<vrml::SFBool>(id, "complete", true);
+      target_.node_changed(id);
+    }
+  }
+
+  SceneTarget& target_;
+  std::optional<vrml::Parser> parser_;
+  std::unique_ptr<Gunzip> gunzip_;  // Packing::gzip
+  enum class Packing : std::uint8_t { unknown, plain, gzip };
+  Packing packing_ = Packing::unknown;
+};
+
+/// Mesh of another program, read when its file is complete.
+class MeshContent final : public SceneContent {
+ public:
+  MeshContent(SceneTarget& target, const ContentType& type)
+      : target_(target), type_(type), share_(target.loading().budget, Resource::files) {}
+
+  bool whole_file(const net::MappedFile& file, const std::string&) override {
+    read(file.bytes());
+    return true;
+  }
+  void receive(std::span<const std::byte> bytes) override {
+    if (!share_.grow(bytes.size())) {
+      target_.refuse_size();
+      bytes_ = {};
+      return;
+    }
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+  void end(bool) override { read(std::exchange(bytes_, {})); }
+
+ private:
+  void read(std::span<const std::byte> bytes) {
+    Loading& loading = target_.loading();
+    const Found& found = target_.found();
+    const PhaseScope phase(loading.options.phases, Phase::parse);
+    auto scene = import_mesh(type_, found.path, bytes, loading.results.diagnostics(),
+                             loading.fetcher.reader_of(found.origin), loading.budget);
+    if (!scene) return target_.refuse();
+    target_.replace_scene(std::move(scene));
+  }
+
+  SceneTarget& target_;
+  const ContentType& type_;
+  std::vector<std::byte> bytes_;
+  Share share_;  // of `bytes_`
+};
+
+/// Vectors, which a Shape of the scene shows.
+class CloudContent final : public SceneContent {
+ public:
+  explicit CloudContent(SceneTarget& target) : target_(target) {
+    UrlRequest request;
+    request.type = "QNV";
+    request.file = target.found().path;
+    cloud_ = std::make_shared<CloudHandler>(target.loading(), std::move(request),
+                                            [this](const std::shared_ptr<const qnv::Cloud>& cloud) { show(cloud); });
+    cloud_->begin(target.found());
+  }
+
+  bool whole_file(const net::MappedFile& file, const std::string& path) override {
+    cloud_->cut = cut;
+    (void)cloud_->whole_file(file, path);
+    if (!node_) target_.refuse();
+    return true;
+  }
+  void receive(std::span<const std::byte> bytes) override {
+    cloud_->cut = cut;
+    cloud_->receive(bytes);
+  }
+  void end(bool damaged) override {
+    cloud_->cut = cut || damaged;
+    cloud_->end(std::nullopt);
+    if (!node_) target_.refuse();
+  }
+  void receive_cells(const net::CellEvent& event) override { cloud_->receive_cells(event); }
+  bool seek(RangedStream::Place place) override { return cloud_->seek(std::move(place)); }
+  std::shared_ptr<StreamFeed> follow() override { return cloud_->follow(); }
+
+ private:
+  void show(const std::shared_ptr<const qnv::Cloud>& cloud) {
+    if (!node_) {
+      const Found& found = target_.found();
+      const std::string path = found.local ? net::url_of_path(found.path).path : found.url.path;
+      node_ = add_cloud_shape(*target_.scene(), *cloud, path.substr(path.rfind('/') + 1));
+      if (!node_) return;
+      target_.set_up(stated_upright(cloud->description.metadata));
+      target_.add_nodes(false);  // its url is this file
+    }
+    target_.loading().results.add(ResourceUpdates::Cloud{{target_.scene(), node_}, {}, cloud});
+  }
+
+  SceneTarget& target_;
+  std::shared_ptr<CloudHandler> cloud_;
+  vrml::NodeId node_;
+};
+
+/// Stream of outlines.
+class OutlineContent final : public SceneContent {
+ public:
+  explicit OutlineContent(SceneTarget& target) : target_(target), reader_(target.loading(), *target.scene()) {}
+
+  void receive(std::span<const std::byte> bytes) override {
+    reader_.receive(bytes);
+    show();
+  }
+  void receive_cells(const net::CellEvent& event) override {
+    reader_.receive_cells(event);
+    show();
+  }
+  void end(bool damaged) override {
+    reader_.end(target_.found().path, !cut && !damaged);
+    show();
+    if (reader_.empty()) target_.refuse();
+  }
+
+ private:
+  void show() {
+    target_.set_up(reader_.upright());
+    for (const vrml::NodeId id : reader_.take_changed()) target_.node_changed(id);
+    target_.add_nodes();  // and their textures
+  }
+
+  SceneTarget& target_;
+  OutlineReader reader_;
+};
+
+}  // namespace
+
+std::unique_ptr<SceneContent> content_for(SceneTarget& target, const ContentType& type,
+                                          std::span<const std::byte> first) {
+  if (type.content == ContentClass::mesh) return std::make_unique<MeshContent>(target, type);
+  if (!type.is_cloud()) return std::make_unique<TextContent>(target);
+  if (is_outline_stream(first)) return std::make_unique<OutlineContent>(target);
+  return std::make_unique<CloudContent>(target);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "app/loading/fetch/loading.h"
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::app {
+
+class ImageHandler;
+class MediaHandler;
+class OutlineHandler;
+class SceneHandler;
+struct SharedCloud;
+
+/// Parts that the scene handlers of one world share.
+struct SceneContext {
+  explicit SceneContext(Loading& the_loading) : loading(the_loading) {}
+
+  Loading& loading;
+  std::vector<std::shared_ptr<OutlineHandler>> outlines;  // with new polygons
+  std::vector<std::shared_ptr<SceneHandler>> withheld;    // contents of Inlines with incomplete files
+  // Resources that several nodes share, by fetch key.
+  std::unordered_map<std::string, std::shared_ptr<ImageHandler>> images;
+  std::unordered_map<std::string, std::shared_ptr<SharedCloud>> clouds;
+  std::unordered_map<std::string, std::shared_ptr<MediaHandler>> media;
+};
+
+}  // namespace gs::app

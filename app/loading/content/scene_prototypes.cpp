@@ -1,0 +1,200 @@
+#include "app/loading/content/scene_prototypes.h"
+
+#include "app/loading/content/scene_handler.h"
+#include "vrml/scene/prototype.h"
+#include "vrml/syntax/stand_ins.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+// PROTOs for the EXTERNPROTOs of a scene.
+namespace gs::app {
+namespace {
+
+// Returns true if a url refers to this file or to a part of it.
+bool names_file(net::Url url, const std::string& file) {
+  url.fragment.clear();
+  url.has_fragment = false;
+  return url.text() == file;
+}
+
+}  // namespace
+
+vrml::SceneGraph& ScenePrototypes::scene() const { return *handler_.target().scene(); }
+
+bool ScenePrototypes::is_given() const { return handler_.target().read_scene().is_given(); }
+
+ReportAt ScenePrototypes::reporter() const {
+  return [this](Severity severity, SourceLocation at, std::string message) {
+    handler_.target().report(severity, at, std::move(message));
+  };
+}
+
+void ScenePrototypes::look() {
+  if (handler_.use().role == SceneHandler::Role::library && handler_.nothing_more_comes()) use_types_inside();
+  Libraries fresh;
+  for (const auto& type : scene().types()) {
+    if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype ||
+        !used_types_.contains(type.get()) || !asked_types_.insert(type.get()).second)
+      continue;
+    AwaitedPrototype wanted{type.get(), {}, {}};
+    UrlRequest request;
+    request.type = type->name;
+    request.file = scene().file_name();
+    request.urls = type->url;
+    if (!ask_for(wanted, handler_.references().refer(type->url, scene()), std::move(request), fresh))
+      own_types_.emplace_back(type.get(), *wanted.own_name);
+  }
+  take_own();
+}
+
+// Fetches the library of an EXTERNPROTO. Returns false without fetching if its first url refers to its own text;
+// `wanted` then has the name of the PROTO.
+bool ScenePrototypes::ask_for(AwaitedPrototype& wanted, SceneReferences::Reference reference, UrlRequest request,
+                              Libraries& fresh) {
+  // A url of this file is not fetched. As the first url it is used at once, otherwise if the other urls fail.
+  const std::string& own_url = handler_.target().found().origin.url;
+  const bool own_first = !reference.places.empty() && names_file(reference.places.front(), own_url);
+  std::erase_if(reference.places, [&](const net::Url& url) {
+    if (!names_file(url, own_url)) return false;
+    if (!wanted.own_name) wanted.own_name = url.fragment;
+    return true;
+  });
+  if (own_first || (wanted.own_name && reference.places.empty())) return false;
+  std::vector<net::Url> files = reference.places;
+  for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
+  if (!files.empty()) wanted.name = reference.places.front().fragment;
+  SceneHandler*& known = fresh[fetch_key(files, reference.from)];
+  if (known) {
+    known->prototypes().awaiting_.push_back(wanted);
+    return true;
+  }
+  request.type = "EXTERNPROTO " + request.type;
+  auto library =
+      std::make_shared<SceneHandler>(context_, SceneUse{SceneUse::Role::library, &handler_, std::move(request)});
+  known = library.get();
+  library->prototypes().awaiting_ = {wanted};
+  libraries_.push_back(library);
+  ++awaited_libraries_;
+  handler_.references().ask_for(std::move(reference), nullptr, std::move(library), Urgency::prototypes);
+  return true;
+}
+
+// Requests the library of an EXTERNPROTO in a text that was read into the running world. Its types belong to that
+// world.
+void ScenePrototypes::load(const UrlRequest& request) {
+  Libraries fresh;
+  AwaitedPrototype wanted{request.prototype, {}, {}};
+  if (!ask_for(wanted, handler_.references().refer(request.urls, request.source, request.fetched), request, fresh))
+    give({wanted}, nullptr, std::nullopt);
+}
+
+// Resolves EXTERNPROTOs that refer to a PROTO of their own file (VRML97 4.9.2), once it is complete.
+void ScenePrototypes::take_own() {
+  const std::size_t before = to_resolve_.size(), waiting = own_types_.size();
+  std::erase_if(own_types_, [&](const auto& one) {
+    const auto& [type, name] = one;
+    if (!vrml::find_own_prototype(scene(), name) && !handler_.nothing_more_comes()) return false;
+    const vrml::NodeType* source = prototype_in_own_text(scene(), *type, name, reporter());
+    if (!source) {
+      stand_in(*type);
+    } else if (vrml::stands_inside(*type, *source)) {
+      handler_.target().report(Severity::error, type->location,
+                               "EXTERNPROTO " + type->name + " is inside its own PROTO " + source->name + "; left out");
+    } else {
+      to_resolve_.emplace_back(type, source);
+      resolve();  // so that the next one can be found in the body of this one
+    }
+    return true;
+  });
+  if (to_resolve_.size() != before) resolve();
+  if (own_types_.size() != waiting) handler_.references().look();  // handles the nodes of the new bodies
+}
+
+bool ScenePrototypes::stand_in(vrml::NodeType& type) {
+  const vrml::NodeType* source = vrml::stand_in_for(scene(), type);
+  if (source) to_resolve_.emplace_back(&type, source);
+  return source != nullptr;
+}
+
+// Handles a missing library. `why` is the reason, or nullopt if it was already reported.
+void ScenePrototypes::miss(SceneHandler& library, const std::optional<std::string>& why) {
+  if (is_given()) return give(library.prototypes().awaiting_, nullptr, why);
+  for (const AwaitedPrototype& one : library.prototypes().awaiting_) {
+    if (one.own_name) {
+      own_types_.emplace_back(one.type, *one.own_name);
+      continue;
+    }
+    const bool replaced = stand_in(*one.type);
+    if (why) tell_missing_prototype(*one.type, *why, replaced, reporter());
+  }
+}
+
+void ScenePrototypes::take_library(SceneHandler& library) {
+  --awaited_libraries_;
+  const bool usable = library.target().scene() && !library.target().refused();
+  const std::vector<AwaitedPrototype>& awaiting = library.prototypes().awaiting_;
+  if (is_given()) {
+    if (usable) give(awaiting, give_library(library, context_), std::nullopt);
+    return;
+  }
+  if (usable) {
+    const vrml::SceneGraph& attached = library.target().read_scene().attach_library(scene());
+    for (const AwaitedPrototype& one : awaiting) {
+      if (const vrml::NodeType* source = prototype_in_library(attached, *one.type, one.name, reporter()))
+        to_resolve_.emplace_back(one.type, source);
+      else
+        (void)stand_in(*one.type);
+    }
+  }
+  resolve();
+  handler_.references().look();
+  handler_.settle();
+}
+
+// Passes prototypes to the running world, which owns the types.
+void ScenePrototypes::give(std::vector<AwaitedPrototype> awaited, std::unique_ptr<vrml::SceneGraph> library,
+                           std::optional<std::string> why) {
+  ResourceUpdates::Prototypes update;
+  update.scene = &scene();
+  update.scene_held = handler_.target().read_scene().given_content();
+  if (handler_.use().role != SceneHandler::Role::root && !update.scene_held) return;  // the Inline was removed
+  update.awaited = std::move(awaited);
+  update.library = std::move(library);
+  update.why = std::move(why);
+  context_.loading.results.add(std::move(update));
+}
+
+// Resolves EXTERNPROTOs, except those if fields of their instances are still being read.
+void ScenePrototypes::resolve() {
+  std::unordered_set<const vrml::NodeType*> open_types;
+  for (const vrml::NodeId id : handler_.open_nodes()) open_types.insert(scene().node(id).type);
+  std::erase_if(to_resolve_, [&](const auto& one) {
+    if (open_types.contains(one.first)) return false;
+    if (!vrml::resolve_external(scene(), *one.first, *one.second))
+      handler_.target().report(Severity::error, {},
+                               "EXTERNPROTO instances exceed the limit of nodes; the rest stay empty");
+    context_.loading.results.set_changed(true);
+    return true;
+  });
+}
+
+// Marks the EXTERNPROTOs that the library's PROTOs use. Their instances are in other scenes, but their bodies must be
+// loaded here.
+void ScenePrototypes::use_types_inside() {
+  std::vector<const vrml::NodeType*> waiting;
+  std::unordered_set<const vrml::NodeType*> seen;
+  for (const AwaitedPrototype& one : awaiting_)
+    if (const vrml::NodeType* source = vrml::find_prototype(scene(), one.name)) waiting.push_back(source);
+  while (!waiting.empty()) {
+    const vrml::NodeType& type = *waiting.back();
+    waiting.pop_back();
+    if (!seen.insert(&type).second) continue;
+    if (type.kind == vrml::NodeType::Kind::external_prototype) used_types_.insert(&type);
+    if (!type.prototype) continue;
+    for (const vrml::NodeId id : type.prototype->nodes) waiting.push_back(type.prototype->scene->node(id).type);
+  }
+}
+
+}  // namespace gs::app

@@ -1,0 +1,102 @@
+#pragma once
+
+#include "app/base/read_file.h"
+#include "app/loading/fetch/cell_transfers.h"
+#include "app/loading/fetch/fetch.h"
+#include "app/loading/fetch/network_transfers.h"
+#include "net/base/reference_policy.h"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+struct Loading;
+
+/// Progress of reading a world.
+struct LoadingState {
+  std::uint64_t received = 0;          // bytes of all files
+  std::optional<std::uint64_t> total;  // of the files that are being read; nullopt while unknown
+  std::size_t files = 0;               // read or being read
+  std::size_t waiting = 0;             // files that are not complete
+  friend bool operator==(const LoadingState&, const LoadingState&) = default;
+};
+
+/// Reader of resources for content handlers. It tries the candidate URLs of each, checks the reference policy, and
+/// passes the received bytes on. Local files and data: URLs are read here, others by the transfers.
+class Fetcher {
+ public:
+  explicit Fetcher(Loading& loading);
+  Fetcher(const Fetcher&) = delete;
+  Fetcher& operator=(const Fetcher&) = delete;
+
+  void set_policy(net::ReferencePolicy policy) { policy_ = std::move(policy); }
+  [[nodiscard]] const net::ReferencePolicy& policy() const { return policy_; }
+  /// Begins a fetch. Ignores it if loading was stopped.
+  void fetch(std::unique_ptr<Fetch> wanted, Urgency urgency);
+  /// Returns a function that reads resources at once for a text from `origin`.
+  [[nodiscard]] ReadFile reader_of(const net::Origin& origin);
+  /// Handles some received data, or waits for it for at most `wait`. Returns false if nothing is being read.
+  bool step(std::chrono::milliseconds wait);
+  /// Starts a new count of files if no earlier fetch continues.
+  void restart();
+  /// Cancels the fetches with unwanted handlers, because another url was set.
+  void withdraw(const std::function<bool(const ContentHandler&)>& is_unwanted);
+  /// Returns true if a fetch for `handler` continues.
+  [[nodiscard]] bool reads_for(const ContentHandler& handler) const;
+  /// Returns true if everything is read or reading was stopped. Streams may still grow.
+  [[nodiscard]] bool is_done() const { return phase_ == Phase::done || phase_ == Phase::stopped; }
+  /// Returns true while views request finer vectors of streams.
+  [[nodiscard]] bool has_streams() const { return network_.has_streams() || cells_.has_streams(); }
+  [[nodiscard]] LoadingState state() const;
+  [[nodiscard]] NetworkTransfers& network() { return network_; }
+  [[nodiscard]] const CellTransfers& cells() const { return cells_; }
+
+  // For the transfers.
+  void begin_next_candidate(Fetch& fetch);
+  void fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder = {});
+  void begin_taking(Fetch& fetch, const Found& found);
+  void deliver(Fetch& fetch, std::span<const std::byte> bytes);
+  void finish(Fetch& fetch, const std::optional<std::string>& problem);
+  /// Ends a fetch of a stream; views request the rest.
+  void leave_to_views(Fetch& fetch);
+  void count_received(std::uint64_t bytes) { received_ += bytes; }
+
+ private:
+  [[nodiscard]] bool has_ended(const Fetch& fetch) const;
+  bool begin_local(Fetch& fetch, const net::Url& url);
+  void local_step();
+  void stop(const std::string& why);
+  void drop_transfer(Fetch& fetch);
+  void watch_change(const Fetch& fetch, const std::function<void()>& take);
+  void cancel(Fetch& fetch);
+  void cancel_rows();
+  void follow_rate();
+
+  Loading& loading_;
+  net::ReferencePolicy policy_;
+  NetworkTransfers network_;
+  CellTransfers cells_;
+  std::vector<std::unique_ptr<Fetch>> fetches_;  // not complete
+  std::deque<Fetch*> local_;                     // read here, one after the other
+  std::vector<Fetch*> ended_;
+  std::size_t files_ = 0;
+  std::uint64_t received_ = 0;
+  enum class Phase : std::uint8_t {
+    loading,
+    too_many_files,  // more references than the limit; the next step stops
+    done,            // complete, unless more urls are set
+    stopped,         // stopped before everything was received
+  };
+  Phase phase_ = Phase::loading;
+};
+
+}  // namespace gs::app

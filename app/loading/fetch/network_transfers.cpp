@@ -1,0 +1,254 @@
+#include "app/loading/fetch/network_transfers.h"
+
+#include "app/loading/fetch/loading.h"
+#include "net/load/transport.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <variant>
+
+// Events of the loader for network resources.
+namespace gs::app {
+namespace {
+
+constexpr std::uint64_t kWorthChoosing = std::uint64_t{1} << 20;  // shorter streams are read as a whole
+
+std::string without_fragment(net::Url url) {
+  url.fragment.clear();
+  url.has_fragment = false;
+  return url.text();
+}
+
+// Converts bits to bytes per second. Rounds up, because 0 means unlimited.
+std::uint64_t byte_rate_of(std::uint64_t bits) { return bits / 8 + (bits % 8 > 0 ? 1 : 0); }
+
+}  // namespace
+
+net::Loader& NetworkTransfers::loader() {
+  if (loader_) return *loader_;
+  net::LoaderOptions settings;
+  settings.cache_folder = loading_.options.cache_folder;
+  settings.memory = loading_.options.memory;
+  settings.policy = loading_.fetcher.policy();
+  settings.bytes_per_second = byte_rate_of(loading_.options.rate);
+  settings.wake = [waker = loading_.waker] { waker->wake(); };
+  loader_ = net::Loader::create(std::move(settings));
+  return *loader_;
+}
+
+void NetworkTransfers::set_rate() {
+  if (loader_) loader_->set_rate(byte_rate_of(loading_.options.rate));
+}
+
+void NetworkTransfers::begin(Fetch& fetch) {
+  std::vector<net::ByteRange> ranges;
+  if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
+  const std::string& path = fetch.candidates[fetch.next - 1].path;
+  const bool is_long = loading_.options.by_view && ranges.empty() && path.ends_with(".qnv");
+  fetch.part = is_long ? Fetch::Part::front : Fetch::Part::all;
+  if (is_long) ranges = {{0, kFrontBytes}};
+  ask(fetch, std::move(ranges));
+}
+
+void NetworkTransfers::cancel(Fetch& fetch) {
+  if (by_request_.contains(fetch.request.value)) loader_->cancel(fetch.request);
+  end_request(fetch);
+}
+
+void NetworkTransfers::cancel_all() {
+  for (const auto& [id, fetch] : by_request_) loader_->cancel(fetch->request);
+  by_request_.clear();
+}
+
+void NetworkTransfers::end_request(Fetch& fetch) {
+  by_request_.erase(fetch.request.value);
+  fetch.request = {};
+}
+
+void NetworkTransfers::ask(Fetch& fetch, std::vector<net::ByteRange> ranges) {
+  net::Request request;
+  request.url = without_fragment(fetch.candidates[fetch.next - 1]);
+  request.priority = fetch.priority;
+  request.from = fetch.from;
+  request.max_bytes = std::min(fetch.max_bytes, request.max_bytes);
+  request.ranges = std::move(ranges);
+  request.validator = fetch.validator;
+  fetch.request = loader().request(std::move(request));
+  by_request_[fetch.request.value] = &fetch;
+}
+
+bool NetworkTransfers::step() {
+  if (!loader_) return false;
+  std::vector<net::LoadEvent> polled = loader_->poll();
+  events_.insert(events_.end(), std::make_move_iterator(polled.begin()), std::make_move_iterator(polled.end()));
+  const bool any = !events_.empty() || loader_->queued_bytes() > 0;
+  while (!events_.empty()) {
+    net::LoadEvent event = std::move(events_.front());
+    events_.pop_front();
+    const auto known = by_request_.find(event.id.value);
+    if (known != by_request_.end()) {
+      take(*known->second, event);
+      continue;
+    }
+    for (const auto& stream : streams_)
+      if (stream->take(event)) break;
+    streams_grew_ = true;
+  }
+  return any;
+}
+
+void NetworkTransfers::take(Fetch& fetch, net::LoadEvent& event) {
+  Fetcher& fetcher = loading_.fetcher;
+  if (auto* head = std::get_if<net::LoadHead>(&event.what)) {
+    fetch.total = head->total;
+    fetch.cut = head->total && *head->total > fetch.max_bytes;
+    if (fetch.part == Fetch::Part::front && !take_front(fetch, *head)) return;
+    Found found;
+    found.url = net::parse_url(head->url);
+    found.fragment = fetch.candidates[fetch.next - 1].fragment;
+    found.path = net::url_for_messages(head->url);
+    found.origin = head->origin();
+    if (fetch.stage == Fetch::Stage::seeking) fetcher.begin_taking(fetch, found);
+  } else if (auto* data = std::get_if<net::LoadData>(&event.what)) {
+    if (fetch.stage == Fetch::Stage::receiving) fetcher.deliver(fetch, data->bytes);
+  } else if (std::holds_alternative<net::LoadDone>(event.what)) {
+    end_request(fetch);
+    if (fetch.part == Fetch::Part::front && fetch.stage == Fetch::Stage::receiving && fetch.total &&
+        fetch.received < *fetch.total)
+      return take_rest(fetch);
+    return fetcher.finish(fetch, std::nullopt);
+  } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
+    if (fetch.received > 0) {
+      cancel(fetch);
+      return fetcher.finish(
+          fetch,
+          "the file changed on the server during the transfer; the earlier version is shown; reload to get "
+          "the new one");
+    }
+  } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
+    end_request(fetch);
+    if (fetch.stage != Fetch::Stage::seeking) return fetcher.finish(fetch, error->message);
+    fetcher.fail_candidate(fetch, error->message);
+    return fetcher.begin_next_candidate(fetch);
+  }
+  if (fetch.stage != Fetch::Stage::refused) return;
+  cancel(fetch);
+  fetcher.finish(fetch, std::nullopt);
+}
+
+void NetworkTransfers::follow(std::shared_ptr<StreamFeed> feed, RangedStream::Place place) {
+  streams_.push_back(std::make_unique<RangedStream>(loader(), std::move(feed), std::move(place)));
+}
+
+void NetworkTransfers::cancel_stream(std::uint64_t row) {
+  for (const auto& stream : streams_)
+    if (stream->row() == row) stream->cancel();
+}
+
+bool NetworkTransfers::step_streams() {
+  bool busy = false;
+  for (const auto& stream : streams_) busy = stream->ask_for_more() || busy;
+  std::erase_if(streams_, [](const auto& stream) { return stream->over(); });
+  return busy;
+}
+
+NetworkTransfers::Nodes NetworkTransfers::wanted() const {
+  Nodes nodes;
+  for (const auto& [id, fetch] : by_request_)
+    if (fetch->node) nodes.insert(fetch->node);
+  return nodes;
+}
+
+void NetworkTransfers::set_priorities() {
+  if (by_request_.empty()) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_priorities_) return;
+  next_priorities_ = now + std::chrono::milliseconds(200);
+  const Importance importance = importance_(wanted());
+  for (const auto& [id, fetch] : by_request_) {
+    const auto known = importance.find(fetch->node);
+    if (known == importance.end()) continue;
+    const int size = static_cast<int>(std::clamp(known->second, 0.0f, 1.0f) * (kUrgencyStep - 1));
+    const int priority = fetch->priority / kUrgencyStep * kUrgencyStep + size;
+    if (priority == fetch->priority) continue;
+    fetch->priority = priority;
+    loader_->set_priority(fetch->request, priority);
+  }
+}
+
+// Limits the request for a long stream to its front. Returns false if it has requested the whole resource instead.
+bool NetworkTransfers::take_front(Fetch& fetch, const net::LoadHead& head) {
+  fetch.validator = head.validator;
+  if (head.accepts_ranges && head.total && *head.total >= kWorthChoosing) return true;
+  fetch.part = Fetch::Part::all;
+  if (head.total && *head.total <= kFrontBytes) return true;
+  cancel(fetch);
+  ask(fetch, {});
+  return false;
+}
+
+void NetworkTransfers::take_rest(Fetch& fetch) {
+  fetch.part = Fetch::Part::all;
+  RangedStream::Place place;
+  place.url = without_fragment(fetch.candidates[fetch.next - 1]);
+  place.from = fetch.from;
+  place.validator = fetch.validator;
+  place.front = fetch.received;
+  place.total = *fetch.total;
+  place.ledger = loading_.ledger;
+  place.row = fetch.row;
+  if (fetch.handler->seek(std::move(place))) {
+    loading_.fetcher.leave_to_views(fetch);
+  } else {
+    ask(fetch, {{fetch.received, *fetch.total}});
+  }
+}
+
+// Reads a resource that an importer needs to continue. Events of other requests are queued meanwhile.
+BytesResult NetworkTransfers::read_now(const net::Url& url, const net::Origin& from) {
+  net::Request wanted;
+  wanted.url = without_fragment(url);
+  wanted.from = from;
+  wanted.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
+  const net::RequestId id = loader().request(std::move(wanted));
+  std::vector<std::byte> bytes;
+  Share share(loading_.budget, Resource::files);
+  std::optional<std::string> problem = "the time limit for loading was reached";
+  bool over = false;
+  while (!over && !loading_.limit.over()) {
+    for (net::LoadEvent& event : loader_->poll()) {
+      if (event.id != id) {
+        events_.push_back(std::move(event));
+      } else if (auto* data = std::get_if<net::LoadData>(&event.what)) {
+        if (over) continue;
+        if (!share.grow(data->bytes.size())) {
+          over = true;
+          problem = loading_.budget->refusal(Resource::files);
+          continue;
+        }
+        bytes.insert(bytes.end(), data->bytes.begin(), data->bytes.end());
+      } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
+        bytes.clear();
+      } else if (std::holds_alternative<net::LoadDone>(event.what)) {
+        over = true;
+        problem.reset();
+      } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
+        over = true;
+        problem = std::move(error->message);
+      }
+    }
+    if (!over && loader_->queued_bytes() == 0) loading_.waker->wait(kLongestWait);
+  }
+  loader_->cancel(id);
+  loading_.fetcher.count_received(bytes.size());
+  if (problem) return std::move(*problem);
+  struct Held {
+    std::vector<std::byte> bytes;
+    Share share;
+  };
+  const auto held = std::make_shared<const Held>(Held{std::move(bytes), std::move(share)});
+  return SharedBytes{held, held->bytes};
+}
+
+}  // namespace gs::app

@@ -1,0 +1,184 @@
+#include "app/loading/world_loading.h"
+
+#include "app/base/local_file.h"
+#include "app/loading/content/outline_handler.h"
+#include "app/loading/content/scene_handler.h"
+#include "app/loading/fetch/importance.h"
+#include "app/loading/fetch/loading.h"
+#include "net/files/standard_input.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr glm::dvec3 kViewer{0, 0, 10};  // assumed before the world runs
+
+}  // namespace
+
+struct WorldLoading::State {
+  State(const std::string& path, const LoadOptions& options);
+
+  void start();
+  [[nodiscard]] NetworkTransfers::Importance importance_of_nodes(const NetworkTransfers::Nodes& wanted);
+  /// Adds received polygons of OutlineGroups to the results.
+  void add_outlines();
+  void give_contents();
+
+  Loading loading;
+  SceneContext context{loading};
+  std::shared_ptr<SceneHandler> root;
+  render::MeshCache meshes;
+  NetworkTransfers::Importance importance;  // as the owner of the world computes it
+};
+
+WorldLoading::State::State(const std::string& path, const LoadOptions& options)
+    : loading(path, options), root(std::make_shared<SceneHandler>(context, SceneUse{})) {
+  loading.fetcher.network().set_importance([this](const auto& wanted) { return importance_of_nodes(wanted); });
+}
+
+void WorldLoading::State::start() {
+  const std::string& asked_path = loading.results.path();
+  const net::Url asked = net::parse_url(asked_path);
+  auto first = std::make_unique<Fetch>();
+  if (asked.scheme.empty() || asked.scheme == "file") {
+    const std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
+    std::error_code error;
+    // A text on standard input refers to files in the working directory.
+    const std::string place = path == net::kStandardInputPath ? "stdin" : path;
+    const std::filesystem::path absolute = std::filesystem::absolute(place, error);
+    first->candidates = {net::url_of_path(error ? place : absolute.lexically_normal().string())};
+    first->given_path = path;
+    loading.fetcher.set_policy(policy_of_world(place, loading.options.allowed));
+  } else {
+    first->candidates = {asked};
+  }
+  first->max_bytes = loading.options.max_bytes;
+  first->handler = root;
+  loading.fetcher.fetch(std::move(first), Urgency::world);
+}
+
+NetworkTransfers::Importance WorldLoading::State::importance_of_nodes(const NetworkTransfers::Nodes& wanted) {
+  if (!loading.results.is_handed_over() && root->target().scene())
+    importance = importance_of(*root->target().scene(), wanted, kViewer);
+  return importance;
+}
+
+void WorldLoading::State::add_outlines() {
+  for (const auto& one : std::exchange(context.outlines, {})) {
+    one->give();
+    if (loading.results.is_handed_over()) continue;
+    if (SceneHandler* const handler = handler_of(*root, one->group().scene))
+      handler->target().node_changed(one->group().node);
+  }
+}
+
+// Gives the contents of the withheld Inlines with complete files. The drawing thread gets their meshes, too. Giving a
+// content appends its inner Inlines to the list.
+void WorldLoading::State::give_contents() {
+  auto& withheld = context.withheld;
+  for (std::size_t i = 0; i < withheld.size();) {
+    const std::shared_ptr<SceneHandler> one = withheld[i];
+    if (!one->nothing_more_comes() && loading.fetcher.reads_for(*one)) {
+      ++i;
+      continue;
+    }
+    withheld.erase(withheld.begin() + static_cast<std::ptrdiff_t>(i));
+    ResourceUpdates::Content content{one->use().request.place, give_content(*one, context), {}};
+    if (content.content) (void)render::collect(*content.content, {}, content.meshes, kViewer, {});
+    loading.results.add(std::move(content));
+  }
+}
+
+WorldLoading::WorldLoading(const std::string& asked, const LoadOptions& options)
+    : state_(std::make_unique<State>(asked, options)) {
+  state_->start();
+}
+WorldLoading::~WorldLoading() = default;
+
+bool WorldLoading::step(std::chrono::milliseconds wait) { return state_->loading.fetcher.step(wait); }
+bool WorldLoading::done() const { return state_->loading.fetcher.is_done(); }
+void WorldLoading::wake() { state_->loading.waker->wake(); }
+void WorldLoading::rest(std::chrono::milliseconds wait) { state_->loading.waker->wait(wait); }
+
+bool WorldLoading::root_is_read() const {
+  const SceneHandler& root = *state_->root;
+  return root.target().scene() && !root.target().refused() && !state_->loading.results.is_handed_over() &&
+         root.nothing_more_comes();
+}
+
+ResourceUpdates WorldLoading::take_updates() {
+  State& s = *state_;
+  s.add_outlines();
+  s.give_contents();
+  return s.loading.results.take_updates([&](const vrml::SceneGraph* scene) {
+    return std::any_of(s.context.withheld.begin(), s.context.withheld.end(),
+                       [&](const auto& one) { return handler_of(*one, scene) != nullptr; });
+  });
+}
+
+void WorldLoading::request(std::vector<UrlRequest> requests) {
+  State& s = *state_;
+  if (!s.loading.results.is_handed_over()) return;
+  s.loading.limit = limit_of(s.loading.options);
+  s.loading.fetcher.restart();
+  for (const UrlRequest& one : requests)
+    if (SceneHandler* const handler = handler_of(*s.root, one.place.scene)) handler->references().load(one);
+}
+
+void WorldLoading::prioritize(std::unordered_map<const vrml::Node*, float> importance) {
+  state_->importance = std::move(importance);
+}
+std::unordered_set<const vrml::Node*> WorldLoading::wanted() const {
+  return state_->loading.fetcher.network().wanted();
+}
+bool WorldLoading::changed() const { return state_->loading.results.changed(); }
+bool WorldLoading::streaming() const { return state_->loading.fetcher.has_streams(); }
+net::CellClientStatistics WorldLoading::cells() const { return state_->loading.fetcher.cells().statistics(); }
+bool WorldLoading::streams_grew() { return state_->loading.fetcher.network().take_growth(); }
+
+render::RenderList WorldLoading::collect(const glm::dvec3& viewer) {
+  State& s = *state_;
+  s.add_outlines();
+  LoadResults& results = s.loading.results;
+  results.set_changed(false);
+  SceneHandler& root = *s.root;
+  if (!root.target().scene() || root.target().refused() || results.is_handed_over()) return {};
+  forget_open(root, s.meshes);
+  return render::collect(*root.target().scene(), results.world()->images, s.meshes, viewer, results.world()->clouds);
+}
+
+LoadingState WorldLoading::state() const { return state_->loading.fetcher.state(); }
+const Diagnostics& WorldLoading::diagnostics() const { return state_->loading.results.diagnostics(); }
+const std::vector<std::shared_ptr<StreamFeed>>& WorldLoading::feeds() const { return state_->loading.results.feeds(); }
+const std::string& WorldLoading::title() const { return state_->loading.results.title(); }
+
+bool WorldLoading::authored() const {
+  const LoadedWorld* world = state_->loading.results.world();
+  return !world || world->authored;
+}
+
+Upright WorldLoading::upright(const glm::vec3& size) const {
+  const LoadedWorld* world = state_->loading.results.world();
+  return world ? world->upright(size) : Upright{};
+}
+
+LoadedWorld WorldLoading::take(render::MeshCache* meshes) {
+  State& s = *state_;
+  s.add_outlines();
+  s.loading.budget->stop_when({});
+  if (meshes) {
+    forget_open(*s.root, s.meshes);
+    *meshes = std::move(s.meshes);
+  }
+  s.meshes = {};
+  LoadedWorld world = s.loading.results.hand_over(give_root(*s.root, s.context));
+  world.bytes = s.root->bytes();
+  world.parse_seconds = s.root->seconds();
+  world.truncated = s.root->target().content() == SceneTarget::Content::cut_short;
+  return world;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,120 @@
+// Tests of streams that come as cells over UDP on this machine.
+#include "tests/app/loading/fetch/cell_site.h"
+
+#include <catch2/catch.hpp>
+
+using namespace gs;
+using namespace gs::app;
+
+TEST_CASE("restores the stream of the file from cells", "[optimised]") {
+  CellSite site;
+  site.start();
+  for (const char* name : {"packed.qnv", "records.qnv"}) {
+    INFO(name);
+    LoadOptions options;
+    options.timeout_seconds = 120;
+    const LoadedWorld world = load_world(site.url(name), options);
+    REQUIRE(world.scene);
+    CHECK(world.diagnostics.entries().empty());
+    CHECK_FALSE(world.truncated);
+    CHECK(discs_of(cloud_of_world(world)) == discs_of(cloud_of_world(load_world(site.folder.path(name)))));
+  }
+}
+
+TEST_CASE("restores a distant mesh over HTTP and from cells") {
+  CellSite site;
+  site.options.http_port = 0;
+  site.start();
+  REQUIRE(exact_stream()[8] == 2);  // version
+  const qnv::Cloud wanted = cloud_of_world(load_world(site.folder.path("exact.qnv")));
+  REQUIRE(wanted.triangles.size() == 3 * (4 * 40 * 40 - 4 * 40));
+  CHECK(wanted.description.origin == glm::dvec3(6e6, 2e6, -3e6));
+  const std::string http = "http://127.0.0.1:" + std::to_string(*site.archive->http_port()) + "/exact.qnv";
+  for (const std::string& url : {http, site.url("exact.qnv")}) {
+    INFO(url);
+    LoadOptions options;
+    options.timeout_seconds = 120;
+    const LoadedWorld world = load_world(url, options);
+    REQUIRE(world.scene);
+    CHECK(world.diagnostics.entries().empty());
+    const qnv::Cloud cloud = cloud_of_world(world);
+    CHECK(cloud.description.origin == wanted.description.origin);
+    CHECK(cloud.positions == wanted.positions);
+    CHECK(cloud.normals == wanted.normals);
+    CHECK(cloud.triangles == wanted.triangles);
+  }
+}
+
+TEST_CASE("loses only detail with lost cells", "[optimised]") {
+  CellSite site;
+  site.start();
+  for (const char* name : {"packed.qnv", "records.qnv"}) {
+    INFO(name);
+    const qnv::Cloud whole = cloud_of_world(load_world(site.folder.path(name)));
+    LoadOptions options;
+    options.timeout_seconds = 120;
+    options.loss = 0.3;
+    const LoadedWorld world = load_world(site.url(name), options);
+    REQUIRE(world.scene);
+    CHECK(world.diagnostics.errors() == 0);
+    const qnv::Cloud cloud = cloud_of_world(world);
+    CHECK(cloud.size() > whole.size() / 20);
+    // The area is that of the whole, whatever is missing.
+    CHECK(total_of(cloud) == Approx(total_of(whole)).epsilon(0.05));
+  }
+}
+
+TEST_CASE("loads the first url of a QNV node that has a stream") {
+  CellSite site;
+  site.start();
+  const std::string world_text = "#VRML V2.0 utf8\nShape { geometry QNV { url [ \"" + site.url("none.qnv") + "\" \"" +
+                                 site.url("world.wrl") + "\" \"" + site.url("records.qnv") + "\" ] } }\n";
+  site.folder.write("two.wrl", world_text);
+  LoadOptions options;
+  options.timeout_seconds = 120;
+  const LoadedWorld world = load_world(site.folder.path("two.wrl"), options);
+  REQUIRE(world.scene);
+  CHECK(world.diagnostics.entries().empty());
+  CHECK(cloud_of_world(world).size() == 30'000);
+  options.offline = true;
+  const LoadedWorld offline = load_world(site.folder.path("two.wrl"), options);
+  CHECK(offline.clouds.empty());
+  CHECK(tells(offline.diagnostics, "--offline"));
+}
+
+TEST_CASE("reports sources that cannot be read as cells") {
+  CellSite site;
+  site.start();
+  const LoadedWorld none = load_world(site.url("none.qnv"));
+  CHECK_FALSE(none.scene);
+  CHECK(tells(none.diagnostics, "not found"));
+  const LoadedWorld other = load_world(site.url("world.wrl"));
+  CHECK_FALSE(other.scene);
+  CHECK(tells(other.diagnostics, "not a QNV stream"));
+  const LoadedWorld bad = load_world("cells://127.0.0.1:99999/a.qnv");
+  CHECK_FALSE(bad.scene);
+  CHECK(tells(bad.diagnostics, "expected cells://HOST:PORT/PATH"));
+  const std::string url = site.url("packed.qnv");
+  site.archive.reset();
+  LoadOptions impatient;
+  impatient.timeout_seconds = 0.5;
+  const LoadedWorld silent = load_world(url, impatient);
+  CHECK_FALSE(silent.scene);
+  CHECK(tells(silent.diagnostics, "time limit for loading was reached"));
+}
+
+TEST_CASE("requests and receives only a part of a stream") {
+  CellSite site;
+  site.start();
+  LoadOptions options;
+  options.max_bytes = 200'000;
+  WorldLoading loading(site.url("packed.qnv"), options);
+  while (!loading.done()) (void)loading.step(kCellWait);
+  CHECK(loading.state().received <= 200'000);
+  CHECK(loading.state().received > 100'000);
+  const LoadedWorld world = loading.take();
+  for (const auto& feed : world.feeds) (void)feed->apply();
+  const std::size_t part = cloud_of_world(world).size();
+  CHECK(part > 10'000);
+  CHECK(part < cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
+}
