@@ -62,9 +62,9 @@ void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::strin
     file.loss = world_.options.loss;
     file.loss_seed = world_.options.loss_seed;
   }
-  auto cloud = read_cloud(type, file, world_.world.diagnostics, world_.limit, world_.budget);
+  auto cloud = read_geometry(type, file, world_.world.diagnostics, world_.limit, world_.budget);
   if (!cloud) return;
-  if (auto held = hold_cloud(std::move(*cloud), world_.budget))
+  if (auto held = hold_geometry(std::move(*cloud), world_.budget))
     show_(std::move(held));
   else
     give_up(Resource::vectors);
@@ -139,13 +139,9 @@ void CloudHandler::choose_way() {
 }
 
 void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
-  qnv::Cloud cloud;
-  cloud.description = stream->header().description;
-  cloud.color = stream->header().color;
-  cloud.levels = std::move(stream);
-  feed_ = std::make_shared<StreamFeed>(cloud.levels, [waker = world_.waker] { waker->wake(); });
+  feed_ = std::make_shared<StreamFeed>(stream, [waker = world_.waker] { waker->wake(); });
   world_.world.feeds.push_back(feed_);
-  show_(std::make_shared<const qnv::Cloud>(std::move(cloud)));
+  show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
 }
 
 // Shows the vectors again when their number has grown by a quarter, because making a point set takes linear time.
@@ -161,8 +157,8 @@ void CloudHandler::show_records(bool last) {
   shown_exact_ = decoder_->mesh().final;
   shown_ = vectors;
   shown_revision_ = revision;
-  show_(std::make_shared<const qnv::Cloud>(world_.options.whole_surfaces ? decoder_->cloud()
-                                                                         : decoder_->cloud_to_draw()));
+  show_(std::make_shared<const qnv::Geometry>(world_.options.whole_surfaces ? decoder_->geometry()
+                                                                            : decoder_->geometry_to_draw()));
 }
 
 void CloudHandler::end(const std::optional<std::string>& problem) {

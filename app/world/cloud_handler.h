@@ -24,7 +24,7 @@ class CloudHandler final : public ContentHandler {
  public:
   using World = WorldLoading::State;
   /// Called with each better version of the vectors.
-  using Show = std::function<void(const std::shared_ptr<const qnv::Cloud>&)>;
+  using Show = std::function<void(const std::shared_ptr<const qnv::Geometry>&)>;
   using Progress = std::function<void(double)>;
   /// Owner of the vectors, for messages.
   struct Place {

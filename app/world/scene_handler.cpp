@@ -131,7 +131,7 @@ CloudHandler& SceneHandler::cloud_handler() {
   if (!cloud_handler_) {
     const std::weak_ptr<SceneHandler> self = weak_from_this();
     cloud_handler_ = std::make_shared<CloudHandler>(world_, CloudHandler::Place{found_.path, {}, {}, false},
-                                                    [self](const std::shared_ptr<const qnv::Cloud>& cloud) {
+                                                    [self](const std::shared_ptr<const qnv::Geometry>& cloud) {
                                                       if (const auto handler = self.lock()) handler->show_cloud(cloud);
                                                     });
     cloud_handler_->begin(found_);
@@ -164,12 +164,12 @@ void SceneHandler::read_mesh(std::span<const std::byte> bytes) {
   world_.changed = true;
 }
 
-void SceneHandler::show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud) {
+void SceneHandler::show_cloud(const std::shared_ptr<const qnv::Geometry>& cloud) {
   if (!cloud_node_) {
     const std::string path = found_.local ? net::url_of_path(found_.path).path : found_.url.path;
-    cloud_node_ = add_cloud_shape(*scene, *cloud, path.substr(path.rfind('/') + 1));
+    cloud_node_ = add_geometry_shape(*scene, *cloud, path.substr(path.rfind('/') + 1));
     if (!cloud_node_) return;
-    if (role == Role::root) world_.world.stated_up = stated_upright(cloud->description.metadata);
+    if (role == Role::root) world_.world.stated_up = stated_upright(cloud->description().metadata);
     attach();
   }
   world_.cloud_arrived({{scene, cloud_node_}, {}, cloud});

@@ -54,7 +54,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   [[nodiscard]] std::unique_ptr<vrml::SceneGraph> give_root();
   /// Hands over the content of an Inline that was `given_to` a running world. Returns null if there is nothing to show.
   [[nodiscard]] std::shared_ptr<vrml::SceneGraph> give_content();
-  void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud);
+  void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Geometry>& cloud);
   /// Notes that an OutlineGroup has more polygons.
   void outlines_changed(vrml::NodeId id);
   /// Fetches the urls of a node of the running world that were set.
@@ -95,7 +95,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void end_text(bool had_problem);
   void complete_outlines();
   void finished_reading();
-  void show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud);
+  void show_cloud(const std::shared_ptr<const qnv::Geometry>& cloud);
   void attach();
   void settle();
   void give_away();

@@ -32,7 +32,7 @@ void SceneHandler::load(const UrlRequest& request) {
       if (reference.places.empty()) return world_.cloud_arrived({at, {}, nullptr});
       auto handler = std::make_shared<CloudHandler>(
           world_, CloudHandler::Place{request.file, request.location, request.urls, true},
-          [&world = world_, at](const std::shared_ptr<const qnv::Cloud>& cloud) {
+          [&world = world_, at](const std::shared_ptr<const qnv::Geometry>& cloud) {
             world.cloud_arrived({at, {}, cloud});
           },
           [&world = world_, at](double fraction) {

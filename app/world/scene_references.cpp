@@ -23,7 +23,7 @@ std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& fr
 
 /// Vectors that several QNV nodes show.
 struct WorldLoading::State::SharedCloud {
-  std::shared_ptr<const qnv::Cloud> cloud;
+  std::shared_ptr<const qnv::Geometry> cloud;
   std::vector<std::pair<std::shared_ptr<SceneHandler>, NodeId>> nodes;
 };
 
@@ -174,10 +174,10 @@ void SceneHandler::visit_cloud(NodeId id) {
   const vrml::Node& node = scene->node(id);
   if (world_.world.clouds.contains(&node)) return;
   if (!scene->get<vrml::MFInt32>(id, "vectors").empty()) {
-    auto made = inline_cloud(*scene, id);
+    auto made = inline_vectors(*scene, id);
     if (const auto* problem = std::get_if<std::string>(&made))
       report_at(node, "QNV: " + *problem);
-    else if (auto held = hold_cloud(std::move(std::get<qnv::Cloud>(made)), world_.budget))
+    else if (auto held = hold_geometry(std::move(std::get<qnv::Geometry>(made)), world_.budget))
       world_.taken ? world_.cloud_arrived({{scene, id}, {}, std::move(held)})
                    : void(world_.world.clouds[&node] = std::move(held));
     else
@@ -198,7 +198,7 @@ void SceneHandler::visit_cloud(NodeId id) {
   shared->nodes.emplace_back(shared_from_this(), id);
   auto handler = std::make_shared<CloudHandler>(
       world_, CloudHandler::Place{node.text->file_name(), node.location, list, true},
-      [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
+      [shared = shared](const std::shared_ptr<const qnv::Geometry>& cloud) {
         shared->cloud = cloud;
         for (const auto& [scene_handler, of] : shared->nodes) scene_handler->set_cloud(of, cloud);
       },
@@ -218,7 +218,7 @@ void SceneHandler::visit_outlines(NodeId id) {
           Urgency::vectors);
 }
 
-void SceneHandler::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
+void SceneHandler::set_cloud(NodeId id, const std::shared_ptr<const qnv::Geometry>& cloud) {
   const auto fallback = fallbacks_.find(id.index);
   world_.cloud_arrived({{scene, id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, cloud});
 }

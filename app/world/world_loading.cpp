@@ -144,7 +144,8 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
 
 void WorldLoading::State::cloud_arrived(Arrivals::Cloud cloud) {
   changed = true;
-  if (cloud.cloud && cloud.cloud->picture) cloud.image = pictures.image_of(cloud.cloud->picture, budget);
+  if (const auto* mesh = cloud.cloud ? cloud.cloud->as<qnv::IndexedMesh>() : nullptr; mesh && mesh->picture)
+    cloud.image = pictures.image_of(mesh->picture, budget);
   if (!taken) return set_cloud(world, cloud);
   for (Arrivals::Cloud& earlier : arrivals.clouds)
     if (earlier.place.scene == cloud.place.scene && earlier.place.node == cloud.place.node &&

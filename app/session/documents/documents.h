@@ -3,7 +3,7 @@
 #include "app/session/documents/world_runtime.h"
 #include "app/world/updates/opened_world.h"
 #include "app/world/world_loading.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "render/scene/render_list.h"
 
 #include <glm/vec3.hpp>

@@ -37,7 +37,7 @@ void Arrivals::append(Arrivals&& later) {
 void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival) {
   vrml::SceneGraph& scene = *arrival.place.scene;
   const vrml::Node* node = &scene.node(arrival.place.node);
-  std::shared_ptr<const qnv::Cloud>& held = world.clouds[node];
+  std::shared_ptr<const qnv::Geometry>& held = world.clouds[node];
   if (arrival.image)
     world.images[node] = arrival.image;
   else
@@ -48,9 +48,9 @@ void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival) {
   } else {
     held = nullptr;
     if (has_room_for(*arrival.cloud, *scene.budget())) {
-      qnv::Cloud own = *arrival.cloud;
-      own.description.transfer = std::move(transfer);
-      held = hold_cloud(std::move(own), scene.budget());
+      qnv::Geometry own = *arrival.cloud;
+      own.base().description.transfer = std::move(transfer);
+      held = hold_geometry(std::move(own), scene.budget());
     }
     if (!held) {
       held = arrival.cloud;
