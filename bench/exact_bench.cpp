@@ -75,7 +75,7 @@ bool measure(Studio& studio, const std::string& file, int bits) {
   const auto shown = [&](std::size_t bytes) {
     qnv::StreamDecoder decoder;
     (void)decoder.push(std::span(stream->bytes).first(bytes));
-    return decoder.cloud();
+    return decoder.geometry();
   };
   const Places places = places_of(stream->bytes);
   const double before = processor_seconds();
@@ -83,9 +83,10 @@ bool measure(Studio& studio, const std::string& file, int bits) {
   (void)decoder.push(stream->bytes);
   decoder.finish();
   const double decoded = processor_seconds();
-  const qnv::Cloud cloud = decoder.cloud();
+  const qnv::Geometry geometry = decoder.geometry();
+  const auto* surface = geometry.as<qnv::IndexedMesh>();
   const double header_psnr = psnr(bench::list_of(shown(places.header)));
-  const double refined_psnr = psnr(bench::list_of(shown(places.tail))), whole_psnr = psnr(bench::list_of(cloud));
+  const double refined_psnr = psnr(bench::list_of(shown(places.tail))), whole_psnr = psnr(bench::list_of(geometry));
 
   const std::string base =
       (std::filesystem::temp_directory_path() / ("exact_bench." + std::to_string(getpid()))).string();
@@ -98,7 +99,7 @@ bool measure(Studio& studio, const std::string& file, int bits) {
     if (back.scene) draco_psnr = psnr(render::collect(*back.scene, back.images, own));
   }
   for (const char* end : {".obj", ".drc", ".out.obj"}) std::filesystem::remove(base + end);
-  const std::size_t triangles = cloud.triangles.size() / 3, whole = stream->bytes.size();
+  const std::size_t triangles = surface ? surface->triangles.size() / 3 : 0, whole = stream->bytes.size();
   std::printf("| %s | %zu | %zu | %zu | %zu | %zu | %zu | %.3f | %.1f / %.1f / %.1f / %.1f | %.2f | %.3f | %.1f |\n",
               std::filesystem::path(file).filename().string().c_str(), decoder.vectors(), triangles, places.tail,
               decoder.mesh().bytes, whole, draco,

@@ -73,9 +73,9 @@ int main(int count, char** arguments) {
     vrml::SceneGraph scene(arguments[i]);
     bench::read_world(arguments[i], scene);
     const render::Images images;
-    const render::Clouds clouds;
+    const render::Geometries geometries;
     render::MeshCache meshes;
-    render::RenderScene world(scene, images, clouds, meshes);
+    render::RenderScene world(scene, images, geometries, meshes);
     world.gather({}, {0, 0, 10});
     render::Camera camera;
     if (world.list().viewpoints.empty()) {

@@ -67,9 +67,9 @@ int main(int count, char** arguments) {
     const double connected = milliseconds(connecting);
     const Clock::time_point gathering = Clock::now();
     const render::Images images;
-    const render::Clouds clouds;
+    const render::Geometries geometries;
     render::MeshCache meshes;
-    render::RenderScene list(scene, images, clouds, meshes);
+    render::RenderScene list(scene, images, geometries, meshes);
     glm::vec3 viewer(0, 0, 10);
     list.gather(bound(execution), viewer);
     const double gathered = milliseconds(gathering);

@@ -52,7 +52,7 @@ bool measure(Studio& studio, const std::string& file, unsigned seeds) {
     qnv::StreamDecoder decoder;
     (void)decoder.push(bytes);
     decoder.finish();
-    const auto pictures = studio.pictures(bench::list_of(decoder.cloud()), full.bounds, kViews);
+    const auto pictures = studio.pictures(bench::list_of(decoder.geometry()), full.bounds, kViews);
     return pictures.size() == references.size() ? bench::picture_error(pictures, references).psnr : 0;
   };
   const double whole = psnr(stream->bytes);

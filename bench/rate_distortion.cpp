@@ -96,10 +96,11 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
     const std::size_t bytes = std::min(budget, stream->bytes.size());
     qnv::StreamDecoder decoder;
     decoder.push(std::span(stream->bytes).first(bytes));
-    qnv::Cloud cloud = decoder.cloud();
-    if (cloud.empty()) continue;
-    const Mesh made = bench::mesh_of(cloud);
-    const auto pictures = studio.pictures(list_of(std::move(cloud)), full.bounds, kViews);
+    qnv::Geometry geometry = decoder.geometry();
+    if (geometry.size() == 0) continue;
+    const auto* surface = geometry.as<qnv::IndexedMesh>();
+    const Mesh made = surface ? bench::mesh_of(*surface) : Mesh{};
+    const auto pictures = studio.pictures(list_of(std::move(geometry)), full.bounds, kViews);
     if (pictures.size() != references.size()) continue;
     curve[budget] = {bytes, bench::picture_error(pictures, references), {}};
     if (!made.indices.empty()) curve[budget].distance = bench::surface_distance(original, made);

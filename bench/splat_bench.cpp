@@ -35,9 +35,9 @@
 namespace gs::bench {
 namespace {
 
-std::shared_ptr<const qnv::Cloud> bumpy_sphere(std::size_t count) {
+std::shared_ptr<const qnv::Splats> bumpy_sphere(std::size_t count) {
   constexpr float kPi = 3.14159265f;
-  auto cloud = std::make_shared<qnv::Cloud>();
+  auto cloud = std::make_shared<qnv::Splats>();
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
     const auto angle = static_cast<float>(std::fmod(2.39996322972865332 * static_cast<double>(i), 6.28318530717958648));
@@ -64,7 +64,7 @@ double median(std::vector<double> values) {
 }
 
 /// Reads the positions, normals and weights that a splatter must read.
-float sum_of(const qnv::Cloud& cloud, unsigned threads) {
+float sum_of(const qnv::Splats& cloud, unsigned threads) {
   constexpr std::size_t kPart = 16384, kLanes = 16;
   std::vector<float> sums((cloud.size() + kPart - 1) / kPart);
   const auto sum = [](const float* values, std::size_t count) {
@@ -88,7 +88,7 @@ float sum_of(const qnv::Cloud& cloud, unsigned threads) {
   return sum(sums.data(), sums.size());
 }
 
-bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& cloud, int runs, int supersample) {
+bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Splats>& cloud, int runs, int supersample) {
   render::SplatView view;
   view.camera_from_node[3] = glm::vec4(0, 0, -3, 1);
   view.tangents = {0.4f * 1024 / 768, 0.4f};

@@ -48,7 +48,7 @@ struct Settings {
   std::string backend = "auto";
 };
 
-void add(qnv::Cloud& cloud, const glm::vec3& position, const glm::vec3& normal, float weight) {
+void add(qnv::VectorArrays& cloud, const glm::vec3& position, const glm::vec3& normal, float weight) {
   cloud.positions.push_back(position);
   cloud.normals.push_back(normal);
   cloud.weights.push_back(weight);
@@ -64,8 +64,8 @@ glm::vec3 bumpy_outward(const glm::vec3& n) {
   return n - (slope - n * glm::dot(slope, n)) / bumpy_radius(n);
 }
 
-std::shared_ptr<qnv::Cloud> bumpy_sphere(std::size_t count) {
-  auto cloud = std::make_shared<qnv::Cloud>();
+std::shared_ptr<qnv::Splats> bumpy_sphere(std::size_t count) {
+  auto cloud = std::make_shared<qnv::Splats>();
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
     const auto angle = static_cast<float>(std::fmod(2.39996322972865332 * static_cast<double>(i), 6.28318530717958648));
@@ -77,9 +77,9 @@ std::shared_ptr<qnv::Cloud> bumpy_sphere(std::size_t count) {
   return cloud;
 }
 
-std::shared_ptr<qnv::Cloud> colored_torus(std::size_t count) {
+std::shared_ptr<qnv::Splats> colored_torus(std::size_t count) {
   constexpr float kAround = 0.8f, kTube = 0.35f;
-  auto cloud = std::make_shared<qnv::Cloud>();
+  auto cloud = std::make_shared<qnv::Splats>();
   // Evenly over the area, which grows outwards.
   std::mt19937 random(3);
   std::uniform_real_distribution<float> part(0, 1);
@@ -97,7 +97,7 @@ std::shared_ptr<qnv::Cloud> colored_torus(std::size_t count) {
 }
 
 /// Encodes triangles of the bumpy sphere as an octree, and returns a view's cut of that stream.
-std::shared_ptr<const qnv::Cloud> packed_stream(std::size_t vectors) {
+std::shared_ptr<const qnv::Geometry> packed_stream(std::size_t vectors) {
   constexpr int kRows = 200;
   std::vector<qnv::Triangle> triangles;
   const auto corner = [](int row, int column) {
@@ -125,22 +125,18 @@ std::shared_ptr<const qnv::Cloud> packed_stream(std::size_t vectors) {
   auto opened = qnv::LodStream::open(std::move(stream->bytes));
   auto* levels = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
   if (!levels) return nullptr;
-  auto cloud = std::make_shared<qnv::Cloud>();
-  cloud->description = (*levels)->header().description;
-  cloud->levels = std::move(*levels);
-  return cloud;
+  return std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(*levels)));
 }
 
 /// Returns a thick shell of vectors of all magnitudes and classes.
-std::shared_ptr<qnv::Cloud> volume(std::size_t count) {
+std::shared_ptr<qnv::Volume> volume(std::size_t count) {
   std::mt19937 random(7);
   std::normal_distribution<float> normal;
   std::uniform_real_distribution<float> part(0, 1);
   const auto direction = [&] {
     return glm::normalize(glm::vec3(normal(random), normal(random), normal(random)) + 1e-6f);
   };
-  auto cloud = std::make_shared<qnv::Cloud>();
-  cloud->description.kind = qnv::Kind::volume;
+  auto cloud = std::make_shared<qnv::Volume>();
   cloud->description.spacing = 0.05f;
   cloud->description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
   for (std::size_t i = 0; i < count; ++i) {
@@ -229,20 +225,20 @@ render::SplatView view_of(const Settings& settings) {
 }
 
 /// Copies all pieces together for the ray caster.
-qnv::Cloud together(std::span<const render::SharedSplatPiece> pieces) {
-  qnv::Cloud all;
-  if (!pieces.empty()) all.description = pieces.front().cloud->description;
+qnv::Splats together(std::span<const render::SharedSplatPiece> pieces) {
+  qnv::Splats all;
+  if (!pieces.empty()) all.description = pieces.front().splats->description;
   for (const render::SharedSplatPiece& piece : pieces) {
     const auto append = [&piece](const auto& from, auto& to) {
       if (from.empty()) return;
       const auto first = from.begin() + static_cast<std::ptrdiff_t>(piece.first);
       to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(piece.count));
     };
-    append(piece.cloud->positions, all.positions);
-    append(piece.cloud->normals, all.normals);
-    append(piece.cloud->weights, all.weights);
-    append(piece.cloud->colors, all.colors);
-    append(piece.cloud->cells, all.cells);
+    append(piece.splats->positions, all.positions);
+    append(piece.splats->normals, all.normals);
+    append(piece.splats->weights, all.weights);
+    append(piece.splats->colors, all.colors);
+    append(piece.splats->cells, all.cells);
   }
   return all;
 }
@@ -253,8 +249,8 @@ bool compare_surface(const std::string& name, const std::vector<render::SharedSp
                      const render::Gl& gl, const Settings& settings) {
   const render::SplatView view = view_of(settings);
   std::vector<render::SplatPiece> pieces;
-  for (const auto& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
-  const qnv::Cloud all = together(shared);
+  for (const auto& p : shared) pieces.push_back({p.splats.get(), p.first, p.count, p.growth, p.tint});
+  const qnv::Splats all = together(shared);
   const render::SplatPiece whole{&all, 0, all.size()};
   const bool smooth = render::measure_surface(std::span(&whole, 1), view, all.size()).smooth;
   Result result;
@@ -279,17 +275,17 @@ bool compare_surface(const std::string& name, const std::vector<render::SharedSp
   return true;
 }
 
-bool compare_volume(const std::shared_ptr<const qnv::Cloud>& cloud, render::GlContext& context,
+bool compare_volume(const std::shared_ptr<const qnv::Geometry>& geometry, render::GlContext& context,
                     const Settings& settings) {
   auto made = render::Renderer::create(context);
   auto* renderer = std::get_if<std::unique_ptr<render::Renderer>>(&made);
   if (!renderer) return false;
   render::RenderList list;
   render::SplatItem item;
-  item.cloud = cloud;
+  item.geometry = geometry;
   list.splats.push_back(item);
-  list.bounds.add(cloud->description.box.lower);
-  list.bounds.add(cloud->description.box.upper);
+  list.bounds.add(geometry->description().box.lower);
+  list.bounds.add(geometry->description().box.upper);
   render::SplatView view = view_of(settings);
   render::Camera camera;
   camera.world_from_camera = glm::inverse(view.camera_from_node);
@@ -322,12 +318,12 @@ bool compare_volume(const std::shared_ptr<const qnv::Cloud>& cloud, render::GlCo
   result.processor_seconds = draw(render::SplatPath::cpu, result.processor);
   result.opengl_seconds = draw(render::SplatPath::gl, result.opengl);
   const auto start = std::chrono::steady_clock::now();
-  const render::RayImage exact = render::raycast_volume(*cloud, view, {});
+  const render::RayImage exact = render::raycast_volume(*geometry->as<qnv::Volume>(), view, {});
   result.oracle_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (const glm::vec4& c : exact.color)
     for (int k = 0; k < 3; ++k) result.oracle.push_back(static_cast<double>(c[k]));
   if (!good || result.oracle.size() != result.processor.size()) return false;
-  print("volume, a thick shell", cloud->size(), result);
+  print("volume, a thick shell", geometry->size(), result);
   return true;
 }
 
@@ -355,14 +351,14 @@ int run(const Settings& settings) {
     return compare_surface(
         name, pieces, splats, [&] { return splats.draw(pieces, view_of(settings)); }, gl, settings);
   };
-  const std::shared_ptr<const qnv::Cloud> sphere = bumpy_sphere(20000), torus = colored_torus(20000);
+  const std::shared_ptr<const qnv::Splats> sphere = bumpy_sphere(20000), torus = colored_torus(20000);
   good = surface("bumpy sphere", {{sphere, 0, sphere->size()}}) && good;
   good = surface("coloured torus", {{torus, 0, torus->size()}}) && good;
   const auto stream = packed_stream(100'000);
   render::CutOptions cut;
   cut.budget = 20000;
-  good = stream && surface("cut of a packed stream", render::cut_cloud(stream, view_of(settings), cut).pieces) && good;
-  good = compare_volume(volume(20000), *context, settings) && good;
+  good = stream && surface("cut of a packed stream", render::cut_splats(stream, view_of(settings), cut).pieces) && good;
+  good = compare_volume(std::make_shared<const qnv::Geometry>(*volume(20000)), *context, settings) && good;
   if (!good) std::fprintf(stderr, "not all could be drawn\n");
   return good ? 0 : 1;
 }

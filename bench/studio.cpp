@@ -37,30 +37,30 @@ std::vector<render::Image> Studio::pictures(const render::RenderList& list, cons
   return out;
 }
 
-render::RenderList list_of(qnv::Cloud cloud) {
+render::RenderList list_of(qnv::Geometry geometry) {
   render::RenderList list;
-  if (!cloud.triangles.empty()) {
-    const auto shared = std::make_shared<const qnv::Cloud>(std::move(cloud));
+  const auto shared = std::make_shared<const qnv::Geometry>(std::move(geometry));
+  if (const auto* mesh = shared->as<qnv::IndexedMesh>()) {
     const auto add = [&](bool pictured) {
       render::DrawItem item;
       item.mesh = render::mesh_of_surface(*shared, pictured);
       item.material.lit = false;
       item.surface = shared;
       render::dress_surface(item);
-      if (pictured && shared->picture) {
-        auto decoded = render::decode_image(shared->picture->bytes);
+      if (pictured && mesh->picture) {
+        auto decoded = render::decode_image(mesh->picture->bytes);
         if (auto* image = std::get_if<render::Image>(&decoded))
-          item.texture = {std::make_shared<const render::Image>(std::move(*image)), shared->picture->repeat_s,
-                          shared->picture->repeat_t};
+          item.texture = {std::make_shared<const render::Image>(std::move(*image)), mesh->picture->repeat_s,
+                          mesh->picture->repeat_t};
       }
       list.items.push_back(std::move(item));
     };
-    if (shared->first_textured() > 0) add(false);
-    if (!shared->texture_coordinates.empty()) add(true);
+    if (mesh->first_textured() > 0) add(false);
+    if (!mesh->texture_coordinates.empty()) add(true);
     return list;
   }
   render::SplatItem item;
-  item.cloud = std::make_shared<const qnv::Cloud>(std::move(cloud));
+  item.geometry = shared;
   item.own_color = true;
   list.splats.push_back(std::move(item));
   return list;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bench/picture_error.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/scene/render_list.h"
@@ -35,6 +35,6 @@ class Studio {
 };
 
 /// Returns a list that shows a point set in its own colours.
-[[nodiscard]] render::RenderList list_of(qnv::Cloud cloud);
+[[nodiscard]] render::RenderList list_of(qnv::Geometry geometry);
 
 }  // namespace gs::bench

@@ -72,10 +72,11 @@ void print(const Row& row, int frames) {
 
 class Bench {
  public:
-  Bench(qnv::Cloud patches, qnv::Cloud arrays, int frames, std::string only) : frames_(frames), only_(std::move(only)) {
-    patches_ = std::make_shared<const qnv::Cloud>(std::move(patches));
-    arrays_ = std::make_shared<const qnv::Cloud>(std::move(arrays));
-    const Box box = patches_->patches->box();
+  Bench(qnv::Geometry patches, qnv::Geometry arrays, int frames, std::string only)
+      : frames_(frames), only_(std::move(only)) {
+    patches_ = std::make_shared<const qnv::Geometry>(std::move(patches));
+    arrays_ = std::make_shared<const qnv::Geometry>(std::move(arrays));
+    const Box box = this->patches().box();
     bounds_.add(box.lower);
     bounds_.add(box.upper);
     auto opened = render::open_headless_context("osmesa");
@@ -132,13 +133,13 @@ class Bench {
     const auto cut_of = [&](int frame) {
       auto looked = render::lod_view(view(frame));
       looked->error_pixels = 1 / detail;
-      looked->leave_backs = !patches_->description.two_sided;
-      return qnv::cut_surface(*patches_->patches, *looked);
+      looked->leave_backs = !patches().description.two_sided;
+      return qnv::cut_surface(patches(), *looked);
     };
     each("cut" + of, [&](int frame) { return std::pair(static_cast<double>(cut_of(frame).vertices), 0.0); });
     each("cut and triangles on the processor" + of, [&](int frame) {
-      const auto layer = render::rasterize_patches(*patches_->patches, cut_of(frame), view(frame),
-                                                   {patches_->description.two_sided, {}, render::ColorBy::own});
+      const auto layer = render::rasterize_patches(patches(), cut_of(frame), view(frame),
+                                                   {patches().description.two_sided, {}, render::ColorBy::own});
       return std::pair(static_cast<double>(layer.discs), static_cast<double>(layer.drawn));
     });
     render::RenderList list = list_of(patches_, render::mesh_of_surface(*patches_));
@@ -147,8 +148,10 @@ class Bench {
     if (detail < 100) frame("whole frame, the cut with llvmpipe" + of, list, render::SplatPath::gl);
   }
 
-  void beside(const std::shared_ptr<const qnv::Cloud>& octree) {
-    render::SplatPiece piece{arrays_.get(), 0, arrays_->size()};
+  void beside(const std::shared_ptr<const qnv::Geometry>& octree) {
+    qnv::Splats vertices;
+    if (const auto* mesh = arrays_->as<qnv::IndexedMesh>()) static_cast<qnv::VectorArrays&>(vertices) = *mesh;
+    const render::SplatPiece piece{&vertices, 0, vertices.size()};
     each("all vertices as discs, the raster alone", [&](int frame) {
       const auto layer = render::rasterize_surface(std::span(&piece, 1), view(frame));
       return std::pair(static_cast<double>(layer.discs), 0.0);
@@ -158,7 +161,7 @@ class Bench {
     if (!octree) return;
     render::RenderList list;
     render::SplatItem item;
-    item.cloud = octree;
+    item.geometry = octree;
     item.own_color = true;
     list.splats.push_back(item);
     list.bounds = bounds_;
@@ -168,12 +171,13 @@ class Bench {
   [[nodiscard]] bool ready() const { return renderer_ != nullptr; }
 
  private:
-  [[nodiscard]] render::RenderList list_of(const std::shared_ptr<const qnv::Cloud>& cloud,
+  [[nodiscard]] const qnv::SurfacePatches& patches() const { return *patches_->as<qnv::SurfacePatches>(); }
+  [[nodiscard]] render::RenderList list_of(const std::shared_ptr<const qnv::Geometry>& surface,
                                            std::shared_ptr<const vrml::Mesh> mesh) const {
     render::RenderList list;
     render::DrawItem item;
     item.mesh = std::move(mesh);
-    item.surface = cloud;
+    item.surface = surface;
     item.material.lit = false;
     render::dress_surface(item);
     list.items.push_back(std::move(item));
@@ -195,7 +199,7 @@ class Bench {
 
   int frames_;
   std::string only_;
-  std::shared_ptr<const qnv::Cloud> patches_, arrays_;
+  std::shared_ptr<const qnv::Geometry> patches_, arrays_;
   Box bounds_;
   std::unique_ptr<render::GlContext> context_;
   std::unique_ptr<render::Renderer> renderer_;
@@ -235,30 +239,26 @@ int run(int argc, char** argv) {
   (void)decoder.push(bytes);
   decoder.finish();
   const Times numbers = now();
-  qnv::Cloud patches = decoder.cloud_to_draw();
+  qnv::Geometry drawn = decoder.geometry_to_draw();
+  const auto* patches = drawn.as<qnv::SurfacePatches>();
   const Times made = now();
-  if (!patches.patches) {
+  if (!patches) {
     std::fprintf(stderr, "%s: no displaced stream\n", paths[0].c_str());
     return 1;
   }
   std::printf(
       "%s: %zu bytes, %zu vertices, %zu patches, level %d. Numbers %.0f ms, patches %.0f ms of processor time; %.0f "
       "MB.\n\n",
-      paths[0].c_str(), bytes.size(), patches.patches->vertex_count(), patches.patches->parts[0]->size(),
-      patches.patches->parts[0]->level(), 1000 * (numbers.processor - start.processor),
-      1000 * (made.processor - numbers.processor), static_cast<double>(patches.patches->bytes()) / 1e6);
-  std::shared_ptr<const qnv::Cloud> octree;
+      paths[0].c_str(), bytes.size(), patches->parts[0]->vertex_count(), patches->parts[0]->size(),
+      patches->parts[0]->level(), 1000 * (numbers.processor - start.processor),
+      1000 * (made.processor - numbers.processor), static_cast<double>(patches->bytes()) / 1e6);
+  std::shared_ptr<const qnv::Geometry> octree;
   if (paths.size() > 1) {
     auto opened = qnv::LodStream::open(read(paths[1]));
-    if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened)) {
-      qnv::Cloud cloud;
-      cloud.description = (*stream)->header().description;
-      cloud.color = (*stream)->header().color;
-      cloud.levels = std::move(*stream);
-      octree = std::make_shared<const qnv::Cloud>(std::move(cloud));
-    }
+    if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened))
+      octree = std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(*stream)));
   }
-  Bench bench(std::move(patches), decoder.cloud(), frames, only);
+  Bench bench(std::move(drawn), decoder.geometry(), frames, only);
   if (!bench.ready()) {
     std::fprintf(stderr, "no OpenGL\n");
     return 1;

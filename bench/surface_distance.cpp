@@ -84,10 +84,10 @@ SurfaceDistance surface_distance(const Mesh& original, const Mesh& other) {
           std::max(there.most, back.most)};
 }
 
-Mesh mesh_of(const qnv::Cloud& cloud) {
+Mesh mesh_of(const qnv::IndexedMesh& surface) {
   Mesh mesh;
-  for (const glm::vec3& p : cloud.positions) mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
-  mesh.indices.assign(cloud.triangles.begin(), cloud.triangles.end());
+  for (const glm::vec3& p : surface.positions) mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
+  mesh.indices.assign(surface.triangles.begin(), surface.triangles.end());
   return mesh;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bench/mesh_files.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 
 namespace gs::bench {
 
@@ -17,6 +17,6 @@ struct SurfaceDistance {
 [[nodiscard]] SurfaceDistance surface_distance(const Mesh& original, const Mesh& other);
 
 /// Returns the triangles of a decoded surface.
-[[nodiscard]] Mesh mesh_of(const qnv::Cloud& cloud);
+[[nodiscard]] Mesh mesh_of(const qnv::IndexedMesh& surface);
 
 }  // namespace gs::bench

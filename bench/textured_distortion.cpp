@@ -185,9 +185,9 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
     const std::size_t bytes = std::min(budget, stream->bytes.size());
     qnv::StreamDecoder decoder;
     (void)decoder.push(std::span(stream->bytes).first(bytes));
-    qnv::Cloud cloud = decoder.cloud();
-    if (cloud.empty()) continue;
-    const auto pictures = studio.pictures(list_of(std::move(cloud)), full.bounds, kViews);
+    qnv::Geometry geometry = decoder.geometry();
+    if (geometry.size() == 0) continue;
+    const auto pictures = studio.pictures(list_of(std::move(geometry)), full.bounds, kViews);
     if (pictures.size() == references.size()) curve[budget] = {bytes, bench::picture_error(pictures, references)};
   }
   return curve;

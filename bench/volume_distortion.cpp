@@ -106,13 +106,19 @@ Grid halved(const Grid& fine) {
   return grid;
 }
 
+qnv::Volume volume_of(const qnv::StreamDecoder& decoder) {
+  const qnv::Geometry geometry = decoder.geometry();
+  const auto* volume = geometry.as<qnv::Volume>();
+  return volume ? *volume : qnv::Volume();
+}
+
 class Painter {
  public:
-  explicit Painter(const qnv::Cloud& all) : about_(all.description) { reference_ = pictures(all); }
+  explicit Painter(const qnv::Volume& all) : about_(all.description) { reference_ = pictures(all); }
 
-  [[nodiscard]] std::vector<render::Image> pictures(const qnv::Cloud& cloud) const {
+  [[nodiscard]] std::vector<render::Image> pictures(const qnv::Volume& volume) const {
     std::vector<render::Image> out;
-    const render::VolumeModel model = render::volume_model(cloud);
+    const render::VolumeModel model = render::volume_model(volume);
     const Box bounds{about_.box.lower, about_.box.upper};
     for (const auto& [azimuth, elevation] : kViews) {
       constexpr float kFieldOfView = 0.785398f;
@@ -126,7 +132,7 @@ class Painter {
       view.near_plane = camera.near_plane;
       const float tangent = std::tan(kFieldOfView / 2);
       view.tangents = {tangent * kWidth / kHeight, tangent};
-      const render::VolumeLayer layer = render::rasterize_volume(cloud, model, view, {});
+      const render::VolumeLayer layer = render::rasterize_volume(volume, model, view, {});
       render::Image image;
       image.width = kWidth;
       image.height = kHeight;
@@ -140,8 +146,8 @@ class Painter {
     }
     return out;
   }
-  [[nodiscard]] PictureError error(const qnv::Cloud& cloud) const {
-    return bench::picture_error(pictures(cloud), reference_);
+  [[nodiscard]] PictureError error(const qnv::Volume& volume) const {
+    return bench::picture_error(pictures(volume), reference_);
   }
   /// Returns the smallest error over several parts of a grid's gradients, in the colours of the reference.
   [[nodiscard]] PictureError error(const Grid& grid) const {
@@ -150,10 +156,10 @@ class Painter {
       qnv::GradientOptions options;
       options.fraction = fraction;
       const auto found = qnv::gradient_vectors(grid.source(), options);
-      const auto* cloud = std::get_if<qnv::Cloud>(&found);
-      if (!cloud || cloud->empty()) continue;
-      qnv::Cloud drawn = *cloud;
-      const auto [least, most] = cloud->description.value_range;
+      const auto* volume = std::get_if<qnv::Volume>(&found);
+      if (!volume || volume->empty()) continue;
+      qnv::Volume drawn = *volume;
+      const auto [least, most] = volume->description.value_range;
       const auto [from, to] = about_.value_range;
       for (std::uint8_t& c : drawn.classes) {
         const float value = least + static_cast<float>(c) / 255 * (most - least);
@@ -280,7 +286,7 @@ void measure_stream(const Painter& painter, std::span<const std::byte> stream, C
   for (const std::size_t budget : kBudgets) {
     qnv::StreamDecoder decoder;
     (void)decoder.push(stream.first(std::min(budget, stream.size())));
-    curve[budget] = {std::min(budget, stream.size()), painter.error(decoder.cloud())};
+    curve[budget] = {std::min(budget, stream.size()), painter.error(volume_of(decoder))};
   }
 }
 
@@ -292,9 +298,9 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
   qnv::GradientOptions gradients;
   gradients.fraction = kFraction;
   const auto found = qnv::gradient_vectors(*source, gradients);
-  const auto* cloud = std::get_if<qnv::Cloud>(&found);
-  if (!cloud) return false;
-  const qnv::VolumeVectors vectors{*cloud, source->layout};
+  const auto* volume = std::get_if<qnv::Volume>(&found);
+  if (!volume) return false;
+  const qnv::VolumeVectors vectors{*volume, source->layout};
   const auto start = std::chrono::steady_clock::now();
   const auto voxels = qnv::row_of(qnv::Payload::voxels).encode(vectors, {}, nullptr);
   const double encoding = seconds_since(start);
@@ -304,19 +310,19 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
   if (!stream || !other) return false;
   qnv::StreamDecoder decoder;
   (void)decoder.push(other->bytes);
-  const Painter painter(decoder.cloud());
+  const Painter painter(volume_of(decoder));
   const std::clock_t before = std::clock();
   qnv::StreamDecoder whole;
   (void)whole.push(stream->bytes);
   const double decoding = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
-  const PictureError end = painter.error(whole.cloud());
+  const PictureError end = painter.error(volume_of(whole));
   const std::string name = std::filesystem::path(path).filename().string();
   std::printf(
       "### %s (%zu vectors)\n\nvoxels %zu bytes, %.2f bits a vector, %.1f dB / %.3f; records %zu bytes. Encoding "
       "%.2f s, decoding %.2f s of the processor: %.1f M vectors/s.\n\n",
-      name.c_str(), cloud->size(), stream->bytes.size(),
-      8 * static_cast<double>(stream->bytes.size()) / static_cast<double>(cloud->size()), end.psnr, end.ssim,
-      other->bytes.size(), encoding, decoding, static_cast<double>(cloud->size()) / decoding / 1e6);
+      name.c_str(), volume->size(), stream->bytes.size(),
+      8 * static_cast<double>(stream->bytes.size()) / static_cast<double>(volume->size()), end.psnr, end.ssim,
+      other->bytes.size(), encoding, decoding, static_cast<double>(volume->size()) / decoding / 1e6);
   std::fflush(stdout);
   std::array<Curve, kCodecs.size()> curves;
   measure_stream(painter, stream->bytes, curves[0]);
@@ -339,7 +345,7 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
   for (const std::size_t bytes : {4000, 15'000, 60'000, 600'000}) {
     qnv::StreamDecoder part;
     (void)part.push(std::span(stream->bytes).first(std::min<std::size_t>(bytes, stream->bytes.size())));
-    const auto pictures = painter.pictures(part.cloud());
+    const auto pictures = painter.pictures(volume_of(part));
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const std::string to = folder + "/" + name + "." + std::to_string(bytes) + "." + std::to_string(i) + ".ppm";
       std::ofstream out(to, std::ios::binary);

@@ -24,30 +24,32 @@ const ExportFormat* format_of(const ExportCommand& options) {
 }
 
 // Returns the first `count` vectors of the progressive order. A surface keeps its area.
-qnv::Cloud thinned(const qnv::Cloud& cloud, std::size_t count, const ConversionOptions& options, Progress& progress) {
+qnv::Geometry thinned(const qnv::VectorView& all, std::size_t count, const ConversionOptions& options,
+                      Progress& progress) {
   qnv::OrderOptions order_options;
   order_options.seed = options.seed;
-  order_options.kind = cloud.description.kind;
+  order_options.kind = all.kind;
   order_options.progress = &progress;
   progress.stage = "thinning";
-  std::vector<std::uint32_t> order =
-      qnv::progressive_order(cloud.positions, cloud.normals, cloud.weights, order_options);
+  std::vector<std::uint32_t> order = qnv::progressive_order(all.positions, all.normals, all.weights, order_options);
   order.resize(std::min(order.size(), count));
-  qnv::Cloud out;
-  out.description = cloud.description;
-  out.color = cloud.color;
+  qnv::Geometry geometry;
+  if (all.kind == qnv::Kind::volume) geometry = qnv::Volume();
+  geometry.base() = {all.description, all.color};
+  auto* volume = geometry.as<qnv::Volume>();
+  qnv::VectorArrays& out = *geometry.arrays();
   for (const std::uint32_t i : order) {
-    out.positions.push_back(cloud.positions[i]);
-    out.normals.push_back(cloud.normals[i]);
-    out.weights.push_back(cloud.weights[i]);
-    if (!cloud.colors.empty()) out.colors.push_back(cloud.colors[i]);
-    if (!cloud.classes.empty()) out.classes.push_back(cloud.classes[i]);
+    out.positions.push_back(all.positions[i]);
+    out.normals.push_back(all.normals[i]);
+    out.weights.push_back(all.weights[i]);
+    if (!all.colors.empty()) out.colors.push_back(all.colors[i]);
+    if (volume && !all.classes.empty()) volume->classes.push_back(all.classes[i]);
   }
-  const double all = std::accumulate(cloud.weights.begin(), cloud.weights.end(), 0.0),
+  const double whole = std::accumulate(all.weights.begin(), all.weights.end(), 0.0),
                kept = std::accumulate(out.weights.begin(), out.weights.end(), 0.0);
-  if (cloud.description.kind == qnv::Kind::surface && kept > 0)
-    for (float& weight : out.weights) weight = static_cast<float>(weight * (all / kept));
-  return out;
+  if (!volume && kept > 0)
+    for (float& weight : out.weights) weight = static_cast<float>(weight * (whole / kept));
+  return geometry;
 }
 
 // Returns the URL of the stream `in`, relative to a world at `out`.
@@ -95,23 +97,23 @@ int run_export(const ExportCommand& options) {
   ExportOptions export_options;
   export_options.title = input->title;
   if (input->type == "QNV") export_options.stream_url = url_between(out, in);
-  auto made = cloud_of_input(options, std::move(*input), progress);
+  auto made = geometry_of_input(options, std::move(*input), progress);
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
   if (const auto* problem = std::get_if<qnv::EncodeError>(&made)) return fail(in + ": " + problem->message);
-  auto& cloud = std::get<qnv::Cloud>(made);
-  for (const auto& [key, value] : cloud.description.metadata)
+  auto& geometry = std::get<qnv::Geometry>(made);
+  for (const auto& [key, value] : geometry.description().metadata)
     if (key == "title" && !value.empty()) export_options.title = value;
-  if (options.vectors > 0 && cloud.size() > options.vectors)
-    cloud = thinned(cloud, options.vectors, options, progress.whole());
+  if (options.vectors > 0 && geometry.size() > options.vectors)
+    geometry = thinned(geometry, options.vectors, options, progress.whole());
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
   progress.whole().stage = "writing";
-  const Exported exported = format_of(options)->write(cloud, export_options);
+  const Exported exported = format_of(options)->write(geometry, export_options);
   if (const auto* problem = std::get_if<std::string>(&exported)) return fail(out + ": " + *problem);
   const auto& bytes = std::get<std::vector<std::byte>>(exported);
   if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
   if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
-  print_line("%s: %zu vectors, %zu bytes", out.c_str(), cloud.size(), bytes.size());
+  print_line("%s: %zu vectors, %zu bytes", out.c_str(), geometry.size(), bytes.size());
   return kDone;
 }
 

@@ -39,14 +39,17 @@ bool apply(const WorldLoading& loading) {
 }
 
 bool shows(const render::RenderList& list) {
-  return !list.items.empty() || std::any_of(list.splats.begin(), list.splats.end(), [](const auto& item) {
-    return item.cloud && (item.cloud->levels ? item.cloud->levels->clusters() > 0 : item.cloud->size() > 0);
+  return !list.items.empty() || std::any_of(list.splats.begin(), list.splats.end(), [](const render::SplatItem& item) {
+    const auto* octree = item.geometry ? item.geometry->as<qnv::OctreeSplats>() : nullptr;
+    return octree ? octree->stream->clusters() > 0 : item.geometry && item.geometry->size() > 0;
   });
 }
 
 void count(LoadedWorld& world, Report& report) {
-  for (const auto& [node, cloud] : world.clouds)
-    report.vectors += cloud->levels ? cloud->levels->count() : cloud->size();
+  for (const auto& [node, geometry] : world.clouds) {
+    const auto* octree = geometry->as<qnv::OctreeSplats>();
+    report.vectors += octree ? octree->stream->count() : geometry->size();
+  }
   render::MeshCache meshes;
   const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
   for (const auto& item : list.items)

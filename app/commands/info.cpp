@@ -49,11 +49,11 @@ std::string written(const qnv::Rgb8& color) {
   return text;
 }
 
-void put_cloud(JsonValue& facts, const qnv::Cloud& cloud) {
-  const qnv::Description& d = cloud.description;
-  const bool volume = d.kind == qnv::Kind::volume;
+void put_vectors(JsonValue& facts, const qnv::VectorView& vectors) {
+  const qnv::Description& d = vectors.description;
+  const bool volume = vectors.kind == qnv::Kind::volume;
   facts.put("kind", volume ? "volume" : "surface");
-  facts.put("vectors", cloud.size());
+  facts.put("vectors", vectors.size());
   facts.put(volume ? "magnitude" : "area", d.total);
   if (volume) {
     facts.put("spacing", d.spacing);
@@ -61,8 +61,8 @@ void put_cloud(JsonValue& facts, const qnv::Cloud& cloud) {
     facts.put("transfer_points", d.transfer.size());
   } else {
     facts.put("two_sided", d.two_sided);
-    facts.put("colors", cloud.colors.empty() ? "one" : "of each vector");
-    if (cloud.colors.empty()) facts.put("color", written(cloud.color));
+    facts.put("colors", vectors.colors.empty() ? "one" : "of each vector");
+    if (vectors.colors.empty()) facts.put("color", written(vectors.color));
   }
   put_box(facts, d.origin + glm::dvec3(d.box.lower), d.origin + glm::dvec3(d.box.upper));
   if (d.origin != glm::dvec3(0)) facts.put("local_origin", fact_of(d.origin));
@@ -104,7 +104,7 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
   return levels;
 }
 
-void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Cloud& cloud,
+void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::VectorView& shown,
                 std::span<const std::byte> bytes) {
   const bool voxels = header.payload == qnv::Payload::voxels, octree = voxels || header.payload == qnv::Payload::packed;
   const bool layers = header.payload == qnv::Payload::records;
@@ -117,7 +117,7 @@ void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Cl
   };
   // Counts the voxels of an octree that no finer voxels have replaced.
   if (octree)
-    for (const qnv::Cell& cell : cloud.cells)
+    for (const qnv::Cell& cell : shown.cells)
       if (voxels || cell.edge > 0) ++levels[level_of(cell)].vectors;
   JsonValue list = JsonValue::list();
   for (const auto& [level, l] : levels) {
@@ -179,9 +179,11 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
   if (decoder.full())
     complain("%s: error: vectors need %s; finer ones are not counted", path.c_str(),
              budget.refusal(Resource::vectors).c_str());
-  const qnv::Cloud cloud = decoder.cloud();
+  const qnv::Geometry geometry = decoder.geometry();
+  const auto* surface = geometry.as<qnv::IndexedMesh>();
+  const std::size_t triangles = surface ? surface->triangles.size() / 3 : 0;
   facts.put("payload", std::string(qnv::row_of(header->payload).name));
-  put_cloud(facts, cloud);
+  put_vectors(facts, geometry);
   facts.put("vectors_at_full_detail", header->vectors);
   facts.put("chunks", header->chunks);
   facts.put("palette", header->palette.size());
@@ -192,7 +194,7 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
     JsonValue tail = JsonValue::named({{"bytes", mesh.bytes}, {"come", mesh.received}});
     if (mesh.whole) {
       tail.put("bits", mesh.bits);
-      tail.put("triangles", cloud.triangles.size() / 3);
+      tail.put("triangles", triangles);
     } else if (mesh.partly) {
       tail.put("triangles", mesh.all_triangles);
       tail.put("triangles_come", mesh.triangles);
@@ -202,15 +204,14 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
     facts.put("exact", std::move(tail));
   }
   if (mesh.growing)
-    facts.put("progressive", JsonValue::named({{"bits", mesh.bits},
-                                               {"vertices", mesh.vertices},
-                                               {"triangles", cloud.triangles.size() / 3},
-                                               {"whole", mesh.final}}));
+    facts.put("progressive",
+              JsonValue::named(
+                  {{"bits", mesh.bits}, {"vertices", mesh.vertices}, {"triangles", triangles}, {"whole", mesh.final}}));
   if (header->payload == qnv::Payload::voxels) {
     const auto& [x, y, z] = header->lattice.dimensions;
     facts.put("dimensions", JsonValue::list({x, y, z}));
   }
-  put_levels(facts, *header, cloud, bytes);
+  put_levels(facts, *header, geometry, bytes);
   put_metadata(facts, header->description.metadata);
   if (!problems.empty()) facts.put("problems", std::move(problems));
   return true;
@@ -257,8 +258,10 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
   const LoadedWorld& world = opened.world;
   std::size_t vectors = 0;
-  for (const auto& [node, cloud] : world.clouds)
-    vectors += cloud->levels ? static_cast<std::size_t>(cloud->levels->header().vectors) : cloud->size();
+  for (const auto& [node, geometry] : world.clouds) {
+    const auto* octree = geometry->as<qnv::OctreeSplats>();
+    vectors += octree ? static_cast<std::size_t>(octree->stream->header().vectors) : geometry->size();
+  }
   facts.put("title", world.title);
   facts.put("nodes", world.scene->node_count());
   facts.put("shapes", opened.list.items.size() + opened.list.splats.size());
@@ -298,9 +301,9 @@ int run_info(const InfoCommand& options) {
     facts.put("type", input->type);
     if (const auto* volume = std::get_if<qnv::VolumeSource>(&input->content)) {
       describe_volume(facts, *volume, deadline);
-    } else if (const auto* cloud = std::get_if<qnv::Cloud>(&input->content)) {
-      put_cloud(facts, *cloud);
-      put_metadata(facts, cloud->description.metadata);
+    } else if (const auto* geometry = std::get_if<qnv::Geometry>(&input->content)) {
+      put_vectors(facts, *geometry);
+      put_metadata(facts, geometry->description().metadata);
     } else if (const auto* mesh = std::get_if<MeshStream>(&input->content)) {
       facts.put("faces", mesh->faces);
     } else {

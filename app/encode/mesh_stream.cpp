@@ -5,7 +5,7 @@
 #include "app/formats/common/ply_table.h"
 #include "app/formats/mesh/stl_binary.h"
 #include "base/finite.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 
 #include <algorithm>
 #include <array>

@@ -36,8 +36,8 @@ WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes)
     if (item.place < inside.size() && inside[item.place] && item.mesh && item.visible)
       add(render::world_bounds(item.mesh->bounds, item.world_from_node));
   for (const render::SplatItem& splat : list.splats)
-    if (splat.place < inside.size() && inside[splat.place] && splat.cloud) {
-      const Box& box = splat.cloud->description.box;
+    if (splat.place < inside.size() && inside[splat.place] && splat.geometry) {
+      const Box& box = splat.geometry->description().box;
       add(render::world_bounds({box.lower, box.upper}, splat.world_from_node));
     }
   return bounds;

@@ -12,7 +12,7 @@ namespace gs::app {
 
 const qnv::Description* first_volume(const render::RenderList& list) {
   for (const render::SplatItem& item : list.splats)
-    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) return &item.cloud->description;
+    if (item.geometry && item.geometry->as<qnv::Volume>()) return &item.geometry->description();
   return nullptr;
 }
 

@@ -2,7 +2,7 @@
 
 #include "net/cells/cell_contract.h"
 #include "net/cells/cell_source.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "qnv/codecs/octree/lod/lod.h"
 
 #include <span>

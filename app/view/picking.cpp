@@ -18,10 +18,10 @@ constexpr float kSolid = 0.5f;  // opacity from which a volume hides content beh
 
 }  // namespace
 
-const render::VolumeModel& Picker::model_of(const std::shared_ptr<const qnv::Cloud>& cloud) {
-  std::erase_if(models_, [](const auto& entry) { return entry.second.cloud.expired(); });
-  const auto [found, fresh] = models_.try_emplace(cloud.get());
-  if (fresh) found->second = {cloud, render::volume_model(*cloud)};
+const render::VolumeModel& Picker::model_of(const std::shared_ptr<const qnv::Volume>& volume) {
+  std::erase_if(models_, [](const auto& entry) { return entry.second.volume.expired(); });
+  const auto [found, fresh] = models_.try_emplace(volume.get());
+  if (fresh) found->second = {volume, render::volume_model(*volume)};
   return found->second.model;
 }
 
@@ -58,8 +58,8 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
   if (nearest) looking.farthest = nearest->distance;
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const render::SplatItem& item = list.splats[i];
-    if (!item.cloud || item.cloud->description.kind != qnv::Kind::surface) continue;
-    if (const auto disc = render::pick_disc(*item.cloud, item.world_from_node, looking)) {
+    if (!item.geometry) continue;
+    if (const auto disc = render::pick_disc(*item.geometry, item.world_from_node, looking)) {
       nearest = splat_hit(disc->distance, i);
       if (disc->color) nearest->stream_color = glm::vec3(disc->color->r, disc->color->g, disc->color->b) / 255.0f;
       looking.farthest = disc->distance;
@@ -67,14 +67,15 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
   }
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const render::SplatItem& item = list.splats[i];
-    if (!item.cloud || item.cloud->description.kind != qnv::Kind::volume || item.cloud->empty()) continue;
+    const auto volume = qnv::shared_as<qnv::Volume>(item.geometry);
+    if (!volume || volume->empty()) continue;
     render::VolumeOptions look;
     look.opacity = options.clouds.opacity * (1 - item.material.transparency);
     look.least_magnitude = options.clouds.least_magnitude;
     if (options.clouds.clip) look.clip = glm::vec4(*options.clouds.clip * item.world_from_node);
-    const render::VolumeTransfer transfer = render::volume_transfer(item.cloud->description, options.clouds.transfer);
+    const render::VolumeTransfer transfer = render::volume_transfer(volume->description, options.clouds.transfer);
     look.transfer = &transfer;
-    const auto veil = render::pick_volume(*item.cloud, model_of(item.cloud), look, item.world_from_node, looking);
+    const auto veil = render::pick_volume(*volume, model_of(volume), look, item.world_from_node, looking);
     if (!veil) continue;
     if (veil->opacity >= kSolid) {
       nearest = splat_hit(veil->distance, i);

@@ -53,12 +53,12 @@ class Picker {
 
  private:
   struct Held {
-    std::weak_ptr<const qnv::Cloud> cloud;
+    std::weak_ptr<const qnv::Volume> volume;
     render::VolumeModel model;
   };
-  const render::VolumeModel& model_of(const std::shared_ptr<const qnv::Cloud>& cloud);
+  const render::VolumeModel& model_of(const std::shared_ptr<const qnv::Volume>& volume);
   render::ItemBvh items_;
-  std::unordered_map<const qnv::Cloud*, Held> models_;
+  std::unordered_map<const qnv::Volume*, Held> models_;
 };
 
 /// Pointing-device sensor or Anchor, with its geometry in a list (VRML97 4.6.7.3).

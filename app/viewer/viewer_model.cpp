@@ -150,7 +150,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.bounds = seen->list->bounds;
   model.looking = seen->navigation.pose.forward();
   for (const render::SplatItem& item : seen->list->splats)
-    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) model.volumes.push_back(item.cloud);
+    if (auto volume = qnv::shared_as<qnv::Volume>(item.geometry)) model.volumes.push_back(std::move(volume));
   return model;
 }
 

@@ -201,7 +201,8 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
   if (volume && hit->splat && !asked_is_volume_) {
     const render::SplatItem& item = list.splats[*hit->splat];
     const glm::dvec3 inside(glm::inverse(item.world_from_node) * glm::dvec4(hit->point, 1));
-    if (const auto near = value_near(*item.cloud, inside))
+    const auto* vectors = item.geometry->as<qnv::Volume>();
+    if (const auto near = vectors ? value_near(*vectors, inside) : std::nullopt)
       value_ =
           "about " + readable_value(near->value, value_unit(*volume), 3) + ", from the nearest vector of the stream\n";
   } else if (!volume && key && hit->stream_color) {

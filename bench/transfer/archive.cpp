@@ -21,10 +21,10 @@ Box bounds_of(const Box& box) {
   return bounds;
 }
 
-bool shows(Studio& studio, const qnv::Cloud& cloud) {
-  if (cloud.size() == 0) return false;
+bool shows(Studio& studio, const qnv::Geometry& geometry) {
+  if (geometry.size() == 0) return false;
   const View view;
-  const auto pictures = studio.pictures(list_of(cloud), bounds_of(cloud.description.box), std::span(&view, 1));
+  const auto pictures = studio.pictures(list_of(geometry), bounds_of(geometry.description().box), std::span(&view, 1));
   return !pictures.empty() && std::any_of(pictures[0].pixels.begin(), pictures[0].pixels.end(),
                                           [](std::uint8_t value) { return value != 0; });
 }
@@ -33,7 +33,7 @@ std::optional<std::uint64_t> first_bytes(Studio& studio, std::span<const std::by
   const auto holds = [&](std::uint64_t bytes) {
     qnv::StreamDecoder decoder;
     (void)decoder.push(front.first(static_cast<std::size_t>(bytes)));
-    return shows(studio, decoder.cloud());
+    return shows(studio, decoder.geometry());
   };
   if (!holds(front.size())) return std::nullopt;
   return least(1, front.size(), 1, holds);
@@ -46,7 +46,7 @@ struct First {
 
 std::optional<First> first_of_cells(Studio& studio, const Recording& recording) {
   const auto holds = [&](std::uint64_t pieces) {
-    return shows(studio, cloud_of(std::span(recording.cells).first(static_cast<std::size_t>(pieces))));
+    return shows(studio, geometry_of(std::span(recording.cells).first(static_cast<std::size_t>(pieces))));
   };
   const std::uint64_t all = recording.cells.size();
   if (all == 0 || !holds(all)) return std::nullopt;

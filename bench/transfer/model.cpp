@@ -160,7 +160,7 @@ std::optional<Shown> Model::show(const Format& format, std::uint64_t bytes) {
   if (!mapped) return std::nullopt;
   qnv::StreamDecoder decoder;
   (void)decoder.push(mapped->bytes().first(std::min<std::size_t>(bytes, mapped->bytes().size())));
-  return compare(list_of(decoder.cloud()));
+  return compare(list_of(decoder.geometry()));
 }
 
 Thresholds Model::thresholds(const Format& format) {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bench/studio.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "render/image/image.h"
 
 #include <array>

@@ -60,7 +60,7 @@ render::RenderList polygons_of(std::span<const CellArrival> arrivals) {
 
 }  // namespace
 
-qnv::Cloud cloud_of(std::span<const CellArrival> arrivals) {
+qnv::Geometry geometry_of(std::span<const CellArrival> arrivals) {
   qnv::StreamDecoder decoder;
   for (const CellArrival& arrival : arrivals)
     if (arrival.event.kind == Kind::base) (void)decoder.push(arrival.event.bytes);
@@ -74,13 +74,13 @@ qnv::Cloud cloud_of(std::span<const CellArrival> arrivals) {
       decoder.add(static_cast<qnv::ChunkType>(event.bytes[4]), std::span(event.bytes).subspan(qnv::kChunkHeaderBytes));
   }
   for (const auto& [name, chunk] : records) add(chunk, decoder);
-  return decoder.cloud();
+  return decoder.geometry();
 }
 
 render::RenderList list_of(std::span<const CellArrival> arrivals) {
   for (const CellArrival& arrival : arrivals)
     if (arrival.event.kind == Kind::base && app::is_outline_stream(arrival.event.bytes)) return polygons_of(arrivals);
-  return list_of(cloud_of(arrivals));
+  return list_of(geometry_of(arrivals));
 }
 
 }  // namespace gs::bench

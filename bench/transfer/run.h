@@ -2,7 +2,7 @@
 
 #include "bench/transfer/link_emulator.h"
 #include "net/cells/cell_receiver.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/scene/render_list.h"
 
 #include <cstdint>
@@ -69,7 +69,7 @@ struct Recording {
 [[nodiscard]] bool serve_has_option(const std::string& program, const std::string& option);
 
 /// Decodes a stream from pieces received as cells. Returns an empty point set before the base.
-[[nodiscard]] qnv::Cloud cloud_of(std::span<const CellArrival> arrivals);
+[[nodiscard]] qnv::Geometry geometry_of(std::span<const CellArrival> arrivals);
 /// Draws the pieces as vectors, or as polygons for a stream of outlines.
 [[nodiscard]] render::RenderList list_of(std::span<const CellArrival> arrivals);
 

@@ -1,4 +1,4 @@
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 
 #include <cmath>
 

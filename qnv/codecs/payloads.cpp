@@ -7,7 +7,7 @@
 #include "qnv/codecs/progressive/decode/progressive_decoder.h"
 #include "qnv/codecs/progressive/encode/progressive_stream.h"
 #include "qnv/codecs/records/decode/records_decoder.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/records/records_payload.h"
 #include "qnv/codecs/voxels/decode/voxels_decoder.h"
@@ -28,7 +28,7 @@ const TriangleSource* triangles_of(const EncodeSource& source) {
 }
 
 Suitability choose_records(const EncodeSource& source, const EncodeRequest&) {
-  const bool points = std::holds_alternative<std::reference_wrapper<const Cloud>>(source);
+  const bool points = std::holds_alternative<VectorView>(source);
   return points ? Suitability{1, "records keep the positions of vectors"} : Suitability{};
 }
 
@@ -52,8 +52,7 @@ Suitability choose_voxels(const EncodeSource& source, const EncodeRequest&) {
 }
 
 Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progress* progress) {
-  if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
-    return encode_points(*cloud, options, progress);
+  if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_points(*vectors, options, progress);
   const TriangleSource* triangles = triangles_of(source);
   if (!triangles) return EncodeError{"a packed stream needs a surface; expected triangles or vectors"};
   options.payload = Payload::packed;
@@ -63,9 +62,9 @@ Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progres
 Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   options.payload = Payload::records;
   if (const TriangleSource* triangles = triangles_of(source)) return encode_surface(*triangles, options, progress);
-  if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
-    return encode_cloud(*cloud, options, progress);
-  if (const auto* volume = std::get_if<VolumeVectors>(&source)) return encode_cloud(volume->cloud, options, progress);
+  if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_vectors(*vectors, options, progress);
+  if (const auto* volume = std::get_if<VolumeVectors>(&source))
+    return encode_vectors(volume->vectors, options, progress);
   return EncodeError{"a records stream needs a surface or vectors; outline groups are not supported"};
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/outlines/grouping/outline_groups.h"
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/shared/decoder.h"
@@ -35,8 +35,8 @@ struct OutlineSource {
   const OutlineEncodeOptions& options;
 };
 /// Input of an encoder.
-using EncodeSource = std::variant<std::reference_wrapper<const TriangleSource>, std::reference_wrapper<const Cloud>,
-                                  OutlineSource, VolumeVectors>;
+using EncodeSource =
+    std::variant<std::reference_wrapper<const TriangleSource>, VectorView, OutlineSource, VolumeVectors>;
 
 /// Suitability of a payload for a request that leaves the choice to the codecs.
 struct Suitability {

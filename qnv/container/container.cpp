@@ -120,10 +120,10 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
 }  // namespace
 
 bool operator==(const StreamHeader& a, const StreamHeader& b) {
-  return a.description == b.description && a.payload == b.payload && a.colored == b.colored && a.color == b.color &&
-         a.vectors == b.vectors && a.chunks == b.chunks && a.directory == b.directory && a.cube.lower == b.cube.lower &&
-         a.cube.edge == b.cube.edge && a.palette == b.palette && a.outlines == b.outlines && a.base == b.base &&
-         a.lattice == b.lattice;
+  return a.description == b.description && a.kind == b.kind && a.payload == b.payload && a.colored == b.colored &&
+         a.color == b.color && a.vectors == b.vectors && a.chunks == b.chunks && a.directory == b.directory &&
+         a.cube.lower == b.cube.lower && a.cube.edge == b.cube.edge && a.palette == b.palette &&
+         a.outlines == b.outlines && a.base == b.base && a.lattice == b.lattice;
 }
 
 std::vector<std::byte> encode_header(const StreamHeader& header) {
@@ -132,7 +132,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   const Description& d = header.description;
   for (const unsigned char c : kMagic) write.integer(c);
   write.integer(has_origin(d) ? kVersion : kVersionWithoutOrigin);
-  write.integer(static_cast<std::uint8_t>(d.kind));
+  write.integer(static_cast<std::uint8_t>(header.kind));
   write.integer(static_cast<std::uint8_t>(header.payload));
   write.integer(std::uint32_t{0});  // length, set below
   write.integer(std::uint32_t{0});  // checksum, set below
@@ -229,7 +229,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
     return StreamProblem{8, "is of version 2 and has outlines, which have their own lattices; expected version 1"};
   StreamHeader header;
   Description& d = header.description;
-  d.kind = static_cast<Kind>(kind);
+  header.kind = static_cast<Kind>(kind);
   header.payload = static_cast<Payload>(payload);
   const auto flags = read.integer<std::uint16_t>();
   d.two_sided = (flags & kTwoSided) != 0;

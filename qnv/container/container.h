@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "qnv/base/voxels.h"
 #include "qnv/container/outline_header.h"
 #include "qnv/container/voxel_lattice.h"
@@ -56,6 +56,7 @@ enum class ChunkType : std::uint8_t {
 
 struct StreamHeader {
   Description description;
+  Kind kind = Kind::surface;
   Payload payload = Payload::packed;
   bool colored = false;         // each vector has its own colour
   bool meshed = false;          // packed: the exact mesh follows the octree

@@ -37,19 +37,20 @@ bool SurfaceSurvey::closed() const { return glm::length(facing) < 1e-4 * area &&
 
 bool SurfaceSurvey::sound() const { return area > 0 && std::isfinite(area) && finite(box.size()); }
 
-Description describe_vectors(const Cloud& cloud, const std::vector<std::pair<std::string, std::string>>& metadata) {
-  Description d = cloud.description;
+Description describe_vectors(const VectorView& vectors,
+                             const std::vector<std::pair<std::string, std::string>>& metadata) {
+  Description d = vectors.description;
   d.total = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float weight = cloud.weights[i];
-    if (!finite(cloud.positions[i]) || !(weight > 0) || !std::isfinite(weight)) continue;
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    const float weight = vectors.weights[i];
+    if (!finite(vectors.positions[i]) || !(weight > 0) || !std::isfinite(weight)) continue;
     d.total += weight;
-    d.box.add(cloud.positions[i]);
+    d.box.add(vectors.positions[i]);
   }
   if (!std::isfinite(d.spacing)) d.spacing = 0;
   if (!std::isfinite(d.value_range.first) || !std::isfinite(d.value_range.second)) d.value_range = {0, 1};
   d.metadata = metadata;
-  for (const auto& pair : cloud.description.metadata) {
+  for (const auto& pair : vectors.description.metadata) {
     const auto same = [&](const auto& other) { return other.first == pair.first; };
     if (std::none_of(d.metadata.begin(), d.metadata.end(), same)) d.metadata.push_back(pair);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/base/triangles.h"
 
 #include <glm/vec3.hpp>
@@ -34,8 +34,8 @@ struct SurfaceSurvey {
 };
 
 /// Returns the description of the vectors that can be sent. The total counts only these, because receivers distribute
-/// it over the received vectors. `metadata` precedes the point set's own.
-[[nodiscard]] Description describe_vectors(const Cloud& cloud,
+/// it over the received vectors. `metadata` precedes the geometry's own.
+[[nodiscard]] Description describe_vectors(const VectorView& vectors,
                                            const std::vector<std::pair<std::string, std::string>>& metadata);
 
 }  // namespace gs::qnv

@@ -29,7 +29,7 @@ DecodedStream decode_stream(std::span<const std::byte> stream, std::size_t most)
   }
   StreamDecoder decoder(most);
   DecodedStream decoded = read(decoder, stream);
-  decoded.content = decoder.cloud();
+  decoded.content = decoder.geometry();
   return decoded;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/container/container.h"
 
@@ -15,7 +15,7 @@ namespace gs::qnv {
 /// Content of a complete stream.
 struct DecodedStream {
   std::optional<StreamHeader> header;  // nullopt if the bytes are not a stream
-  std::variant<Cloud, std::vector<OutlineBatch>> content;
+  std::variant<Geometry, std::vector<OutlineBatch>> content;
   std::vector<StreamProblem> problems;
   std::size_t refused_chunks = 0;
 };

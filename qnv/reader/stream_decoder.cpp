@@ -41,25 +41,12 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
   }
 }
 
-Cloud StreamDecoder::described() const {
-  Cloud cloud;
-  if (!header()) return cloud;
-  cloud.description = header()->description;
-  cloud.color = header()->color;
-  return cloud;
+GeometryBase StreamDecoder::base() const {
+  return header() ? GeometryBase{header()->description, header()->color} : GeometryBase{};
 }
 
-Cloud StreamDecoder::cloud() const {
-  Cloud cloud = described();
-  if (decoder_) decoder_->append(cloud);
-  return cloud;
-}
+Geometry StreamDecoder::geometry() const { return decoder_ ? decoder_->geometry(base()) : Splats(base()); }
 
-Cloud StreamDecoder::cloud_to_draw() {
-  if (has_arrays()) return cloud();
-  Cloud cloud = described();
-  cloud.patches = decoder_->patches();
-  return cloud;
-}
+Geometry StreamDecoder::geometry_to_draw() { return decoder_ ? decoder_->geometry_to_draw(base()) : Splats(base()); }
 
 }  // namespace gs::qnv

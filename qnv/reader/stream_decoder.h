@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/shared/decoder.h"
 #include "qnv/container/container.h"
 #include "qnv/container/piece_group.h"
@@ -36,28 +36,25 @@ class StreamDecoder {
   [[nodiscard]] std::size_t refused_chunks() const { return refused_chunks_ + count().refused; }
   /// Reports whether chunks were dropped because of `most_vectors`.
   [[nodiscard]] bool full() const { return count().full; }
-  /// Returns the number of vectors of cloud().
+  /// Returns the number of vectors of geometry().
   [[nodiscard]] std::size_t vectors() const { return decoder_ ? decoder_->vectors() : 0; }
-  /// Returns a number that changes whenever cloud() would.
+  /// Returns a number that changes whenever geometry() would.
   [[nodiscard]] std::uint64_t revision() const { return count().taken; }
   /// Returns the received part of the stream's mesh, if it has one.
   [[nodiscard]] MeshProgress mesh() const { return decoder_ ? decoder_->mesh() : MeshProgress{}; }
-  /// Reports whether cloud_to_draw() returns arrays instead of patches.
-  [[nodiscard]] bool has_arrays() const { return !decoder_ || decoder_->has_arrays(); }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
   /// Returns everything received, at its finest detail; refined vectors are left out.
-  [[nodiscard]] Cloud cloud() const;
-  /// Like cloud(), for renderers: a displaced surface has patches instead of arrays, and only those changed since the
-  /// last call are re-evaluated. Meshes have arrays.
-  [[nodiscard]] Cloud cloud_to_draw();
+  [[nodiscard]] Geometry geometry() const;
+  /// Like geometry(), for renderers: a displaced surface is patches, and only those changed since the last call are
+  /// re-evaluated.
+  [[nodiscard]] Geometry geometry_to_draw();
 
  private:
   /// Makes the payload's decoder once the header is known.
   void begin();
   [[nodiscard]] DecodeCount count() const { return decoder_ ? decoder_->count() : DecodeCount{}; }
-  /// Returns a point set without vectors.
-  [[nodiscard]] Cloud described() const;
+  [[nodiscard]] GeometryBase base() const;
 
   StreamReader reader_;
   std::size_t most_vectors_, refused_chunks_ = 0;

@@ -63,13 +63,13 @@ struct RenderSources {
 class Collector {
  public:
   /// `sources` receives the source nodes; null means none.
-  Collector(ShapeResources& resources, const glm::dvec3& viewer, const Clouds& clouds, const BoundNodes* bound,
+  Collector(ShapeResources& resources, const glm::dvec3& viewer, const Geometries& geometries, const BoundNodes* bound,
             std::shared_ptr<Budget> budget, RenderSources* sources, float pixels_per_radian = kUsualPixelsPerRadian,
             const glm::dvec3& viewer_up = {0, 1, 0})
       : resources_(resources),
         schemas_(resources.schemas()),
         viewer_(viewer),
-        clouds_(clouds),
+        geometries_(geometries),
         bound_(bound),
         sources_(sources),
         budget_(std::move(budget)),
@@ -121,7 +121,7 @@ class Collector {
   void add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item, RenderSources::Item source,
                 const glm::dmat4& world_from_node);
   void add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
-                  const std::shared_ptr<const qnv::Cloud>& cloud, float detail, const RenderSources::Item& source);
+                  const std::shared_ptr<const qnv::Geometry>& splats, float detail, const RenderSources::Item& source);
   bool has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles);
   bool charge_triangles(std::size_t count);
   void coarsen_primitives();
@@ -132,7 +132,7 @@ class Collector {
   ShapeResources& resources_;
   Schemas& schemas_;
   glm::dvec3 viewer_;
-  const Clouds& clouds_;
+  const Geometries& geometries_;
   const BoundNodes* bound_;
   RenderSources* sources_;
   RenderList list_;
@@ -161,6 +161,6 @@ class Collector {
 /// Reports whether all elements are finite and fit a float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
 /// Returns world space from a point set's positions, which are relative to its origin.
-[[nodiscard]] glm::dmat4 world_from_cloud(const glm::dmat4& world_from_node, const qnv::Cloud& cloud);
+[[nodiscard]] glm::dmat4 world_from_geometry(const glm::dmat4& world_from_node, const qnv::Geometry& geometry);
 
 }  // namespace gs::render

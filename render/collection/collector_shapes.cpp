@@ -19,8 +19,8 @@ constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
 
 }  // namespace
 
-dmat4 world_from_cloud(const dmat4& world_from_node, const qnv::Cloud& cloud) {
-  const dvec3& origin = cloud.description.origin;
+dmat4 world_from_geometry(const dmat4& world_from_node, const qnv::Geometry& geometry) {
+  const dvec3& origin = geometry.description().origin;
   return origin == dvec3(0) ? world_from_node : glm::translate(world_from_node, origin);
 }
 
@@ -32,20 +32,22 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   RenderSources::Item source;
   source.geometry = &parent.scene->node(geometry);
   source.appearance = resources_.appearance_nodes(*parent.scene, shape);
-  const auto cloud = clouds_.find(source.geometry);
-  const bool vectors = cloud != clouds_.end() && cloud->second;
-  if (vectors && cloud->second->triangles.empty() && !cloud->second->patches) {
-    add_splats(parent, id, item, cloud->second, detail_of(schemas_.view(*parent.scene, geometry)), source);
+  const auto found = geometries_.find(source.geometry);
+  const auto stream = found != geometries_.end() ? found->second : nullptr;
+  const auto* mesh = stream ? stream->as<qnv::IndexedMesh>() : nullptr;
+  if (stream && !mesh && !stream->as<qnv::SurfacePatches>()) {
+    add_splats(parent, id, item, stream, detail_of(schemas_.view(*parent.scene, geometry)), source);
     return;
   }
   dmat4 world_from_node = parent.world_from_local;
-  if (vectors) {
-    item.surface = cloud->second;
-    world_from_node = world_from_cloud(world_from_node, *cloud->second);
+  if (stream) {
+    if (mesh && mesh->triangles.empty()) return;
+    item.surface = stream;
+    world_from_node = world_from_geometry(world_from_node, *stream);
     item.detail = detail_of(schemas_.view(*parent.scene, geometry));
     if (!fits_float(world_from_node)) return;
-    const bool pictured = !cloud->second->texture_coordinates.empty();
-    if (pictured && cloud->second->first_textured() > 0) {
+    const bool pictured = mesh && !mesh->texture_coordinates.empty();
+    if (pictured && mesh->first_textured() > 0) {
       DrawItem other = item;
       if (!surface_item(*parent.scene, geometry, false, other)) return;
       add_item(parent, id, geometry, std::move(other), source, world_from_node);
@@ -78,7 +80,8 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
 bool Collector::surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item) {
   item.mesh = resources_.surface_mesh(item.surface, pictured);
   dress_surface(item);
-  if (pictured) item.texture = resources_.surface_texture(scene.node(geometry), *item.surface);
+  const auto* mesh = item.surface->as<qnv::IndexedMesh>();
+  if (pictured && mesh) item.texture = resources_.surface_texture(scene.node(geometry), *mesh);
   return has_room(scene, geometry, item.mesh->indices.size() / 3);
 }
 
@@ -113,13 +116,14 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
 }
 
 void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
-                           const std::shared_ptr<const qnv::Cloud>& cloud, float detail,
+                           const std::shared_ptr<const qnv::Geometry>& splats, float detail,
                            const RenderSources::Item& source) {
-  const dmat4 world = world_from_cloud(parent.world_from_local, *cloud);
-  if ((cloud->empty() && !cloud->levels) || !fits_float(world)) return;
+  const dmat4 world = world_from_geometry(parent.world_from_local, *splats);
+  const bool shown = splats->as<qnv::OctreeSplats>() || splats->size() > 0;
+  if (!shown || !fits_float(world)) return;
   if (list_.splats.size() >= budget_->limit(Resource::items)) return;
   SplatItem item;
-  item.cloud = cloud;
+  item.geometry = splats;
   item.world_from_node = world;
   // Splats have normals, so they are lit even without a Material.
   item.own_color = !shape.material.lit;
@@ -127,7 +131,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   item.detail = detail;
   item.directional_lights = directional_lights();
   item.place = add_place(parent, id);
-  const Box& box = cloud->description.box;
+  const Box& box = splats->description().box;
   RenderSources::Item kept = source;
   kept.bounds = world_bounds({box.lower, box.upper}, world);
   if (!kept.bounds.empty()) list_.bounds.add(kept.bounds);

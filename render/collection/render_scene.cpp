@@ -45,10 +45,11 @@ std::uint64_t next_change() {
   return ++last;
 }
 
-RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, const Clouds& clouds, MeshCache& meshes)
+RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, const Geometries& geometries,
+                         MeshCache& meshes)
     : scene_(scene),
       images_(images),
-      clouds_(clouds),
+      geometries_(geometries),
       resources_(images, meshes, scene.budget()),
       list_(std::make_shared<RenderList>()) {}
 
@@ -56,8 +57,9 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   bound_ = bound;
   viewer_ = usable(viewer);
   resources_.forget_refiners();
-  *list_ = Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_, pixels_per_radian_, viewer_up_)
-               .collect(scene_);
+  *list_ =
+      Collector(resources_, viewer_, geometries_, &bound_, scene_.budget(), &sources_, pixels_per_radian_, viewer_up_)
+          .collect(scene_);
   ++gathered_;
   begin_generation();
   list_->changes = next_change();
@@ -277,7 +279,7 @@ void RenderScene::place_item(std::uint32_t i) {
   if (item.place == kNoPlace) return;
   RenderSources::Item& source = sources_.items[i];
   const dmat4& world = list_->world_from_frame[list_->places[item.place].frame];
-  const dmat4 world_from_node = item.surface                   ? world_from_cloud(world, *item.surface)
+  const dmat4 world_from_node = item.surface                   ? world_from_geometry(world, *item.surface)
                                 : source.scale == glm::vec3(1) ? world
                                                                : glm::scale(world, dvec3(source.scale));
   if (!fits_float(world_from_node)) {
@@ -292,9 +294,9 @@ void RenderScene::place_item(std::uint32_t i) {
 void RenderScene::place_splat(std::uint32_t i) {
   SplatItem& splat = list_->splats[i];
   if (splat.place == kNoPlace) return;
-  const dmat4 world = world_from_cloud(list_->world_from_frame[list_->places[splat.place].frame], *splat.cloud);
+  const dmat4 world = world_from_geometry(list_->world_from_frame[list_->places[splat.place].frame], *splat.geometry);
   splat.world_from_node = world;
-  const Box& box = splat.cloud->description.box;
+  const Box& box = splat.geometry->description().box;
   sources_.splats[i].bounds = world_bounds({box.lower, box.upper}, world);
   splat_moved_ = true;
 }
@@ -366,8 +368,9 @@ void RenderScene::apply_item_appearance(std::uint32_t index) {
     DrawItem& item = list_->items[index];
     resources_.apply_appearance(item, *place.scene, shape);
     dress_surface(item);
-    if (item.surface && !item.mesh->texture_coordinates.empty())
-      item.texture = resources_.surface_texture(*sources_.items[index].geometry, *item.surface);
+    const auto* mesh = item.surface ? item.surface->as<qnv::IndexedMesh>() : nullptr;
+    if (mesh && !item.mesh->texture_coordinates.empty())
+      item.texture = resources_.surface_texture(*sources_.items[index].geometry, *mesh);
     ++list_->dressed;
     return;
   }

@@ -21,7 +21,7 @@ namespace gs::render {
 /// scene's thread; all inputs must outlive it.
 class RenderScene {
  public:
-  RenderScene(const vrml::SceneGraph& scene, const Images& images, const Clouds& clouds, MeshCache& meshes);
+  RenderScene(const vrml::SceneGraph& scene, const Images& images, const Geometries& geometries, MeshCache& meshes);
 
   /// Collects everything.
   void gather(const BoundNodes& bound, const glm::dvec3& viewer);
@@ -78,7 +78,7 @@ class RenderScene {
 
   const vrml::SceneGraph& scene_;
   const Images& images_;
-  const Clouds& clouds_;
+  const Geometries& geometries_;
   ShapeResources resources_;
   std::shared_ptr<RenderList> list_;
   RenderSources sources_;

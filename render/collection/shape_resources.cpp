@@ -65,13 +65,13 @@ void ShapeResources::apply_appearance(DrawItem& item, const vrml::SceneGraph& sc
   item.texture = texture_use(scene, appearance);
 }
 
-TextureUse ShapeResources::surface_texture(const vrml::Node& node, const qnv::Cloud& cloud) const {
+TextureUse ShapeResources::surface_texture(const vrml::Node& node, const qnv::IndexedMesh& mesh) const {
   TextureUse use;
   const auto given = images_.find(&node);
-  if (given == images_.end() || !given->second || given->second->empty() || !cloud.picture) return use;
+  if (given == images_.end() || !given->second || given->second->empty() || !mesh.picture) return use;
   use.image = given->second;
-  use.repeat_s = cloud.picture->repeat_s;
-  use.repeat_t = cloud.picture->repeat_t;
+  use.repeat_s = mesh.picture->repeat_s;
+  use.repeat_t = mesh.picture->repeat_t;
   return use;
 }
 

@@ -52,13 +52,13 @@ class ShapeResources {
   [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
                                       std::size_t level);
   /// Returns the mesh of a point set with triangles: its textured part if `pictured`, else the rest.
-  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Cloud>& cloud,
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Geometry>& geometry,
                                                                bool pictured) {
-    return meshes_.surface_of(cloud, pictured);
+    return meshes_.surface_of(geometry, pictured);
   }
-  /// Returns the texture of a QNV node's surface (qnv::Cloud::picture) from the images of nodes; empty until it has
-  /// loaded.
-  [[nodiscard]] TextureUse surface_texture(const vrml::Node& node, const qnv::Cloud& cloud) const;
+  /// Returns the texture of a QNV node's surface (qnv::IndexedMesh::picture) from the images of nodes; empty until it
+  /// has loaded.
+  [[nodiscard]] TextureUse surface_texture(const vrml::Node& node, const qnv::IndexedMesh& mesh) const;
   /// Returns the shared default mesh of a Box, Cone, Cylinder or Sphere, with its coarser levels. `fineness` is an
   /// index in kSegments.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,

@@ -94,12 +94,12 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
   bool any = !list.splats.empty();
   nothing_else = !discs_by_gl && !options.guides;
   for (const DrawItem& item : list.items) {
-    const bool layer = item.surface && item.surface->patches && !item.overlay && !by_gl;
+    const bool layer = item.patches() && !item.overlay && !by_gl;
     any = any || layer;
     nothing_else = nothing_else && (layer || !item.visible);
   }
   for (const SplatItem& item : list.splats)
-    nothing_else = nothing_else && item.cloud && item.cloud->description.kind == qnv::Kind::surface;
+    nothing_else = nothing_else && item.geometry && !item.geometry->as<qnv::Volume>();
   nothing_else = nothing_else && any;
   return any;
 }

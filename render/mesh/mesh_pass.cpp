@@ -161,7 +161,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
 
   if (item.mesh->pictured && prepare_text(item, sphere.center, sphere.radius, origin, prepared)) return;
   const std::shared_ptr<const vrml::Mesh>* mesh_seen = &item.mesh;
-  if (item.surface && item.surface->patches) {
+  if (item.patches()) {
     mesh_seen = view.surfaces ? view.surfaces->mesh_of(item) : nullptr;
     if (!mesh_seen) return;
   }

@@ -195,8 +195,8 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
     if (!is_finite(node_from_world)) return farthest;
     const SightLine inside{glm::dvec3(node_from_world * glm::dvec4(line.origin, 1)),
                            glm::dvec3(node_from_world * glm::dvec4(line.direction, 0)), farthest};
-    if (item.surface && item.surface->patches && sought != Sought::met) {
-      const auto hit = pick_patches(*item.surface->patches, inside, pixel / item.detail);
+    if (item.patches() && sought != Sought::met) {
+      const auto hit = pick_patches(*item.patches(), inside, pixel / item.detail);
       if (!hit || (found && hit->distance == found->triangle.distance && place > found->item)) return farthest;
       found = SurfaceHit{place, {hit->distance, hit->patch, hit->weights}};
       found_in = nullptr;

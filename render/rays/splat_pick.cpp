@@ -67,12 +67,12 @@ std::optional<NodeRay> in_node(const PickRay& ray, const glm::dmat4& world_from_
 /// Finds the nearest splat hit by a ray in a part of a point set.
 class DiscPicker {
  public:
-  DiscPicker(const qnv::Cloud& cloud, float growth, bool two_sided, const NodeRay& ray)
-      : cloud_(cloud), growth_(growth), two_sided_(two_sided), ray_(ray) {}
+  DiscPicker(const qnv::Splats& splats, float growth, bool two_sided, const NodeRay& ray)
+      : splats_(splats), growth_(growth), two_sided_(two_sided), ray_(ray) {}
 
   /// Returns the nearest hit before `nearest`, or `nearest`.
   [[nodiscard]] DiscPick run(std::size_t first, std::size_t last, DiscPick nearest) const {
-    cloud_.cells.empty() ? discs(first, last, nearest) : cubes(first, last, nearest);
+    splats_.cells.empty() ? discs(first, last, nearest) : cubes(first, last, nearest);
     return nearest;
   }
 
@@ -80,8 +80,8 @@ class DiscPicker {
   // The hit on a splat's plane is within the splat's reach from its centre, so the ray passes no farther from the
   // centre. This rejects nearly all splats without unpredictable branches.
   void discs(std::size_t first, std::size_t last, DiscPick& nearest) const {
-    const glm::vec3* positions = cloud_.positions.data();
-    const float* weights = cloud_.weights.data();
+    const glm::vec3* positions = splats_.positions.data();
+    const float* weights = splats_.weights.data();
     const float cover2 = growth_ * (splat::kDiscCover * splat::kDiscCover / splat::kPi),
                 least = ray_.sample * splat::kMinReach;
     const glm::vec3 origin = ray_.origin, across = ray_.across, up = ray_.up,
@@ -103,9 +103,9 @@ class DiscPicker {
   }
 
   void cubes(std::size_t first, std::size_t last, DiscPick& nearest) const {
-    const glm::vec3* positions = cloud_.positions.data();
-    const float* weights = cloud_.weights.data();
-    const qnv::Cell* cells = cloud_.cells.data();
+    const glm::vec3* positions = splats_.positions.data();
+    const float* weights = splats_.weights.data();
+    const qnv::Cell* cells = splats_.cells.data();
     const float cover = std::sqrt(growth_ / splat::kPi) * splat::kDiscCover;
     const glm::vec3 forward = ray_.direction * ray_.along;
     for (std::size_t i = first; i < last; ++i) {
@@ -122,20 +122,20 @@ class DiscPicker {
 
   /// Exact test, by the definition in tests/render/rays/raycast.h.
   void exact(std::size_t i, DiscPick& nearest) const {
-    const glm::vec3 place = cloud_.positions[i] - ray_.origin;
-    const glm::vec3& normal = cloud_.normals[i];
+    const glm::vec3 place = splats_.positions[i] - ray_.origin;
+    const glm::vec3& normal = splats_.normals[i];
     const float plane = glm::dot(normal, place);
     if (plane > 0 && !two_sided_) return;
     if (!(plane * plane > splat::kGrazing * splat::kGrazing * glm::dot(place, place))) return;
     const float distance = plane / glm::dot(normal, ray_.direction);
     if (!(distance > 0 && distance < nearest.distance)) return;
-    const float radius = std::sqrt(cloud_.weights[i] * growth_ * (1 / splat::kPi));
+    const float radius = std::sqrt(splats_.weights[i] * growth_ * (1 / splat::kPi));
     const float sample = std::max(glm::dot(place, ray_.direction) * ray_.along, 0.0f) * ray_.sample;
-    const bool cell = !cloud_.cells.empty() && cloud_.cells[i].edge > 0;
+    const bool cell = !splats_.cells.empty() && splats_.cells[i].edge > 0;
     float reach = std::max(radius * splat::kDiscCover, sample * splat::kMinReach);
     glm::vec3 off = ray_.direction * distance - place;
     if (cell) {
-      const qnv::Cell& cube = cloud_.cells[i];
+      const qnv::Cell& cube = splats_.cells[i];
       off += normal * cube.offset;
       const float margin = plane > 0 ? cube.edge * splat::kBackMargin
                                      : std::max(cube.edge * splat::kCubeMargin, sample * splat::kSampleMargin);
@@ -143,22 +143,23 @@ class DiscPicker {
     }
     // Splats with a non-finite size are not drawn.
     if (!(radius > 0 && std::isfinite(radius) && std::isfinite(reach))) return;
-    const bool hit = cloud_.cells.empty() ? glm::dot(off, off) < reach * reach
-                                          : std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < reach;
+    const bool hit = splats_.cells.empty() ? glm::dot(off, off) < reach * reach
+                                           : std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < reach;
     if (!hit) return;
     nearest.distance = distance;
-    nearest.color = cloud_.colors.size() == cloud_.size() ? std::optional(cloud_.colors[i]) : std::nullopt;
+    nearest.color = splats_.colors.size() == splats_.size() ? std::optional(splats_.colors[i]) : std::nullopt;
   }
 
-  const qnv::Cloud& cloud_;
+  const qnv::Splats& splats_;
   float growth_;
   bool two_sided_;
   const NodeRay& ray_;
 };
 
-bool can_be_picked(const qnv::Cloud& cloud) {
-  return cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size() &&
-         (cloud.cells.empty() || cloud.cells.size() == cloud.size());
+template <class Vectors>
+bool can_be_picked(const Vectors& vectors) {
+  return vectors.normals.size() == vectors.size() && vectors.weights.size() == vectors.size() &&
+         (vectors.cells.empty() || vectors.cells.size() == vectors.size());
 }
 
 /// Returns a thin pyramid around the ray in which the stream is as fine as in the image.
@@ -186,9 +187,9 @@ struct Veil {
 /// Finds the volume vectors near the ray in a range.
 class VeilFinder {
  public:
-  VeilFinder(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
+  VeilFinder(const qnv::Volume& volume, const VolumeModel& model, const VolumeOptions& options,
              const glm::dmat4& world_from_node, const PickRay& ray)
-      : cloud_(cloud), model_(model), options_(options), pixel_(ray.pixel), farthest_(ray.farthest) {
+      : volume_(volume), model_(model), options_(options), pixel_(ray.pixel), farthest_(ray.farthest) {
     const glm::dmat3 linear(world_from_node), transposed = glm::transpose(linear);
     const double determinant = glm::determinant(linear);
     usable_ = std::abs(determinant) > static_cast<double>(kMinDeterminant) && std::isfinite(determinant);
@@ -209,11 +210,11 @@ class VeilFinder {
   void run(std::size_t first, std::size_t last, std::vector<Veil>& out) const {
     const float reach2 = kVolumeReach * scale_ * scale_, least2 = kVolumeReach * kVolumePixel * pixel_ * pixel_;
     for (std::size_t k = first; k < last; ++k) {
-      const glm::vec4 p(cloud_.positions[k], 1);
+      const glm::vec4 p(volume_.positions[k], 1);
       const float x = glm::dot(p, across_), y = glm::dot(p, up_), depth = glm::dot(p, forward_);
       const float away2 = x * x + y * y, spacing = model_.spacing[k];
       if (!(away2 < spacing * spacing * reach2 || away2 < depth * depth * least2)) continue;
-      float alpha = volume_alpha(cloud_, model_, options_, k),
+      float alpha = volume_alpha(volume_, model_, options_, k),
             area = kVolumeFootprint * spacing * spacing * scale_ * scale_;
       if (!(alpha > 0 && depth > spacing * scale_ && depth < farthest_)) continue;
       const float least = kVolumePixel * depth * depth * pixel_ * pixel_;
@@ -227,7 +228,7 @@ class VeilFinder {
   }
 
  private:
-  const qnv::Cloud& cloud_;
+  const qnv::Volume& volume_;
   const VolumeModel& model_;
   const VolumeOptions& options_;
   float pixel_, farthest_, scale_ = 0;
@@ -247,24 +248,24 @@ float depth_where(const std::vector<Veil>& veils, float taken) {
 
 }  // namespace
 
-std::optional<DiscPick> pick_disc(const qnv::Cloud& cloud, const glm::dmat4& world_from_node, const PickRay& ray,
+std::optional<DiscPick> pick_disc(const qnv::Geometry& geometry, const glm::dmat4& world_from_node, const PickRay& ray,
                                   const PickLimits& limits) {
   const std::optional<NodeRay> node = in_node(ray, world_from_node);
   if (!node) return std::nullopt;
   DiscPick nearest{node->farthest, std::nullopt};
-  if (cloud.levels) {
+  if (const auto* octree = geometry.as<qnv::OctreeSplats>()) {
     const qnv::LodView view = view_along(ray, world_from_node, *node, limits.level_vectors);
-    const std::vector<qnv::Piece> pieces = cloud.levels->cut(view);
-    cloud.levels->forget(kPickViewport);  // the next ray is unrelated
+    const std::vector<qnv::Piece> pieces = octree->stream->cut(view);
+    octree->stream->forget(kPickViewport);  // the next ray is unrelated
     for (const qnv::Piece& piece : pieces) {
-      if (!can_be_picked(*piece.cloud)) continue;
-      const DiscPicker picker(*piece.cloud, 1, piece.cloud->description.two_sided, *node);
+      if (!can_be_picked(*piece.splats)) continue;
+      const DiscPicker picker(*piece.splats, 1, piece.splats->description.two_sided, *node);
       nearest = picker.run(piece.first, piece.first + piece.count, nearest);
     }
-  } else if (can_be_picked(cloud) && !cloud.empty()) {
-    const std::size_t count = std::min(cloud.size(), std::max<std::size_t>(limits.vectors, 1));
-    const float growth = static_cast<float>(cloud.size()) / static_cast<float>(count);
-    const DiscPicker picker(cloud, growth, cloud.description.two_sided, *node);
+  } else if (const auto* splats = geometry.as<qnv::Splats>(); splats && can_be_picked(*splats) && !splats->empty()) {
+    const std::size_t count = std::min(splats->size(), std::max<std::size_t>(limits.vectors, 1));
+    const float growth = static_cast<float>(splats->size()) / static_cast<float>(count);
+    const DiscPicker picker(*splats, growth, splats->description.two_sided, *node);
     std::vector<DiscPick> found((count + kPickedRange - 1) / kPickedRange, nearest);
     parallel_for(
         found.size(),
@@ -278,13 +279,13 @@ std::optional<DiscPick> pick_disc(const qnv::Cloud& cloud, const glm::dmat4& wor
   return nearest.distance < node->farthest ? std::optional(nearest) : std::nullopt;
 }
 
-std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
+std::optional<VolumePick> pick_volume(const qnv::Volume& volume, const VolumeModel& model, const VolumeOptions& options,
                                       const glm::dmat4& world_from_node, const PickRay& ray, const PickLimits& limits) {
-  const VeilFinder finder(cloud, model, options, world_from_node, ray);
-  const bool fits = can_be_picked(cloud) && model.spacing.size() == cloud.size() &&
-                    (cloud.classes.empty() || cloud.classes.size() == cloud.size());
-  if (!finder.usable() || !fits || cloud.empty()) return std::nullopt;
-  const std::size_t count = std::min(cloud.size(), limits.vectors);
+  const VeilFinder finder(volume, model, options, world_from_node, ray);
+  const bool fits = can_be_picked(volume) && model.spacing.size() == volume.size() &&
+                    (volume.classes.empty() || volume.classes.size() == volume.size());
+  if (!finder.usable() || !fits || volume.empty()) return std::nullopt;
+  const std::size_t count = std::min(volume.size(), limits.vectors);
   std::vector<std::vector<Veil>> found((count + kPickedRange - 1) / kPickedRange);
   parallel_for(
       found.size(),

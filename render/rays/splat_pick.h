@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/volume/volume_model.h"
 
 #include <glm/mat4x4.hpp>
@@ -41,12 +41,12 @@ struct DiscPick {
 ///
 /// For a point set with levels it decodes the cut along the ray, like LodStream::cut for the viewport kPickViewport;
 /// call it on the drawing thread. Otherwise it tests every splat in about 6 ns. Accepts any numbers.
-[[nodiscard]] std::optional<DiscPick> pick_disc(const qnv::Cloud& cloud, const glm::dmat4& world_from_node,
+[[nodiscard]] std::optional<DiscPick> pick_disc(const qnv::Geometry& geometry, const glm::dmat4& world_from_node,
                                                 const PickRay& ray, const PickLimits& limits = {});
 /// Returns only the distance.
-[[nodiscard]] inline std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::dmat4& world_from_node,
+[[nodiscard]] inline std::optional<float> pick_surface(const qnv::Geometry& geometry, const glm::dmat4& world_from_node,
                                                        const PickRay& ray, const PickLimits& limits = {}) {
-  const auto hit = pick_disc(cloud, world_from_node, ray, limits);
+  const auto hit = pick_disc(geometry, world_from_node, ray, limits);
   return hit ? std::optional(hit->distance) : std::nullopt;
 }
 inline constexpr std::uint32_t kPickViewport = 0xFFFFFFFF;
@@ -61,7 +61,7 @@ struct VolumePick {
 /// are those of `model` and `options`; `options.clip` is in node space. Splats face the ray here, and the camera in
 /// images. If the whole ray absorbs less than half, it returns the point at half of the total absorption; nullopt below
 /// one percent. Accepts any numbers.
-[[nodiscard]] std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel& model,
+[[nodiscard]] std::optional<VolumePick> pick_volume(const qnv::Volume& volume, const VolumeModel& model,
                                                     const VolumeOptions& options, const glm::dmat4& world_from_node,
                                                     const PickRay& ray, const PickLimits& limits = {});
 

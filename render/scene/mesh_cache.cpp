@@ -34,12 +34,13 @@ void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::
   entry.mesh = std::move(mesh);
 }
 
-std::shared_ptr<const vrml::Mesh> MeshCache::surface_of(const std::shared_ptr<const qnv::Cloud>& cloud, bool pictured) {
-  SurfaceEntry& entry = surfaces[cloud.get()];
-  if (entry.cloud.lock() != cloud) entry = {cloud, {}};
+std::shared_ptr<const vrml::Mesh> MeshCache::surface_of(const std::shared_ptr<const qnv::Geometry>& geometry,
+                                                        bool pictured) {
+  SurfaceEntry& entry = surfaces[geometry.get()];
+  if (entry.geometry.lock() != geometry) entry = {geometry, {}};
   if (entry.meshes[pictured]) return entry.meshes[pictured];
-  const auto mesh = entry.meshes[pictured] = mesh_of_surface(*cloud, pictured);
-  std::erase_if(surfaces, [](const auto& each) { return each.second.cloud.expired(); });
+  const auto mesh = entry.meshes[pictured] = mesh_of_surface(*geometry, pictured);
+  std::erase_if(surfaces, [](const auto& each) { return each.second.geometry.expired(); });
   return mesh;
 }
 

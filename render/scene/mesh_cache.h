@@ -2,7 +2,7 @@
 
 #include "base/budget.h"
 #include "base/phases.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/image/image.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/mesh/text_shaper.h"
@@ -61,11 +61,11 @@ struct MeshCache {
 
   /// Meshes of point sets with triangles, while the point sets exist.
   struct SurfaceEntry {
-    std::weak_ptr<const qnv::Cloud> cloud;
+    std::weak_ptr<const qnv::Geometry> geometry;
     std::array<std::shared_ptr<const vrml::Mesh>, 2> meshes;  // second: the textured part
   };
-  std::unordered_map<const qnv::Cloud*, SurfaceEntry> surfaces;
-  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_of(const std::shared_ptr<const qnv::Cloud>& cloud,
+  std::unordered_map<const qnv::Geometry*, SurfaceEntry> surfaces;
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_of(const std::shared_ptr<const qnv::Geometry>& geometry,
                                                              bool pictured);
 
   /// Makes large changed meshes while the previous ones stay visible; null means that meshes are made on request.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/array.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/image/image.h"
 #include "render/scene/fog.h"
 #include "render/scene/mesh_cache.h"
@@ -74,19 +74,24 @@ struct DrawItem {
   bool visible = true;                        // visible; false for the proxy of a Collision (6.8)
   bool collidable = true;                     // collidable
   bool overlay = false;                       // fixed to the viewer: drawn over all other items
-  std::shared_ptr<const qnv::Cloud> surface;  // QNV node: its vectors are the mesh's vertices; else null
+  std::shared_ptr<const qnv::Geometry> surface;  // QNV node: an indexed mesh or patches; else null
   float detail = 1;                           // > 0: detail factor of the QNV node
+
+  /// Returns the patches of which each view draws a cut instead of `mesh`; nullptr if there are none.
+  [[nodiscard]] const qnv::SurfacePatches* patches() const {
+    return surface ? surface->as<qnv::SurfacePatches>() : nullptr;
+  }
 };
 
 /// Received vectors of a world's QNV nodes, by node.
-using Clouds = std::unordered_map<const vrml::Node*, std::shared_ptr<const qnv::Cloud>>;
+using Geometries = std::unordered_map<const vrml::Node*, std::shared_ptr<const qnv::Geometry>>;
 
 /// Instance of a Shape with a QNV node that is drawn as splats.
 struct SplatItem {
-  std::shared_ptr<const qnv::Cloud> cloud;
+  std::shared_ptr<const qnv::Geometry> geometry;
   glm::dmat4 world_from_node{1.0};
   Material material;
-  bool own_color = false;  // use the point set's colour instead of the material's
+  bool own_color = false;  // use the splats' colour instead of the material's
   float detail = 1;        // > 0: factor of the QNV node for its share of the budget and its level of detail
   LightList directional_lights;
   std::uint32_t place = kNoPlace;  // path of the Shape
@@ -189,11 +194,11 @@ struct RenderList {
 /// Traverses the scene, including PROTO instances and attached Inlines, and collects its visible content. Accepts any
 /// graph that a file can describe: it cuts cycles; the scene's budget bounds depth, items, triangles and mesh memory,
 /// and `limit_reports` reports omissions. Many primitives get coarser meshes. Stops early if the budget is cancelled.
-/// `viewer` is the camera position in world space, for LOD. Geometry nodes in `clouds` become splats. `bound` selects
-/// NavigationInfo, Background and Fog; null means the first ones outside Inlines. `pixels_per_radian` determines the
-/// detail of Text.
+/// `viewer` is the camera position in world space, for LOD. Geometry nodes in `geometries` become splats or surfaces.
+/// `bound` selects NavigationInfo, Background and Fog; null means the first ones outside Inlines. `pixels_per_radian`
+/// determines the detail of Text.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
-                                 const glm::dvec3& viewer = glm::dvec3(0, 0, 10), const Clouds& clouds = {},
+                                 const glm::dvec3& viewer = glm::dvec3(0, 0, 10), const Geometries& geometries = {},
                                  const BoundNodes* bound = nullptr, float pixels_per_radian = kUsualPixelsPerRadian);
 
 }  // namespace gs::render

@@ -24,37 +24,38 @@ vrml::Color color_of(const qnv::Rgb8& c) {
 
 }  // namespace
 
-std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud, bool pictured) {
-  if (cloud.patches)
-    return mesh_of_cut(*cloud.patches, qnv::even_cut(*cloud.patches, kMaxMetTriangles), cloud.description.two_sided,
-                       cloud.color);
-  // Textured vertices come last.
-  const std::size_t border = cloud.first_textured(), first = pictured ? border : 0,
-                    count = (pictured ? cloud.size() : border) - first;
-  const auto middle = std::ranges::find_if(cloud.triangles, [&](std::uint32_t v) { return v >= border; });
-  std::vector<std::uint32_t> indices;
-  for (auto at = pictured ? middle : cloud.triangles.begin(); at != (pictured ? cloud.triangles.end() : middle); ++at)
-    indices.push_back(*at - static_cast<std::uint32_t>(first));
+std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Geometry& geometry, bool pictured) {
+  if (const auto* patches = geometry.as<qnv::SurfacePatches>())
+    return mesh_of_cut(*patches, qnv::even_cut(*patches, kMaxMetTriangles));
   auto mesh = std::make_shared<vrml::Mesh>();
-  const auto positions = std::span(cloud.positions).subspan(first, count);
+  const auto* surface = geometry.as<qnv::IndexedMesh>();
+  if (!surface) return mesh;
+  // Textured vertices come last.
+  const std::size_t border = surface->first_textured(), first = pictured ? border : 0,
+                    count = (pictured ? surface->size() : border) - first;
+  const auto middle = std::ranges::find_if(surface->triangles, [&](std::uint32_t v) { return v >= border; });
+  std::vector<std::uint32_t> indices;
+  for (auto at = pictured ? middle : surface->triangles.begin(); at != (pictured ? surface->triangles.end() : middle);
+       ++at)
+    indices.push_back(*at - static_cast<std::uint32_t>(first));
+  const auto positions = std::span(surface->positions).subspan(first, count);
   mesh->positions = Array<glm::vec3>(positions);
-  mesh->normals = Array<glm::vec3>(std::span(cloud.normals).subspan(first, count));
+  mesh->normals = Array<glm::vec3>(std::span(surface->normals).subspan(first, count));
   mesh->indices = Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
-  mesh->solid = !cloud.description.two_sided;
+  mesh->solid = !surface->description.two_sided;
   if (pictured) {
-    mesh->texture_coordinates = Array<glm::vec2>(std::span<const glm::vec2>(cloud.texture_coordinates));
-  } else if (!cloud.colors.empty()) {
+    mesh->texture_coordinates = Array<glm::vec2>(std::span<const glm::vec2>(surface->texture_coordinates));
+  } else if (!surface->colors.empty()) {
     std::vector<vrml::Color> colors;
     colors.reserve(count);
-    for (std::size_t v = 0; v < count; ++v) colors.push_back(color_of(cloud.colors[v]));
+    for (std::size_t v = 0; v < count; ++v) colors.push_back(color_of(surface->colors[v]));
     mesh->colors = Array<vrml::Color>(std::span<const vrml::Color>(colors));
   }
   for (const glm::vec3& p : positions) mesh->bounds.add(p);
   return mesh;
 }
 
-std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut,
-                                              bool two_sided, const qnv::Rgb8& color) {
+std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut) {
   auto mesh = std::make_shared<vrml::Mesh>();
   bool colored = false;
   for (const auto& part : surface.parts) colored = colored || part->colored();
@@ -70,7 +71,7 @@ std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface
       normals.push_back(qnv::unpack_direction(v.normal));
     }
     for (std::size_t i = 0; colored && i < patch.vertices().size(); ++i)
-      colors.push_back(color_of(patch.colors().empty() ? color : patch.colors()[i]));
+      colors.push_back(color_of(patch.colors().empty() ? surface.color : patch.colors()[i]));
     for (const auto& triangles : {patch.inner(), patch.border()})
       for (const qnv::PatchMesh::Triangle& t : triangles)
         for (const auto corner : t) indices.push_back(first + corner);
@@ -79,7 +80,7 @@ std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface
   mesh->normals = Array<glm::vec3>(std::span<const glm::vec3>(normals));
   mesh->indices = Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
   if (colored) mesh->colors = Array<vrml::Color>(std::span<const vrml::Color>(colors));
-  mesh->solid = !two_sided;
+  mesh->solid = !surface.description.two_sided;
   const Box box = surface.box();
   mesh->bounds.add(box.lower);
   mesh->bounds.add(box.upper);
@@ -119,10 +120,10 @@ Shine shine_of(const qnv::Description& description) {
 
 void dress_surface(DrawItem& item) {
   if (!item.surface || item.material.lit) return;
-  const qnv::Rgb8& own = item.surface->color;
+  const qnv::Rgb8& own = item.surface->color();
   item.material = Material{};
   item.material.diffuse = glm::vec3(own.r, own.g, own.b) / 255.0f;
-  const Shine shine = shine_of(item.surface->description);
+  const Shine shine = shine_of(item.surface->description());
   item.material.specular = shine.specular;
   item.material.shininess = shine.shininess;
 }

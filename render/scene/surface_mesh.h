@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/displaced/tessellation/surface_cut.h"
 #include "render/scene/render_list.h"
 #include "vrml/mesh/mesh.h"
@@ -14,15 +14,14 @@
 
 namespace gs::render {
 
-/// Returns the mesh of a point set with triangles (qnv::Cloud::triangles). If part of it has a picture, `pictured`
-/// selects that part, otherwise the rest. For a surface in patches, it returns one level of all patches for collision
+/// Returns the mesh of an indexed mesh or of patches; an empty mesh for other geometry. If part of it has a picture,
+/// `pictured` selects that part, otherwise the rest. For patches, it returns one level of all of them for collision
 /// detection, not for drawing.
-[[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud, bool pictured = false);
+[[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Geometry& geometry, bool pictured = false);
 
-/// Returns the triangles of a cut as a mesh; patches share no vertices. `two_sided` makes back faces visible.
+/// Returns the triangles of a cut as a mesh; patches share no vertices.
 [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface,
-                                                            const qnv::SurfaceCut& cut, bool two_sided,
-                                                            const qnv::Rgb8& color);
+                                                            const qnv::SurfaceCut& cut);
 
 /// Specular properties of a surface (VRML97 6.27), stored in its stream's metadata.
 struct Shine {

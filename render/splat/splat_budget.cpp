@@ -19,9 +19,9 @@ constexpr double kMaxAPixel = 8;
 
 /// Returns an upper bound on the useful vectors, not far above the actual number.
 double demand_of(const SplatItem& item, double pixels) {
-  const qnv::Cloud& cloud = *item.cloud;
-  if (!cloud.levels) return static_cast<double>(cloud.size());
-  const auto all = static_cast<double>(cloud.levels->header().vectors);
+  const auto* octree = item.geometry->as<qnv::OctreeSplats>();
+  if (!octree) return static_cast<double>(item.geometry->size());
+  const auto all = static_cast<double>(octree->stream->header().vectors);
   const double useful = pixels * kMaxAPixel * static_cast<double>(item.detail) * static_cast<double>(item.detail);
   return std::max(1.0, all > 0 ? std::min(all, useful) : useful);
 }
@@ -53,7 +53,7 @@ BudgetView budget_view(const SplatView& view, const glm::dmat4& camera_from_worl
 }
 
 double pixels_covered(const SplatItem& item, const BudgetView& view) {
-  const Box& box = item.cloud->description.box;
+  const Box& box = item.geometry->description().box;
   const glm::dmat4 matrix = view.camera_from_world * item.world_from_node;
   const glm::dvec3 half = (glm::dvec3(box.upper) - glm::dvec3(box.lower)) * 0.5;
   const glm::dvec3 center(matrix * glm::dvec4(glm::dvec3(box.lower) + half, 1.0));
@@ -112,7 +112,9 @@ std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const Bu
   }
   // Streams may use more than estimated.
   double streams = 0;
-  const auto may_grow = [&](std::size_t i) { return items[i].cloud->levels && items[i].detail >= 1; };
+  const auto may_grow = [&](std::size_t i) {
+    return items[i].geometry->as<qnv::OctreeSplats>() && items[i].detail >= 1;
+  };
   for (const std::size_t i : order) streams += may_grow(i) ? weights[i] : 0;
   for (const std::size_t i : order)
     if (may_grow(i)) shares[i] += std::max(left, 0.0) * weights[i] / streams;

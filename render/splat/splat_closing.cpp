@@ -107,9 +107,9 @@ void apply(const Closed& closed, SplatLayer& layer) {
 }  // namespace
 
 int closing_for(std::span<const SharedSplatPiece> shared, const SplatView& view) {
-  if (shared.empty() || shared.front().cloud->cells.empty()) return kMinClosing;
+  if (shared.empty() || shared.front().splats->cells.empty()) return kMinClosing;
   std::vector<SplatPiece> pieces;
-  for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
+  for (const SharedSplatPiece& p : shared) pieces.push_back({p.splats.get(), p.first, p.count, p.growth, p.tint});
   const SurfaceMeasure survey = measure_surface(pieces, view, kClosingSurvey);
   if (survey.discs == 0) return kMinClosing;
   // The bounds of a splat are about 2.7 voxel edges wide.

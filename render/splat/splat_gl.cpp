@@ -101,17 +101,17 @@ void SplatGl::add_instances(std::vector<Instance>& to, std::size_t piece, std::s
 std::optional<SplatTextures> SplatGl::draw(std::span<const SharedSplatPiece> pieces, const SplatView& view) {
   const auto camera = splat_camera(view);
   if (!camera || pieces.empty() || view.width < 1 || view.height < 1) return SplatTextures{};
-  std::vector<std::shared_ptr<const qnv::Cloud>> clouds;
+  std::vector<std::shared_ptr<const qnv::Splats>> sets;
   for (const SharedSplatPiece& piece : pieces)
-    if (clouds.empty() || clouds.back() != piece.cloud) clouds.push_back(piece.cloud);
-  if (!store_.add(clouds)) return std::nullopt;
+    if (sets.empty() || sets.back() != piece.splats) sets.push_back(piece.splats);
+  if (!store_.add(sets)) return std::nullopt;
   Surface surface;
   surface.color_by_normal = view.color_by_normal;
   surface.kind.colored = view.color_by_normal;
   std::vector<SplatPiece> in_view;
   std::vector<const SplatStore::Entry*> entries;
   for (const SharedSplatPiece& piece : pieces) {
-    const SplatStore::Entry& entry = *store_.find(piece.cloud.get());
+    const SplatStore::Entry& entry = *store_.find(piece.splats.get());
     if (!entry.coding || piece.first > entry.discs || piece.count > entry.discs - piece.first) continue;
     const SplatCoding& coding = *entry.coding;
     const float growth = std::max(piece.growth, 1.0f);
@@ -123,14 +123,14 @@ std::optional<SplatTextures> SplatGl::draw(std::span<const SharedSplatPiece> pie
     if (surface.kind.cells != entry.cells) continue;
     unite(surface.rectangle, *rectangle);
     entries.push_back(&entry);
-    in_view.push_back({piece.cloud.get(), piece.first, piece.count, growth, piece.tint});
+    in_view.push_back({piece.splats.get(), piece.first, piece.count, growth, piece.tint});
     const float tint =
         piece.tint ? static_cast<float>(piece.tint->r | piece.tint->g << 8 | piece.tint->b << 16) : -1.0f;
     surface.pieces.push_back({glm::vec4(coding.lower - camera->eye, coding.radius.x),
                               glm::vec4(coding.step, coding.radius.y),
                               glm::vec4(coding.edge, std::sqrt(growth), tint)});
-    surface.kind.colored = surface.kind.colored || piece.tint || !piece.cloud->colors.empty();
-    surface.kind.sides = surface.kind.sides || piece.cloud->description.two_sided;
+    surface.kind.colored = surface.kind.colored || piece.tint || !piece.splats->colors.empty();
+    surface.kind.sides = surface.kind.sides || piece.splats->description.two_sided;
   }
   const SurfaceMeasure survey = measure_surface(in_view, view, kSurveyedDiscs);
   surface.step = step_for(survey);

@@ -18,7 +18,7 @@ namespace gs::render {
 
 /// Range of a point set's splats; like SplatPiece, but it holds the point set.
 struct SharedSplatPiece {
-  std::shared_ptr<const qnv::Cloud> cloud;
+  std::shared_ptr<const qnv::Splats> splats;
   std::size_t first = 0, count = 0;
   float growth = 1;                              // factor of their areas
   std::optional<qnv::Rgb8> tint = std::nullopt;  // replaces all colours of the piece

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/splat/splat_camera.h"
 #include "render/splat/splat_raster.h"
 #include "render/splat/splat_tile.h"

@@ -21,11 +21,11 @@
 namespace gs::render {
 namespace {
 
-/// Reports whether all arrays of a point set have consistent sizes.
-bool has_whole_arrays(const qnv::Cloud& cloud) {
-  const auto fits = [&](const auto& array) { return array.empty() || array.size() == cloud.size(); };
-  return cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size() && fits(cloud.colors) &&
-         fits(cloud.cells);
+/// Reports whether all arrays have consistent sizes.
+bool has_whole_arrays(const qnv::Splats& splats) {
+  const auto fits = [&](const auto& array) { return array.empty() || array.size() == splats.size(); };
+  return splats.normals.size() == splats.size() && splats.weights.size() == splats.size() && fits(splats.colors) &&
+         fits(splats.cells);
 }
 
 /// Saves and restores the caller's framebuffer bindings, which SplatPass::draw changes.
@@ -55,7 +55,7 @@ Material shown_material(const Material& material, ColorBy color_by) {
 
 Material shown_material(const SplatItem& item, ColorBy color_by) {
   Material material = shown_material(item.material, color_by);
-  const qnv::Rgb8& own = item.cloud->color;
+  const qnv::Rgb8& own = item.geometry->color();
   if (item.own_color) material.diffuse = glm::vec3(own.r, own.g, own.b) / 255.0f;
   return material;
 }
@@ -133,7 +133,7 @@ std::optional<SplatTextures> SplatPass::with_gl(std::span<const SharedSplatPiece
 SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, const SplatView& view,
                                       const SplatView& whole) {
   std::vector<SplatPiece> pieces;
-  for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
+  for (const SharedSplatPiece& p : shared) pieces.push_back({p.splats.get(), p.first, p.count, p.growth, p.tint});
   SplatLayer layer = rasterize_surface(pieces, view);
   close_pinholes(layer, view, closing_for(shared, whole));
   return upload(layer);
@@ -233,7 +233,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   const CameraFog fog = camera_fog(list.fog, glm::mat3(camera.world_from_camera), projection.back);
   std::vector<std::uint32_t> sets;
   for (const SplatItem& item : list.splats) {
-    const Box& box = item.cloud->description.box;
+    const Box& box = item.geometry->description().box;
     const glm::dmat4 camera_from_node = camera_from_world * item.world_from_node;
     const glm::vec3 center(camera_from_node * glm::dvec4((glm::dvec3(box.lower) + glm::dvec3(box.upper)) * 0.5, 1));
     double radius = 0;
@@ -250,21 +250,23 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   const std::vector<std::size_t> shares =
       share_budget(list.splats, budget_view(whole, camera_from_world), options.budget);
   std::size_t streams = 0, decodable = options.most_decoded;
-  for (const SplatItem& item : list.splats) streams += item.cloud->levels ? 1 : 0;
+  for (const SplatItem& item : list.splats) streams += item.geometry->as<qnv::OctreeSplats>() ? 1 : 0;
   std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // number of instances so far
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
-    if (item.cloud->description.kind == qnv::Kind::volume || !has_whole_arrays(*item.cloud)) continue;
+    const auto* splats = item.geometry->as<qnv::Splats>();
+    const auto* octree = item.geometry->as<qnv::OctreeSplats>();
+    if (splats ? !has_whole_arrays(*splats) : !octree) continue;
     whole.camera_from_node = view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
     CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
-    if (item.cloud->levels) {
+    if (octree) {
       // Each instance of a stream keeps its own detail.
-      wanted.viewport += shown[item.cloud->levels.get()]++ << 16;
+      wanted.viewport += shown[octree->stream.get()]++ << 16;
       if (options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
     }
     const SplatCut cut = [&] {
       const PhaseScope phase(gl_.phases, Phase::cut);
-      return cut_cloud(item.cloud, whole, wanted);
+      return cut_splats(item.geometry, whole, wanted);
     }();
     const std::vector<SharedSplatPiece>& pieces = cut.pieces;
     statistics.pending = statistics.pending || cut.pending;
@@ -276,7 +278,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     if (!textures) textures = on_processor(pieces, view, whole);
     statistics.vectors += textures->discs;
     statistics.draw_calls += textures->draw_calls;
-    // A point set that OpenGL could not draw shows in the statistics.
+    // Splats that OpenGL could not draw shows in the statistics.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
     shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0, sets[i],

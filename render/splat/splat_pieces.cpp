@@ -32,14 +32,14 @@ std::optional<qnv::Rgb8> tint_of(const qnv::Piece& piece, ColorBy color_by) {
 }
 
 /// Returns the first `count` vectors of a point set, split where the tint changes.
-std::vector<SharedSplatPiece> prefix_of(const std::shared_ptr<const qnv::Cloud>& cloud, std::size_t count,
+std::vector<SharedSplatPiece> prefix_of(const std::shared_ptr<const qnv::Splats>& splats, std::size_t count,
                                         ColorBy color_by) {
-  const std::size_t all = cloud->size();
+  const std::size_t all = splats->size();
   const float growth = count < all ? static_cast<float>(all) / static_cast<float>(count) : 1.0f;
   std::vector<SharedSplatPiece> pieces;
   const auto add = [&](std::size_t first, std::size_t end, const std::optional<qnv::Rgb8>& tint) {
     end = std::min(end, count);
-    if (first < end) pieces.push_back({cloud, first, end - first, growth, tint});
+    if (first < end) pieces.push_back({splats, first, end - first, growth, tint});
   };
   switch (color_by) {
     case ColorBy::level: {
@@ -84,13 +84,15 @@ std::optional<qnv::LodView> lod_view(const SplatView& view) {
   return lod;
 }
 
-SplatCut cut_cloud(const std::shared_ptr<const qnv::Cloud>& cloud, const SplatView& view, const CutOptions& options) {
+SplatCut cut_splats(const std::shared_ptr<const qnv::Geometry>& geometry, const SplatView& view,
+                    const CutOptions& options) {
   SplatCut cut;
-  if (!cloud->levels) {
-    const std::size_t all = cloud->size();
-    cut.pieces = prefix_of(cloud, options.budget == 0 ? all : std::min(all, options.budget), options.color_by);
-    return cut;
+  if (const auto splats = qnv::shared_as<qnv::Splats>(geometry)) {
+    const std::size_t all = splats->size();
+    cut.pieces = prefix_of(splats, options.budget == 0 ? all : std::min(all, options.budget), options.color_by);
   }
+  const auto* octree = geometry->as<qnv::OctreeSplats>();
+  if (!octree) return cut;
   auto looked = lod_view(view);
   if (!looked) return cut;
   qnv::LodView& lod = *looked;
@@ -100,10 +102,10 @@ SplatCut cut_cloud(const std::shared_ptr<const qnv::Cloud>& cloud, const SplatVi
   lod.most_decoded = options.most_decoded;
   lod.leave_backs = true;
   lod.each_chunk = options.color_by != ColorBy::own && options.color_by != ColorBy::normal;
-  for (const qnv::Piece& piece : cloud->levels->cut(lod))
-    cut.pieces.push_back({piece.cloud, piece.first, piece.count, 1, tint_of(piece, options.color_by)});
-  cut.pending = cloud->levels->pending();
-  cut.decoded = cloud->levels->decoded();
+  for (const qnv::Piece& piece : octree->stream->cut(lod))
+    cut.pieces.push_back({piece.splats, piece.first, piece.count, 1, tint_of(piece, options.color_by)});
+  cut.pending = octree->stream->pending();
+  cut.decoded = octree->stream->decoded();
   return cut;
 }
 

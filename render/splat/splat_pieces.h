@@ -32,8 +32,8 @@ struct SplatCut {
 /// progressive order within the budget, enlarged to keep its area. With colours by level, chunk or age, each piece has
 /// a tint of color_ramps.h; a level has the same colour in all streams. In point sets without levels, octaves of the
 /// order stand for levels and blocks for chunks. Returns nothing for non-finite views.
-[[nodiscard]] SplatCut cut_cloud(const std::shared_ptr<const qnv::Cloud>& cloud, const SplatView& view,
-                                 const CutOptions& options);
+[[nodiscard]] SplatCut cut_splats(const std::shared_ptr<const qnv::Geometry>& geometry, const SplatView& view,
+                                  const CutOptions& options);
 
 /// Returns the view for cutting a stream, except budget and error; nullopt for non-finite views.
 [[nodiscard]] std::optional<qnv::LodView> lod_view(const SplatView& view);

@@ -22,17 +22,17 @@ constexpr std::size_t kTaskRange = 16384, kMaxTasks = 256;
 constexpr int kMaxSamples = 65535;  // along an edge of the viewport
 
 SplatSource source_of(const SplatPiece& piece, const SplatView& view) {
-  const qnv::Cloud& cloud = *piece.cloud;
+  const qnv::Splats& splats = *piece.splats;
   SplatSource source;
-  source.positions = cloud.positions.data() + piece.first;
-  source.normals = cloud.normals.data() + piece.first;
-  source.weights = cloud.weights.data() + piece.first;
-  if (!cloud.colors.empty() && !piece.tint) source.colors = cloud.colors.data() + piece.first;
-  if (!cloud.cells.empty()) source.cells = cloud.cells.data() + piece.first;
+  source.positions = splats.positions.data() + piece.first;
+  source.normals = splats.normals.data() + piece.first;
+  source.weights = splats.weights.data() + piece.first;
+  if (!splats.colors.empty() && !piece.tint) source.colors = splats.colors.data() + piece.first;
+  if (!splats.cells.empty()) source.cells = splats.cells.data() + piece.first;
   source.count = piece.count;
   source.growth = std::max(piece.growth, 1.0f);
-  source.color = splat_color(piece.tint.value_or(cloud.color));
-  source.two_sided = cloud.description.two_sided;
+  source.color = splat_color(piece.tint.value_or(splats.color));
+  source.two_sided = splats.description.two_sided;
   source.color_by_normal = view.color_by_normal;
   return source;
 }
@@ -201,8 +201,8 @@ std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, c
 
 }  // namespace
 
-SplatLayer rasterize_surface(const qnv::Cloud& cloud, const SplatView& view) {
-  const SplatPiece whole{&cloud, 0, cloud.size()};
+SplatLayer rasterize_surface(const qnv::Splats& splats, const SplatView& view) {
+  const SplatPiece whole{&splats, 0, splats.size()};
   return rasterize_surface(std::span(&whole, 1), view);
 }
 
@@ -233,11 +233,11 @@ SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView
   }
   if (layer.discs == 0) return layer;
   SplatKind kind;
-  kind.cubes = !pieces.front().cloud->cells.empty();
-  kind.sides = pieces.front().cloud->description.two_sided;
+  kind.cubes = !pieces.front().splats->cells.empty();
+  kind.sides = pieces.front().splats->description.two_sided;
   kind.smooth = is_smooth(static_cast<double>(width), static_cast<double>(layer.discs));
   kind.colored = view.color_by_normal || std::any_of(pieces.begin(), pieces.end(), [](const SplatPiece& piece) {
-                   return piece.tint || !piece.cloud->colors.empty();
+                   return piece.tint || !piece.splats->colors.empty();
                  });
   layer.width = view.width;
   layer.height = view.height;
@@ -276,17 +276,17 @@ SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatVi
   double width = 0, in_view = 0;
   std::vector<SplatDisc> discs;
   for (const SplatPiece& piece : pieces) {
-    qnv::Cloud sample;
+    qnv::Splats sample;
     const std::size_t looked_at = (piece.count + step - 1) / step;
     SplatPiece looked{piece};
     if (step > 1) {
-      sample.description.two_sided = piece.cloud->description.two_sided;
+      sample.description.two_sided = piece.splats->description.two_sided;
       for (std::size_t i = 0; i < piece.count; i += step) {
         const std::size_t at = piece.first + i;
-        sample.positions.push_back(piece.cloud->positions[at]);
-        sample.normals.push_back(piece.cloud->normals[at]);
-        sample.weights.push_back(piece.cloud->weights[at]);
-        if (!piece.cloud->cells.empty()) sample.cells.push_back(piece.cloud->cells[at]);
+        sample.positions.push_back(piece.splats->positions[at]);
+        sample.normals.push_back(piece.splats->normals[at]);
+        sample.weights.push_back(piece.splats->weights[at]);
+        if (!piece.splats->cells.empty()) sample.cells.push_back(piece.splats->cells[at]);
       }
       looked = {&sample, 0, looked_at, piece.growth};
     }

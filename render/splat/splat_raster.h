@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -66,11 +66,11 @@ struct SplatLayer {
 /// Splats a surface on the CPU. The first pass finds the nearest surface of every sample. The second averages normals
 /// and colours of the splats there, weighted by a bell of the distance (paper, section 3; Botsch et al. 2005). Splats
 /// from an octree cover only their cube and a small margin. Gives the same bits for any number of threads.
-[[nodiscard]] SplatLayer rasterize_surface(const qnv::Cloud& cloud, const SplatView& view);
+[[nodiscard]] SplatLayer rasterize_surface(const qnv::Splats& splats, const SplatView& view);
 
 /// Range of a point set's splats.
 struct SplatPiece {
-  const qnv::Cloud* cloud = nullptr;
+  const qnv::Splats* splats = nullptr;
   std::size_t first = 0, count = 0;
   float growth = 1;  // factor of their areas, since they represent others that are not drawn
   std::optional<qnv::Rgb8> tint = std::nullopt;  // replaces all colours of the piece

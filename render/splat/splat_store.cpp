@@ -59,18 +59,18 @@ bool has_cube(const qnv::Cell& cell) { return cell.edge > 0 && std::isfinite(cel
 
 }  // namespace
 
-std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud) {
-  const std::size_t count = cloud.size();
-  if (cloud.normals.size() != count || cloud.weights.size() != count) return std::nullopt;
-  if (!cloud.colors.empty() && cloud.colors.size() != count) return std::nullopt;
-  if (!cloud.cells.empty() && cloud.cells.size() != count) return std::nullopt;
+std::optional<SplatCoding> splat_coding(const qnv::Splats& splats) {
+  const std::size_t count = splats.size();
+  if (splats.normals.size() != count || splats.weights.size() != count) return std::nullopt;
+  if (!splats.colors.empty() && splats.colors.size() != count) return std::nullopt;
+  if (!splats.cells.empty() && splats.cells.size() != count) return std::nullopt;
   Box box;
   float smallest = std::numeric_limits<float>::max(), largest = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!can_be_drawn(cloud.positions[i], cloud.normals[i], cloud.weights[i])) continue;
-    box.add(cloud.positions[i]);
-    smallest = std::min(smallest, cloud.weights[i]);
-    largest = std::max(largest, cloud.weights[i]);
+    if (!can_be_drawn(splats.positions[i], splats.normals[i], splats.weights[i])) continue;
+    box.add(splats.positions[i]);
+    smallest = std::min(smallest, splats.weights[i]);
+    largest = std::max(largest, splats.weights[i]);
   }
   if (box.empty() || !finite(box.size())) return std::nullopt;
   SplatCoding coding;
@@ -79,14 +79,14 @@ std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud) {
   coding.radius = logarithms(radius_of(smallest), radius_of(largest));
   coding.largest_radius = radius_of(largest);
   float shortest = std::numeric_limits<float>::max(), longest = 0;
-  for (const qnv::Cell& cell : cloud.cells) {
+  for (const qnv::Cell& cell : splats.cells) {
     if (!has_cube(cell)) continue;
     shortest = std::min(shortest, cell.edge);
     longest = std::max(longest, cell.edge);
   }
   if (longest > 0) {
     coding.edge = logarithms(shortest, longest);
-    for (const qnv::Cell& cell : cloud.cells)
+    for (const qnv::Cell& cell : splats.cells)
       if (has_cube(cell) && std::isfinite(cell.offset))
         coding.reach = std::max(coding.reach, std::min(std::abs(cell.offset), cell.edge * SplatCoding::kOffsetRange));
     coding.reach += longest * 1.1f;
@@ -94,16 +94,17 @@ std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud) {
   return coding;
 }
 
-void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<SplatCode> codes) {
+void encode_splats(const qnv::Splats& splats, const SplatCoding& coding, std::size_t first,
+                   std::span<SplatCode> codes) {
   glm::vec3 per_unit(0);
   for (int axis = 0; axis < 3; ++axis)
     if (coding.step[axis] > 0) per_unit[axis] = 1 / coding.step[axis];
   for (std::size_t i = 0; i < codes.size(); ++i) {
     SplatCode& code = codes[i];
     code = {};
-    const glm::vec3& position = cloud.positions[first + i];
-    const glm::vec3& normal = cloud.normals[first + i];
-    const float weight = cloud.weights[first + i];
+    const glm::vec3& position = splats.positions[first + i];
+    const glm::vec3& normal = splats.normals[first + i];
+    const float weight = splats.weights[first + i];
     if (!can_be_drawn(position, normal, weight)) continue;
     for (int axis = 0; axis < 3; ++axis) {
       // The reciprocal of a denormal step is infinite, and 0 times infinity is NaN.
@@ -113,7 +114,7 @@ void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size
     }
     const auto [u, v] = splat_normal_codes(normal);
     const std::uint32_t radius = length_code(radius_of(weight), coding.radius);
-    const qnv::Rgb8& color = cloud.colors.empty() ? cloud.color : cloud.colors[first + i];
+    const qnv::Rgb8& color = splats.colors.empty() ? splats.color : splats.colors[first + i];
     code[0] |= u << 20;
     code[1] |= v << 20;
     code[2] |= radius << 20;
@@ -122,10 +123,10 @@ void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size
   }
 }
 
-void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes) {
+void encode_cells(const qnv::Splats& splats, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes) {
   for (std::size_t i = 0; i < codes.size(); ++i) {
     codes[i] = 0;
-    const qnv::Cell& cell = cloud.cells[first + i];
+    const qnv::Cell& cell = splats.cells[first + i];
     if (!has_cube(cell)) continue;
     float offset = cell.offset / (cell.edge * SplatCoding::kOffsetRange);
     offset = std::isfinite(offset) ? std::clamp(offset, -1.0f, 1.0f) : 0.0f;
@@ -150,35 +151,35 @@ Texture make_buffer_texture(const Gl& gl, const Buffer& buffer, GLenum format) {
 SplatStore::SplatStore(const Gl& gl, std::size_t most_bytes, std::size_t slab_discs)
     : gl_(gl), most_bytes_(most_bytes), slab_discs_(std::clamp<std::size_t>(slab_discs, 1, most_buffer_texels(gl))) {}
 
-const SplatStore::Entry* SplatStore::find(const qnv::Cloud* cloud) const {
-  const auto found = entries_.find(cloud);
+const SplatStore::Entry* SplatStore::find(const qnv::Splats* splats) const {
+  const auto found = entries_.find(splats);
   return found == entries_.end() ? nullptr : &found->second;
 }
 
-bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds) {
+bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Splats>> sets) {
   std::vector<Upload> uploads;
-  for (const auto& cloud : clouds) {
-    Entry& entry = entries_[cloud.get()];
+  for (const auto& splats : sets) {
+    Entry& entry = entries_[splats.get()];
     // An expired entry belonged to another point set at the same address.
-    if (entry.cloud.expired()) {
+    if (entry.splats.expired()) {
       give_back(entry);
       entry = {};
-      entry.cloud = cloud;
-      uploads.push_back({cloud.get(), &entry});  // map entries have stable addresses
+      entry.splats = splats;
+      uploads.push_back({splats.get(), &entry});  // map entries have stable addresses
     }
     entry.used = frame_;
   }
   if (uploads.empty()) return true;
   parallel_for(
-      uploads.size(), [&](std::size_t i) { uploads[i].entry->coding = splat_coding(*uploads[i].cloud); }, 0);
+      uploads.size(), [&](std::size_t i) { uploads[i].entry->coding = splat_coding(*uploads[i].splats); }, 0);
   bool good = true;
   take_errors(gl_);
   std::erase_if(uploads, [&](const Upload& upload) {
     if (!upload.entry->coding) return true;
-    upload.entry->discs = upload.cloud->size();
-    upload.entry->cells = !upload.cloud->cells.empty();
+    upload.entry->discs = upload.splats->size();
+    upload.entry->cells = !upload.splats->cells.empty();
     if (place(*upload.entry)) return false;
-    entries_.erase(upload.cloud);
+    entries_.erase(upload.splats);
     good = false;
     return true;
   });
@@ -242,7 +243,7 @@ bool SplatStore::make_slab(bool cells) {
 // Frees the least recently drawn point sets; keeps those of this frame. Returns false if there is nothing to free.
 bool SplatStore::make_room() {
   std::uint64_t oldest = frame_;
-  for (const auto& [cloud, entry] : entries_)
+  for (const auto& [splats, entry] : entries_)
     if (!entry.ranges.empty()) oldest = std::min(oldest, entry.used);
   if (oldest == frame_) return false;
   std::erase_if(entries_, [&](const auto& item) {
@@ -274,7 +275,7 @@ void SplatStore::drop_empty_slabs() {
 void SplatStore::forget_unused() {
   ++frame_;
   std::erase_if(entries_, [&](const auto& item) {
-    if (!item.second.cloud.expired()) return false;
+    if (!item.second.splats.expired()) return false;
     give_back(item.second);
     return true;
   });
@@ -301,9 +302,9 @@ void SplatStore::upload(std::span<const Upload> uploads) {
         tasks.size(),
         [&](std::size_t t) {
           const auto& [upload, from, to, at] = tasks[t];
-          encode_splats(*upload->cloud, *upload->entry->coding, from, std::span(codes).subspan(at, to.count));
+          encode_splats(*upload->splats, *upload->entry->coding, from, std::span(codes).subspan(at, to.count));
           if (upload->entry->cells)
-            encode_cells(*upload->cloud, *upload->entry->coding, from, std::span(cells).subspan(at, to.count));
+            encode_cells(*upload->splats, *upload->entry->coding, from, std::span(cells).subspan(at, to.count));
         },
         0);
     for (std::size_t t = 0; t < tasks.size();) {

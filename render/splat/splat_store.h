@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/gl/gpu.h"
 #include "render/gl/range_allocator.h"
 
@@ -35,11 +35,11 @@ struct SplatCoding {
 
 /// Returns nullopt if nothing of the point set can be drawn: its arrays differ in length, or no splat is finite.
 /// Accepts any numbers.
-[[nodiscard]] std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud);
+[[nodiscard]] std::optional<SplatCoding> splat_coding(const qnv::Splats& splats);
 /// Encodes codes.size() splats from index `first`.
-void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<SplatCode> codes);
+void encode_splats(const qnv::Splats& splats, const SplatCoding& coding, std::size_t first, std::span<SplatCode> codes);
 /// Encodes the cubes of these splats; the point set must have cubes.
-void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes);
+void encode_cells(const qnv::Splats& splats, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes);
 
 /// Caches point sets in GPU memory, 16 bytes per splat, 20 with cubes, while other owners hold them. The least recently
 /// drawn point sets make room for others.
@@ -59,7 +59,7 @@ class SplatStore {
     std::uint32_t slab = 0, first = 0, count = 0;
   };
   struct Entry {
-    std::weak_ptr<const qnv::Cloud> cloud;
+    std::weak_ptr<const qnv::Splats> splats;
     std::optional<SplatCoding> coding;  // nullopt if nothing of it can be drawn
     std::vector<Range> ranges;          // in the order of the splats
     std::size_t discs = 0;
@@ -72,9 +72,9 @@ class SplatStore {
                       std::size_t slab_discs = std::size_t{1} << 18);
 
   /// Uploads point sets that are not yet cached. Returns false if memory does not suffice for all.
-  bool add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds);
+  bool add(std::span<const std::shared_ptr<const qnv::Splats>> sets);
   /// Returns the location of a point set; null if it was not added. Valid until the next `add` or `forget_unused`.
-  [[nodiscard]] const Entry* find(const qnv::Cloud* cloud) const;
+  [[nodiscard]] const Entry* find(const qnv::Splats* splats) const;
   /// Frees copies of point sets without other owners; call it once per frame.
   void forget_unused();
 
@@ -86,7 +86,7 @@ class SplatStore {
 
  private:
   struct Upload {
-    const qnv::Cloud* cloud;
+    const qnv::Splats* splats;
     Entry* entry;
   };
   bool place(Entry& entry);
@@ -101,7 +101,7 @@ class SplatStore {
   std::size_t most_bytes_, slab_discs_, bytes_ = 0, reserved_bytes_ = 0;
   std::uint64_t frame_ = 0;
   std::vector<std::unique_ptr<Slab>> slabs_;  // null means a reusable number
-  std::unordered_map<const qnv::Cloud*, Entry> entries_;
+  std::unordered_map<const qnv::Splats*, Entry> entries_;
 };
 
 /// Returns the maximum number of texels of a buffer texture.

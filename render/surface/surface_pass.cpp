@@ -17,7 +17,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
   on_processor_.clear();
   std::erase_if(kept_, [](const auto& each) { return each.second.surface.expired(); });
   std::size_t surfaces = 0;
-  for (const DrawItem& item : list.items) surfaces += item.surface && item.surface->patches && item.visible ? 1 : 0;
+  for (const DrawItem& item : list.items) surfaces += item.visible && item.patches() ? 1 : 0;
   if (surfaces == 0) return;
   const PhaseScope phase(gl_.phases, Phase::cut);
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
@@ -25,7 +25,8 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
   const bool software = options.display == DisplayMode::surface &&
                         (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && gl_.software));
   for (const DrawItem& item : list.items) {
-    if (!item.surface || !item.surface->patches || !item.visible) continue;
+    const auto patches = qnv::shared_as<qnv::SurfacePatches>(item.surface);
+    if (!patches || !item.visible) continue;
     SplatView view = viewport_view(camera, projection, options);
     view.supersample = options.samples > 1 ? 2 : 1;
     view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
@@ -34,8 +35,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
     if (!looked) continue;
     looked->budget = options.budget == 0 ? 0 : std::max<std::size_t>(options.budget / surfaces, 1);
     looked->error_pixels = static_cast<float>(options.pixel_side) / item.detail;
-    looked->leave_backs = !item.surface->description.two_sided;
-    const auto& patches = item.surface->patches;
+    looked->leave_backs = !patches->description.two_sided;
     Kept& kept = kept_[{patches.get(), options.viewport, shown[patches.get()]++}];
     if (kept.surface.lock() != patches || !(kept.view == *looked)) {
       kept = {patches, *looked, qnv::cut_surface(*patches, *looked), nullptr};
@@ -45,8 +45,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
       on_processor_.push_back({&item, &kept, view});
       continue;
     }
-    if (!kept.mesh)
-      kept.mesh = mesh_of_cut(*patches, kept.cut, item.surface->description.two_sided, item.surface->color);
+    if (!kept.mesh) kept.mesh = mesh_of_cut(*patches, kept.cut);
     by_gl_[&item] = &kept;
   }
 }
@@ -59,9 +58,9 @@ const std::shared_ptr<const vrml::Mesh>* SurfacePass::mesh_of(const DrawItem& it
 void SurfacePass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                        const DrawOptions& options, SplatPass& shading, FrameStatistics& statistics) {
   for (const OnProcessor& one : on_processor_) {
-    const qnv::Cloud& cloud = *one.item->surface;
-    const PatchRasterOptions looks{cloud.description.two_sided, cloud.color, options.clouds.color_by};
-    const SplatLayer layer = rasterize_patches(*cloud.patches, one.kept->cut, one.view, looks);
+    const auto& patches = *one.item->patches();
+    const PatchRasterOptions looks{patches.description.two_sided, patches.color, options.clouds.color_by};
+    const SplatLayer layer = rasterize_patches(patches, one.kept->cut, one.view, looks);
     shading.draw_layer(layer, list, *one.item, camera, projection, options);
     statistics.vectors += layer.discs;
     statistics.triangles += layer.drawn;

@@ -66,13 +66,13 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
   out.emplace_back(place.coding.lower, 0);
   out.emplace_back(place.coding.step, 0);
   out.emplace_back(halves(start), halves(place.first));
-  out.emplace_back(halves(item.cloud->size()), 0, 0);
+  out.emplace_back(halves(item.volume->size()), 0, 0);
   out.emplace_back(place.coding.weight, 0, 0);
   out.push_back(options.clip.value_or(glm::vec4(0)));
   out.emplace_back(options.ambient, options.diffuse, options.specular, static_cast<float>(lights.size()));
   auto by = static_cast<float>(options.color_by);
   if (options.color_by == ColorBy::own && options.color) by = kOwnColor;
-  if (options.color_by == ColorBy::own && !options.color && !item.cloud->colors.empty()) by = kVectorColor;
+  if (options.color_by == ColorBy::own && !options.color && !item.volume->colors.empty()) by = kVectorColor;
   out.emplace_back(options.color.value_or(glm::vec3(0)), by);
   out.emplace_back(lens.scale, options.least_magnitude, model.full_magnitude,
                    options.opacity * (1 / (kVolumePi * kVolumeFootprint)));
@@ -158,10 +158,10 @@ bool VolumeGl::sort_with_compute(const Visible& visible, Viewport& viewport) {
   if (!compute_) return false;
   std::vector<Sorted> wanted;
   for (std::size_t i = 0; i < visible.items.size(); ++i)
-    wanted.push_back({visible.held[i].cloud, visible.places[i].first, visible.items[i].count,
+    wanted.push_back({visible.held[i].volume, visible.places[i].first, visible.items[i].count,
                       row_of(visible.items[i].camera_from_node, 2)});
   const auto same = [](const Sorted& a, const Sorted& b) {
-    return !a.cloud.owner_before(b.cloud) && !b.cloud.owner_before(a.cloud) && a.first == b.first &&
+    return !a.volume.owner_before(b.volume) && !b.volume.owner_before(a.volume) && a.first == b.first &&
            a.count == b.count && a.row == b.row;
   };
   if (std::equal(wanted.begin(), wanted.end(), viewport.sorted.begin(), viewport.sorted.end(), same)) return true;
@@ -187,7 +187,7 @@ bool VolumeGl::sort(const Visible& visible, Viewport& viewport, bool& pending) {
   std::vector<VolumeSortPart> parts;
   for (std::size_t i = 0; i < visible.items.size(); ++i)
     parts.push_back(
-        {visible.held[i].cloud, visible.items[i].count, row_of(visible.items[i].camera_from_node, 2) * -1.0f});
+        {visible.held[i].volume, visible.items[i].count, row_of(visible.items[i].camera_from_node, 2) * -1.0f});
   if (!viewport.sorter) viewport.sorter = std::make_unique<VolumeSorter>();
   const VolumeSorter::Order order = viewport.sorter->order(parts);
   if (order.far_first.size() != visible.total) return false;
@@ -244,7 +244,7 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
   Visible visible;
   for (std::size_t i = 0; i < items.size(); ++i) {
     VolumeItem item = items[i];
-    item.count = std::min({item.count, item.cloud->size(), item.model->spacing.size()});
+    item.count = std::min({item.count, item.volume->size(), item.model->spacing.size()});
     if (item.count == 0 || !volume_lens(view.lens, item.camera_from_node)) continue;
     if (item.options.lights.size() > kMaxShaderLights) return std::nullopt;
     visible.held.push_back(held[i]);

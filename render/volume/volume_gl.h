@@ -56,7 +56,7 @@ class VolumeGl {
 
  private:
   struct Sorted {
-    std::weak_ptr<const qnv::Cloud> cloud;
+    std::weak_ptr<const qnv::Volume> volume;
     std::size_t first = 0, count = 0;
     glm::vec4 row{0};
   };

@@ -125,11 +125,11 @@ class Counts {
 };
 
 /// Returns the description's box if valid, since the received vectors represent all of it; extended by the positions.
-Box box_of(const qnv::Cloud& cloud) {
+Box box_of(const qnv::Volume& volume) {
   Box box;
-  for (const glm::vec3& p : cloud.positions)
+  for (const glm::vec3& p : volume.positions)
     if (finite(p)) box.add(p);
-  const Box& source = cloud.description.box;
+  const Box& source = volume.description.box;
   if (!source.empty() && finite(source.lower) && finite(source.upper) && !box.empty()) {
     box.add(source.lower);
     box.add(source.upper);
@@ -200,14 +200,14 @@ VolumePrefix volume_prefix(std::size_t size, std::size_t budget) {
   return {budget, std::max<std::size_t>(power_below(budget), 1)};
 }
 
-glm::vec3 volume_color_by(const qnv::Cloud& cloud, ColorBy by, std::size_t k) {
-  const std::size_t last = std::max<std::size_t>(cloud.size(), 1) - 1;
+glm::vec3 volume_color_by(const qnv::Volume& volume, ColorBy by, std::size_t k) {
+  const std::size_t last = std::max<std::size_t>(volume.size(), 1) - 1;
   qnv::Rgb8 color{255, 255, 255};
   switch (by) {
     case ColorBy::own:
       break;
     case ColorBy::normal: {
-      const glm::vec3& n = cloud.normals[k];
+      const glm::vec3& n = volume.normals[k];
       const float length = std::sqrt(glm::dot(n, n));
       return length > 0 && std::isfinite(length) ? n * (0.5f / length) + 0.5f : glm::vec3(0.5f);
     }
@@ -224,40 +224,40 @@ glm::vec3 volume_color_by(const qnv::Cloud& cloud, ColorBy by, std::size_t k) {
   return glm::vec3(color.r, color.g, color.b) * (1 / 255.0f);
 }
 
-VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads, std::size_t counted) {
+VolumeModel volume_model(const qnv::Volume& volume, unsigned threads, std::size_t counted) {
   VolumeModel model;
-  const std::size_t size = cloud.size();
-  if (size == 0 || cloud.normals.size() != size || cloud.weights.size() != size ||
-      (!cloud.classes.empty() && cloud.classes.size() != size) ||
-      (!cloud.colors.empty() && cloud.colors.size() != size))
+  const std::size_t size = volume.size();
+  if (size == 0 || volume.normals.size() != size || volume.weights.size() != size ||
+      (!volume.classes.empty() && volume.classes.size() != size) ||
+      (!volume.colors.empty() && volume.colors.size() != size))
     return model;
   counted = std::clamp<std::size_t>(counted, 1, size);
   const std::size_t count = counted < size ? std::min(size, power_above(counted)) : size;
-  const Box box = box_of(cloud);
+  const Box box = box_of(volume);
   if (box.empty()) return model;
   const glm::vec3 edges = box.size();
   const float longest = std::max({edges.x, edges.y, edges.z});
   if (!std::isfinite(longest)) return model;
-  float h = cloud.description.spacing;
+  float h = volume.description.spacing;
   if (!(h > 0) || !std::isfinite(h)) h = longest / (2 * std::cbrt(static_cast<float>(size)));
   if (longest > 0) h = std::min(h, longest);
   h = std::max(h, 1e-20f);
-  model.transfer = volume_transfer(cloud.description);
-  model.full_magnitude = quantile(cloud.weights, 0.5f);
-  const Counts counts(std::span(cloud.positions).first(counted), box, std::max(2 * h, longest / kFinestCells));
+  model.transfer = volume_transfer(volume.description);
+  model.full_magnitude = quantile(volume.weights, 0.5f);
+  const Counts counts(std::span(volume.positions).first(counted), box, std::max(2 * h, longest / kFinestCells));
   model.spacing.resize(count);
   parallel_for((count + kModelRange - 1) / kModelRange,
                [&](std::size_t r) {
                  for (std::size_t i = r * kModelRange; i < std::min(count, (r + 1) * kModelRange); ++i)
-                   model.spacing[i] = counts.spacing(cloud.positions[i], h);
+                   model.spacing[i] = counts.spacing(volume.positions[i], h);
                },
                threads);
   const float most = kMaxSpacing * quantile(model.spacing, 0.9f);
   for (float& s : model.spacing) s = std::min(s, most);
   // A vector with a cell reaches no farther than the cell, unless it represents others too.
-  if (cloud.cells.size() == size && counted == size)
+  if (volume.cells.size() == size && counted == size)
     for (std::size_t i = 0; i < count; ++i)
-      if (cloud.cells[i].edge > 0) model.spacing[i] = std::min(model.spacing[i], std::max(cloud.cells[i].edge, h));
+      if (volume.cells[i].edge > 0) model.spacing[i] = std::min(model.spacing[i], std::max(volume.cells[i].edge, h));
   return model;
 }
 

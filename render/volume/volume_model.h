@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/scene/cloud_look.h"
 #include "render/scene/fog.h"
 
@@ -102,7 +102,7 @@ struct VolumePrefix {
 ///
 /// Empty if the point set is empty or its arrays are inconsistent. Thread-safe; accepts any numbers; the result does
 /// not depend on the number of threads. Takes a few bytes per vector plus at most 16 MB.
-[[nodiscard]] VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads = 0,
+[[nodiscard]] VolumeModel volume_model(const qnv::Volume& volume, unsigned threads = 0,
                                        std::size_t counted = std::numeric_limits<std::size_t>::max());
 
 /// Returns the transfer table in effect.
@@ -111,31 +111,32 @@ struct VolumePrefix {
 }
 
 /// Returns a_k at full size. 0 means invisible.
-[[nodiscard]] inline float volume_alpha(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
-                                        std::size_t k) {
-  const float weight = cloud.weights[k];
+[[nodiscard]] inline float volume_alpha(const qnv::Volume& volume, const VolumeModel& model,
+                                        const VolumeOptions& options, std::size_t k) {
+  const float weight = volume.weights[k];
   if (!(weight >= options.least_magnitude)) return 0;
   if (options.clip) {
     const glm::vec4& c = *options.clip;
-    const glm::vec3& p = cloud.positions[k];
+    const glm::vec3& p = volume.positions[k];
     if (!(c.x * p.x + c.y * p.y + c.z * p.z + c.w >= 0)) return 0;
   }
-  const float depth = volume_transfer(model, options)[cloud.classes.empty() ? 255u : cloud.classes[k]].w;
+  const float depth = volume_transfer(model, options)[volume.classes.empty() ? 255u : volume.classes[k]].w;
   const float magnitude = weight < model.full_magnitude ? weight / model.full_magnitude : 1.0f;
   const float alpha = options.opacity * depth * magnitude * (1 / (kVolumePi * kVolumeFootprint));
   return alpha > 0 ? (alpha < kVolumeMostAlpha ? alpha : kVolumeMostAlpha) : 0.0f;
 }
 
 /// Returns the colour of vector k by `by`, 0..1; white for ColorBy::own.
-[[nodiscard]] glm::vec3 volume_color_by(const qnv::Cloud& cloud, ColorBy by, std::size_t k);
+[[nodiscard]] glm::vec3 volume_color_by(const qnv::Volume& volume, ColorBy by, std::size_t k);
 
 /// Returns the unlit colour of vector k, 0..1.
-[[nodiscard]] inline glm::vec3 volume_color(const qnv::Cloud& cloud, const VolumeModel& model,
+[[nodiscard]] inline glm::vec3 volume_color(const qnv::Volume& volume, const VolumeModel& model,
                                             const VolumeOptions& options, std::size_t k) {
-  if (options.color_by != ColorBy::own) return volume_color_by(cloud, options.color_by, k);
+  if (options.color_by != ColorBy::own) return volume_color_by(volume, options.color_by, k);
   if (options.color) return *options.color;
-  if (!cloud.colors.empty()) return glm::vec3(cloud.colors[k].r, cloud.colors[k].g, cloud.colors[k].b) * (1 / 255.0f);
-  return glm::vec3(volume_transfer(model, options)[cloud.classes.empty() ? 255u : cloud.classes[k]]);
+  if (!volume.colors.empty())
+    return glm::vec3(volume.colors[k].r, volume.colors[k].g, volume.colors[k].b) * (1 / 255.0f);
+  return glm::vec3(volume_transfer(model, options)[volume.classes.empty() ? 255u : volume.classes[k]]);
 }
 
 /// Returns c(x_k): `color` after lighting and fog, 0..1. `place` and `normal` (of any length) are in camera space. The

@@ -26,7 +26,8 @@ std::size_t steady(std::size_t share) {
 }
 
 bool is_volume(const SplatItem& item) {
-  return item.cloud && item.cloud->description.kind == qnv::Kind::volume && !item.cloud->empty();
+  const auto* volume = item.geometry ? item.geometry->as<qnv::Volume>() : nullptr;
+  return volume && !volume->empty();
 }
 
 /// Returns window-space depths for compositing a layer; -1 means without depth test. If the samples of a pixel differ,
@@ -79,16 +80,16 @@ VolumePass::Overlay VolumePass::make_overlay(const char* defines) const {
   return overlay;
 }
 
-std::shared_ptr<const VolumeModel> VolumePass::model_of(const std::shared_ptr<const qnv::Cloud>& cloud,
+std::shared_ptr<const VolumeModel> VolumePass::model_of(const std::shared_ptr<const qnv::Volume>& volume,
                                                         std::size_t counted) {
-  const auto [first, last] = models_.equal_range(cloud.get());
+  const auto [first, last] = models_.equal_range(volume.get());
   for (auto entry = first; entry != last; ++entry) {
     if (entry->second.counted != counted) continue;
     entry->second.used = frame_;
     return entry->second.model;
   }
-  auto model = std::make_shared<const VolumeModel>(volume_model(*cloud, 0, counted));
-  models_.emplace(cloud.get(), Held{cloud, counted, model, frame_});
+  auto model = std::make_shared<const VolumeModel>(volume_model(*volume, 0, counted));
+  models_.emplace(volume.get(), Held{volume, counted, model, frame_});
   return model;
 }
 
@@ -96,8 +97,8 @@ void VolumePass::forget_models() {
   ++frame_;
   std::erase_if(models_, [&](const auto& entry) {
     const Held& held = entry.second;
-    const std::shared_ptr<const qnv::Cloud> cloud = held.cloud.lock();
-    return !cloud || (held.counted < cloud->size() && held.used + kKeptModelFrames < frame_);
+    const std::shared_ptr<const qnv::Volume> volume = held.volume.lock();
+    return !volume || (held.counted < volume->size() && held.used + kKeptModelFrames < frame_);
   });
 }
 
@@ -112,12 +113,13 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     if (!is_volume(item)) continue;
-    const std::size_t size = item.cloud->size(), share = list.splats.size() > 1 ? steady(shares[i]) : shares[i];
+    const auto volume = qnv::shared_as<qnv::Volume>(item.geometry);
+    const std::size_t size = volume->size(), share = list.splats.size() > 1 ? steady(shares[i]) : shares[i];
     const VolumePrefix prefix = volume_prefix(size, share >= size ? 0 : share);
-    auto model = model_of(item.cloud, prefix.counted);
+    auto model = model_of(volume, prefix.counted);
     if (model->empty()) continue;
-    const Box& box = item.cloud->description.box;
-    const glm::vec3 middle = box.empty() ? item.cloud->positions.front() : (box.lower + box.upper) * 0.5f;
+    const Box& box = volume->description.box;
+    const glm::vec3 middle = box.empty() ? volume->positions.front() : (box.lower + box.upper) * 0.5f;
     const glm::mat4 camera_from_node(camera_from_world * item.world_from_node);
     const glm::vec3 center(camera_from_node * glm::vec4(middle, 1));
     VolumeOptions own;
@@ -128,8 +130,8 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
     if (!look.transfer.empty()) own.transfer = &scene.transfer;
     own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));
     own.lights = scene.lights.emplace_back(volume_lights(list, item, camera_from_world, center, options.headlight));
-    scene.items.push_back({item.cloud.get(), model.get(), camera_from_node, prefix.shown, own});
-    scene.held.push_back({item.cloud, std::move(model)});
+    scene.items.push_back({volume.get(), model.get(), camera_from_node, prefix.shown, own});
+    scene.held.push_back({volume, std::move(model)});
   }
 }
 

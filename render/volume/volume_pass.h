@@ -19,7 +19,7 @@
 
 namespace gs::render {
 
-/// Draws the volumes of a RenderList (only SplatItems with point sets of Kind::volume): blends the vectors of all of
+/// Draws the volumes of a RenderList (only SplatItems with a qnv::Volume): blends the vectors of all of
 /// them by depth, with OpenGL or on the CPU, over the existing image. Colours are those of DrawOptions::clouds; of the
 /// material only the transparency counts. volume_lights() selects the lights. If the budget (share_budget) excludes
 /// some vectors, a volume shows a prefix of its progressive order.
@@ -41,7 +41,7 @@ class VolumePass {
 
  private:
   struct Held {
-    std::weak_ptr<const qnv::Cloud> cloud;
+    std::weak_ptr<const qnv::Volume> volume;
     std::size_t counted = 0;
     std::shared_ptr<const VolumeModel> model;
     std::uint64_t used = 0;
@@ -58,7 +58,7 @@ class VolumePass {
     GLint pixels = -1, depths = -1, origin = -1, nearest = -1;
   };
 
-  std::shared_ptr<const VolumeModel> model_of(const std::shared_ptr<const qnv::Cloud>& cloud, std::size_t counted);
+  std::shared_ptr<const VolumeModel> model_of(const std::shared_ptr<const qnv::Volume>& volume, std::size_t counted);
   void forget_models();
   void gather(const RenderList& list, const Camera& camera, const SplatView& view,
               const DrawOptions& options, Scene& scene);
@@ -77,7 +77,7 @@ class VolumePass {
   VertexArray no_attributes_;
   Texture pixels_texture_, depths_texture_;
   Overlay overlay_, edge_overlay_;
-  std::unordered_multimap<const qnv::Cloud*, Held> models_;  // of point sets with other owners
+  std::unordered_multimap<const qnv::Volume*, Held> models_;  // of volumes with other owners
   std::uint64_t frame_ = 0;
 };
 

@@ -24,11 +24,11 @@ class Preparer {
  public:
   /// The item must have a point set and a model.
   Preparer(const VolumeItem& item, const SplatView& view)
-      : cloud_(*item.cloud), model_(*item.model), near_plane_(view.near_plane), options_(item.options) {
+      : volume_(*item.volume), model_(*item.model), near_plane_(view.near_plane), options_(item.options) {
     const std::optional<VolumeLens> lens = volume_lens(view, item.camera_from_node);
     if (!lens) return;
     lens_ = *lens;
-    count_ = std::min({item.count, cloud_.size(), model_.spacing.size()});
+    count_ = std::min({item.count, volume_.size(), model_.spacing.size()});
   }
 
   /// Returns the number of vectors to examine; 0 if nothing is visible.
@@ -45,9 +45,9 @@ class Preparer {
 
   /// Computes everything except the colour. Returns false if the vector is invisible.
   bool place(std::size_t i, VolumeSplat& splat) const {
-    splat.alpha = volume_alpha(cloud_, model_, options_, i);
+    splat.alpha = volume_alpha(volume_, model_, options_, i);
     if (!(splat.alpha >= kVolumeLeastAlpha)) return false;
-    const glm::vec3 seen(lens_.camera_from_node * glm::vec4(cloud_.positions[i], 1.0f));
+    const glm::vec3 seen(lens_.camera_from_node * glm::vec4(volume_.positions[i], 1.0f));
     splat.depth = -seen.z;
     const float spacing = model_.spacing[i] * lens_.scale;
     if (!(splat.depth > near_plane_ && splat.depth > spacing)) return false;
@@ -71,14 +71,14 @@ class Preparer {
 
  private:
   void shade(std::size_t i, VolumeSplat& splat) const {
-    const glm::vec3 seen(lens_.camera_from_node * glm::vec4(cloud_.positions[i], 1.0f));
-    const glm::vec3 color = volume_shade(options_, volume_color(cloud_, model_, options_, i), seen,
-                                         lens_.normal_matrix * cloud_.normals[i]);
+    const glm::vec3 seen(lens_.camera_from_node * glm::vec4(volume_.positions[i], 1.0f));
+    const glm::vec3 color = volume_shade(options_, volume_color(volume_, model_, options_, i), seen,
+                                         lens_.normal_matrix * volume_.normals[i]);
     const auto byte = [](float c) { return static_cast<std::uint32_t>(c * 255 + 0.5f); };
     splat.color = byte(color.x) | byte(color.y) << 8 | byte(color.z) << 16;
   }
 
-  const qnv::Cloud& cloud_;
+  const qnv::Volume& volume_;
   const VolumeModel& model_;
   VolumeLens lens_{};
   float near_plane_;
@@ -89,7 +89,7 @@ class Preparer {
 std::vector<Preparer> preparers_of(std::span<const VolumeItem> items, const SplatView& view) {
   std::vector<Preparer> preparers;
   for (const VolumeItem& item : items)
-    if (item.cloud && item.model) preparers.emplace_back(item, view);
+    if (item.volume && item.model) preparers.emplace_back(item, view);
   return preparers;
 }
 
@@ -316,10 +316,10 @@ VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView
   return layer;
 }
 
-VolumeLayer rasterize_volume(const qnv::Cloud& cloud, const VolumeModel& model, const SplatView& view,
+VolumeLayer rasterize_volume(const qnv::Volume& volume, const VolumeModel& model, const SplatView& view,
                              const VolumeOptions& options) {
-  if (model.spacing.size() != cloud.size()) return {};
-  const VolumeItem item{&cloud, &model, view.camera_from_node, cloud.size(), options};
+  if (model.spacing.size() != volume.size()) return {};
+  const VolumeItem item{&volume, &model, view.camera_from_node, volume.size(), options};
   return rasterize_volumes(std::span(&item, 1), view);
 }
 

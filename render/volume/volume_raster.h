@@ -14,7 +14,7 @@ namespace gs::render {
 
 /// Volume of an image.
 struct VolumeItem {
-  const qnv::Cloud* cloud = nullptr;
+  const qnv::Volume* volume = nullptr;
   const VolumeModel* model = nullptr;  // model of the point set
   glm::mat4 camera_from_node{1.0f};    // any affine matrix
   std::size_t count = 0;               // number of vectors to draw, from the first, at most model->spacing.size()
@@ -53,7 +53,7 @@ struct VolumeLayer {
                                             const VolumeStops& stops = {});
 
 /// Rasterizes one complete volume.
-[[nodiscard]] VolumeLayer rasterize_volume(const qnv::Cloud& cloud, const VolumeModel& model, const SplatView& view,
+[[nodiscard]] VolumeLayer rasterize_volume(const qnv::Volume& volume, const VolumeModel& model, const SplatView& view,
                                            const VolumeOptions& options);
 
 /// Estimates for volumes in a view, from a sample of their vectors.

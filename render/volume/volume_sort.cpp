@@ -30,7 +30,7 @@ void far_first_order(std::span<const VolumeSortPart> parts, std::vector<std::uin
   // Last one first: at equal depth, later vectors are farther.
   for (std::size_t i = parts.size(); i-- > 0;) {
     const VolumeSortPart& part = parts[i];
-    const std::vector<glm::vec3>& positions = part.cloud->positions;
+    const std::vector<glm::vec3>& positions = part.volume->positions;
     base -= part.count;
     for (std::size_t k = std::min(part.count, positions.size()); k-- > 0;) {
       const glm::vec3& p = positions[k];
@@ -80,7 +80,7 @@ VolumeSorter::~VolumeSorter() {
 
 std::vector<VolumeSorter::Seen> VolumeSorter::seen_of(std::span<const VolumeSortPart> parts) {
   std::vector<Seen> seen;
-  for (const VolumeSortPart& part : parts) seen.push_back({part.cloud, part.count, part.row});
+  for (const VolumeSortPart& part : parts) seen.push_back({part.volume, part.count, part.row});
   return seen;
 }
 
@@ -90,7 +90,8 @@ VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::s
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const VolumeSortPart& part = parts[i];
     // Compares ownership, since another point set may have the same address.
-    if (seen[i].count != part.count || seen[i].cloud.owner_before(part.cloud) || part.cloud.owner_before(seen[i].cloud))
+    if (seen[i].count != part.count || seen[i].volume.owner_before(part.volume) ||
+        part.volume.owner_before(seen[i].volume))
       return Likeness::far;
     if (seen[i].row == part.row) continue;
     same = false;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 
 #include <glm/vec4.hpp>
 
@@ -24,7 +24,7 @@ void sort_by_key(std::vector<std::uint64_t>& entries, std::vector<std::uint64_t>
 
 /// Volume to sort together with others.
 struct VolumeSortPart {
-  std::shared_ptr<const qnv::Cloud> cloud;
+  std::shared_ptr<const qnv::Volume> volume;
   std::size_t count = 0;  // length of the prefix
   glm::vec4 row{0};       // depth along the view axis = dot(row, (position, 1))
 };
@@ -55,7 +55,7 @@ class VolumeSorter {
 
  private:
   struct Seen {
-    std::weak_ptr<const qnv::Cloud> cloud;
+    std::weak_ptr<const qnv::Volume> volume;
     std::size_t count = 0;
     glm::vec4 row{0};
   };

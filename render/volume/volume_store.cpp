@@ -46,14 +46,14 @@ std::uint32_t weight_code(float weight, const VolumeCoding& coding) {
 
 }  // namespace
 
-VolumeCoding volume_coding(const qnv::Cloud& cloud, std::size_t count) {
+VolumeCoding volume_coding(const qnv::Volume& volume, std::size_t count) {
   VolumeCoding coding;
   Box box;
   float least = std::numeric_limits<float>::infinity(), most = 0;
-  count = std::min(count, cloud.size());
+  count = std::min(count, volume.size());
   for (std::size_t k = 0; k < count; ++k) {
-    if (finite(cloud.positions[k])) box.add(cloud.positions[k]);
-    const float weight = cloud.weights[k];
+    if (finite(volume.positions[k])) box.add(volume.positions[k]);
+    const float weight = volume.weights[k];
     if (!(weight > 0) || !std::isfinite(weight)) continue;
     least = std::min(least, weight);
     most = std::max(most, weight);
@@ -71,7 +71,7 @@ VolumeCoding volume_coding(const qnv::Cloud& cloud, std::size_t count) {
   return coding;
 }
 
-void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, std::size_t first,
+void encode_volume_codes(const qnv::Volume& volume, const VolumeCoding& coding, std::size_t first,
                          std::span<VolumeCode> codes) {
   glm::vec3 per_unit(0);
   for (int axis = 0; axis < 3; ++axis)
@@ -82,18 +82,18 @@ void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, st
     const std::size_t k = first + i;
     for (int axis = 0; axis < 3; ++axis) {
       // The reciprocal of a denormal step is infinite, and 0 times infinity is NaN.
-      const float at = (cloud.positions[k][axis] - coding.lower[axis]) * per_unit[axis];
+      const float at = (volume.positions[k][axis] - coding.lower[axis]) * per_unit[axis];
       code[static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(std::lround(at >= 0 ? std::min(at, last) : 0.0f));
     }
-    const glm::uvec2 normal = volume_normal_codes(cloud.normals[k]);
-    const std::uint32_t weight = weight_code(cloud.weights[k], coding);
+    const glm::uvec2 normal = volume_normal_codes(volume.normals[k]);
+    const std::uint32_t weight = weight_code(volume.weights[k], coding);
     code[0] |= normal.x << 20 | (weight & 3) << 30;
     code[1] |= normal.y << 20 | (weight >> 2 & 3) << 30;
     code[2] |= (weight >> 4) << 20;
-    const qnv::Rgb8 color = cloud.colors.empty() ? qnv::Rgb8{} : cloud.colors[k];
+    const qnv::Rgb8 color = volume.colors.empty() ? qnv::Rgb8{} : volume.colors[k];
     code[3] = std::uint32_t{color.r} | std::uint32_t{color.g} << 8 | std::uint32_t{color.b} << 16 |
-              std::uint32_t{cloud.classes.empty() ? std::uint8_t{255} : cloud.classes[k]} << 24;
+              std::uint32_t{volume.classes.empty() ? std::uint8_t{255} : volume.classes[k]} << 24;
   }
 }
 
@@ -134,7 +134,7 @@ bool VolumeStore::resize(std::size_t capacity) {
 void VolumeStore::forget_unused() {
   ++frame_;
   std::erase_if(entries_, [&](const Entry& entry) {
-    if (!entry.cloud.expired()) return false;
+    if (!entry.volume.expired()) return false;
     free_.give_back(entry.first, entry.count);
     return true;
   });
@@ -143,12 +143,12 @@ void VolumeStore::forget_unused() {
 VolumeStore::Entry* VolumeStore::find(const SharedVolume& volume) {
   const auto same = [](const auto& a, const auto& b) { return !a.owner_before(b) && !b.owner_before(a); };
   for (Entry& entry : entries_) {
-    if (!same(entry.cloud, volume.cloud)) continue;
+    if (!same(entry.volume, volume.volume)) continue;
     if (same(entry.model, volume.model)) return &entry;
     // Another prefix: reuses the codes, unless this frame draws both.
     if (entry.used == frame_ || entry.count != volume.model->spacing.size()) continue;
     entry.model = volume.model;
-    upload_spacings(*volume.cloud, *volume.model, entry);
+    upload_spacings(*volume.volume, *volume.model, entry);
     return &entry;
   }
   return nullptr;
@@ -166,9 +166,9 @@ VolumeStore::Entry* VolumeStore::add(const SharedVolume& volume) {
     entries_.erase(oldest);
     first = free_.take(count);
   }
-  entries_.push_back({volume.cloud, volume.model, *first, count, volume_coding(*volume.cloud, count), frame_});
-  upload(*volume.cloud, entries_.back());
-  upload_spacings(*volume.cloud, *volume.model, entries_.back());
+  entries_.push_back({volume.volume, volume.model, *first, count, volume_coding(*volume.volume, count), frame_});
+  upload(*volume.volume, entries_.back());
+  upload_spacings(*volume.volume, *volume.model, entries_.back());
   return &entries_.back();
 }
 
@@ -196,7 +196,7 @@ std::vector<VolumeStore::Place> VolumeStore::place(std::span<const SharedVolume>
   return {};
 }
 
-void VolumeStore::upload(const qnv::Cloud& cloud, const Entry& entry) {
+void VolumeStore::upload(const qnv::Volume& volume, const Entry& entry) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   std::vector<VolumeCode> codes(std::min(entry.count, kUploaded));
   gl_.BindBuffer(GL_TEXTURE_BUFFER, code_buffer_.name());
@@ -204,19 +204,19 @@ void VolumeStore::upload(const qnv::Cloud& cloud, const Entry& entry) {
     const std::size_t part = std::min(kUploaded, entry.count - first);
     parallel_for((part + kTask - 1) / kTask, [&](std::size_t task) {
       const std::size_t at = task * kTask;
-      encode_volume_codes(cloud, entry.coding, first + at, std::span(codes).subspan(at, std::min(kTask, part - at)));
+      encode_volume_codes(volume, entry.coding, first + at, std::span(codes).subspan(at, std::min(kTask, part - at)));
     });
     gl_.BufferSubData(GL_TEXTURE_BUFFER, static_cast<GLintptr>((entry.first + first) * sizeof(VolumeCode)),
                       static_cast<GLsizeiptr>(part * sizeof(VolumeCode)), codes.data());
   }
 }
 
-void VolumeStore::upload_spacings(const qnv::Cloud& cloud, const VolumeModel& model, const Entry& entry) {
+void VolumeStore::upload_spacings(const qnv::Volume& volume, const VolumeModel& model, const Entry& entry) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   std::vector<float> spacings = model.spacing;
   // Codes cannot mark vectors as invisible.
   for (std::size_t k = 0; k < spacings.size(); ++k)
-    if (!finite(cloud.positions[k]) || !(cloud.weights[k] >= 0)) spacings[k] = 0;
+    if (!finite(volume.positions[k]) || !(volume.weights[k] >= 0)) spacings[k] = 0;
   gl_.BindBuffer(GL_TEXTURE_BUFFER, spacing_buffer_.name());
   gl_.BufferSubData(GL_TEXTURE_BUFFER, static_cast<GLintptr>(entry.first * sizeof(float)),
                     static_cast<GLsizeiptr>(spacings.size() * sizeof(float)), spacings.data());

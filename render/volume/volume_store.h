@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/gl/gpu.h"
 #include "render/gl/range_allocator.h"
 #include "render/volume/volume_model.h"
@@ -31,13 +31,13 @@ struct VolumeCoding {
 };
 
 /// Returns the parameters for the first `count` vectors of a point set with a model. Accepts any numbers.
-[[nodiscard]] VolumeCoding volume_coding(const qnv::Cloud& cloud, std::size_t count);
+[[nodiscard]] VolumeCoding volume_coding(const qnv::Volume& volume, std::size_t count);
 /// Encodes codes.size() vectors from index `first`.
-void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, std::size_t first,
+void encode_volume_codes(const qnv::Volume& volume, const VolumeCoding& coding, std::size_t first,
                          std::span<VolumeCode> codes);
 /// Volume with shared ownership of its point set and model.
 struct SharedVolume {
-  std::shared_ptr<const qnv::Cloud> cloud;
+  std::shared_ptr<const qnv::Volume> volume;
   std::shared_ptr<const VolumeModel> model;
 };
 
@@ -67,7 +67,7 @@ class VolumeStore {
 
  private:
   struct Entry {
-    std::weak_ptr<const qnv::Cloud> cloud;
+    std::weak_ptr<const qnv::Volume> volume;
     std::weak_ptr<const VolumeModel> model;
     std::size_t first = 0, count = 0;
     VolumeCoding coding;
@@ -77,8 +77,8 @@ class VolumeStore {
   Entry* find(const SharedVolume& volume);
   Entry* add(const SharedVolume& volume);
   bool resize(std::size_t capacity);
-  void upload(const qnv::Cloud& cloud, const Entry& entry);
-  void upload_spacings(const qnv::Cloud& cloud, const VolumeModel& model, const Entry& entry);
+  void upload(const qnv::Volume& volume, const Entry& entry);
+  void upload_spacings(const qnv::Volume& volume, const VolumeModel& model, const Entry& entry);
 
   const Gl& gl_;
   std::size_t most_, capacity_ = 0;  // vectors

@@ -11,15 +11,15 @@
 /// Helpers of tests of point sets.
 namespace gs::test {
 
-using gs::qnv::Cloud;
+using gs::qnv::Splats;
 using ImportCloud = gs::app::ImportedCloud (*)(std::span<const std::byte>, const WorldBudget&);
 
 inline float dot(const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline float length(const glm::vec3& v) { return std::sqrt(dot(v, v)); }
 
 /// Returns points spread evenly over a sphere, with outward normals, areas that sum to its area, and colours.
-inline Cloud sphere(std::size_t count, float radius = 1, glm::vec3 center = glm::vec3(0)) {
-  Cloud cloud;
+inline Splats sphere(std::size_t count, float radius = 1, glm::vec3 center = glm::vec3(0)) {
+  Splats cloud;
   const auto all = static_cast<float>(count);
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);
@@ -36,7 +36,7 @@ inline Cloud sphere(std::size_t count, float radius = 1, glm::vec3 center = glm:
 }
 
 /// Checks the invariants of every imported point set.
-inline void check_sound(const Cloud& cloud) {
+inline void check_sound(const Splats& cloud) {
   REQUIRE(cloud.normals.size() == cloud.size());
   REQUIRE(cloud.weights.size() == cloud.size());
   REQUIRE((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
@@ -51,25 +51,24 @@ inline void check_sound(const Cloud& cloud) {
     total += cloud.weights[i];
   }
   REQUIRE(cloud.description.total == Approx(total));
-  REQUIRE(cloud.description.kind == gs::qnv::Kind::surface);
   REQUIRE(cloud.description.two_sided);
 }
 
 /// Returns the imported point set, which must exist.
-inline Cloud cloud_of(ImportCloud import, const Bytes& bytes) {
+inline Splats cloud_of(ImportCloud import, const Bytes& bytes) {
   auto result = import(bytes, own_budget());
   if (const auto* problem = std::get_if<std::string>(&result)) {
     FAIL("not imported: " << *problem);
     return {};
   }
-  check_sound(std::get<Cloud>(result));
-  return std::move(std::get<Cloud>(result));
+  check_sound(std::get<Splats>(result));
+  return std::move(std::get<Splats>(result));
 }
 inline std::string problem_of(ImportCloud import, const Bytes& bytes) {
   const auto result = import(bytes, own_budget());
   return std::holds_alternative<std::string>(result) ? std::get<std::string>(result) : std::string();
 }
-inline std::string metadata(const Cloud& cloud, std::string_view name) {
+inline std::string metadata(const Splats& cloud, std::string_view name) {
   for (const auto& [key, value] : cloud.description.metadata)
     if (key == name) return value;
   return {};
@@ -78,7 +77,7 @@ inline std::string metadata(const Cloud& cloud, std::string_view name) {
 /// Checks that an import of any bytes gives a valid point set or a message.
 inline void check_any(ImportCloud import, const Bytes& bytes) {
   const auto result = import(bytes, own_budget());
-  if (const auto* cloud = std::get_if<Cloud>(&result)) {
+  if (const auto* cloud = std::get_if<Splats>(&result)) {
     REQUIRE_FALSE(cloud->empty());
     check_sound(*cloud);
   } else {

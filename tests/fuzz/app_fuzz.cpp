@@ -63,8 +63,9 @@ bool run_vrml(std::span<const std::byte> bytes) {
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const vrml::NodeId node = scene.id_at(i);
     if (!(scene.resolve_as(node, vrml::NodeKind::qnv) == node)) continue;
-    const auto cloud = inline_cloud(scene, node);
-    if (const auto* vectors = std::get_if<qnv::Cloud>(&cloud)) require(vectors->normals.size() == vectors->size());
+    const auto made = inline_vectors(scene, node);
+    if (const auto* geometry = std::get_if<qnv::Geometry>(&made))
+      require(qnv::VectorView(*geometry).normals.size() == geometry->size());
     (void)transfer_of(scene.get<vrml::MFFloat>(node, "transfer"));
   }
   return diagnostics.errors() == 0 && !scene.roots().empty();
@@ -95,15 +96,15 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   return diagnostics.errors() == 0 && !scene.roots().empty();
 }
 
-void check_cloud(const qnv::Cloud& cloud) {
-  require(cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size());
-  require(cloud.colors.empty() || cloud.colors.size() == cloud.size());
-  require(cloud.classes.empty() || cloud.classes.size() == cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const glm::vec3 &p = cloud.positions[i], &n = cloud.normals[i];
+void check_vectors(const qnv::VectorView& vectors) {
+  require(vectors.normals.size() == vectors.size() && vectors.weights.size() == vectors.size());
+  require(vectors.colors.empty() || vectors.colors.size() == vectors.size());
+  require(vectors.classes.empty() || vectors.classes.size() == vectors.size());
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    const glm::vec3 &p = vectors.positions[i], &n = vectors.normals[i];
     require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
     require(std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z));
-    require(std::isfinite(cloud.weights[i]));
+    require(std::isfinite(vectors.weights[i]));
   }
 }
 
@@ -111,15 +112,15 @@ void check_cloud(const qnv::Cloud& cloud) {
 bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
   Diagnostics diagnostics;
   const LoadLimit limit(std::chrono::steady_clock::now() + std::chrono::hours(1));
-  const auto cloud = read_cloud(type, {"fuzz", bytes}, diagnostics, limit);
-  require(cloud || diagnostics.errors() > 0 || bytes.empty());
-  if (!cloud) return false;
-  if (cloud->levels)
-    check_cloud(cloud->levels->whole());
+  const auto geometry = read_geometry(type, {"fuzz", bytes}, diagnostics, limit);
+  require(geometry || diagnostics.errors() > 0 || bytes.empty());
+  if (!geometry) return false;
+  if (const auto* octree = geometry->as<qnv::OctreeSplats>())
+    check_vectors(octree->stream->whole());
   else
-    check_cloud(*cloud);
+    check_vectors(*geometry);
   vrml::SceneGraph scene;
-  (void)add_cloud_shape(scene, *cloud, "fuzz");
+  (void)add_geometry_shape(scene, *geometry, "fuzz");
   return diagnostics.errors() == 0;
 }
 
@@ -190,7 +191,7 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
   qnv::GradientOptions options;
   options.threads = 1;
   const auto vectors = qnv::gradient_vectors(*source, options);
-  if (const auto* cloud = std::get_if<qnv::Cloud>(&vectors)) check_cloud(*cloud);
+  if (const auto* volume = std::get_if<qnv::Volume>(&vectors)) check_vectors(*volume);
   return true;
 }
 

@@ -1,4 +1,4 @@
-// Any bytes, whole and in pieces, must decode without harm and to the same sound cloud, and be drawn at any detail.
+// Any bytes, whole and in pieces, must decode without harm and to the same sound geometry, and be drawn at any detail.
 // Checksums that a mutation broke are mended first, so that the fuzzer reaches what is behind them.
 #include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 #include "qnv/codecs/octree/lod/lod.h"
@@ -27,15 +27,18 @@ std::vector<std::uint8_t> with_checksums(std::span<const std::byte> bytes) {
   return mended;
 }
 
-void check_sound(const Cloud& cloud) {
+void check_sound(const Geometry& geometry) {
+  const VectorView cloud(geometry);
   require(cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size());
   require(cloud.colors.empty() || cloud.colors.size() == cloud.size());
   require(cloud.classes.empty() || cloud.classes.size() == cloud.size());
   require(cloud.cells.empty() || cloud.cells.size() == cloud.size());
   for (const float weight : cloud.weights) require(weight > 0 && std::isfinite(weight));
   for (const glm::vec3& p : cloud.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
-  require(cloud.triangles.size() % 3 == 0);
-  for (const std::uint32_t vertex : cloud.triangles) require(vertex < cloud.size());
+  const auto* mesh = geometry.as<IndexedMesh>();
+  if (!mesh) return;
+  require(mesh->triangles.size() % 3 == 0);
+  for (const std::uint32_t vertex : mesh->triangles) require(vertex < mesh->size());
 }
 
 // One decoder gets everything at once, the other piece by piece.
@@ -50,10 +53,11 @@ void read(std::span<const std::byte> bytes, Decoder& whole, Decoder& pieces) {
 void decode(std::span<const std::byte> bytes) {
   StreamDecoder whole(kMaxVectors), pieces(kMaxVectors);
   read(bytes, whole, pieces);
-  const Cloud cloud = whole.cloud(), other = pieces.cloud();
-  check_sound(cloud);
+  const Geometry geometry = whole.geometry(), other_geometry = pieces.geometry();
+  const VectorView cloud(geometry), other(other_geometry);
+  check_sound(geometry);
   require(cloud.size() == whole.vectors() && cloud.size() <= kMaxVectors);
-  require(cloud.positions == other.positions && cloud.weights == other.weights);
+  require(std::ranges::equal(cloud.positions, other.positions) && std::ranges::equal(cloud.weights, other.weights));
   require(whole.problems().size() == pieces.problems().size());
 }
 
@@ -105,8 +109,8 @@ void look_at(LodStream& stream) {
     view.eye = {away, away, away};
     view.error_pixels = away + 1;
     for (const Piece& piece : stream.cut(view)) {
-      require(piece.cloud && piece.first <= piece.cloud->size() && piece.count <= piece.cloud->size() - piece.first);
-      check_sound(*piece.cloud);
+      require(piece.splats && piece.first <= piece.splats->size() && piece.count <= piece.splats->size() - piece.first);
+      check_sound(*piece.splats);
     }
     (void)stream.wanted_by_all();
   }
@@ -138,7 +142,7 @@ bool run_levels(std::span<const std::byte> bytes) {
   StreamDecoder decoder(kMaxVectors);
   (void)decoder.push(lossy);
   decoder.finish();
-  check_sound(decoder.cloud());
+  check_sound(decoder.geometry());
   return taken;
 }
 
@@ -173,10 +177,11 @@ bool run_drawn(std::span<const std::byte> bytes) {
   StreamDecoder decoder(kMaxVectors);
   bool patches = false;
   const auto look = [&] {
-    const Cloud cloud = decoder.cloud_to_draw();
-    if (!cloud.patches) return check_sound(cloud);
+    const Geometry geometry = decoder.geometry_to_draw();
+    const auto* surface = geometry.as<SurfacePatches>();
+    if (!surface) return check_sound(geometry);
     patches = true;
-    look_at(*cloud.patches);
+    look_at(*surface);
   };
   (void)decoder.push(sound.first(sound.size() / 2));
   look();

@@ -70,14 +70,14 @@ inline std::vector<std::array<float, 3>> places(std::span<const glm::vec3> posit
 inline std::vector<std::array<float, 3>> places(const std::vector<Piece>& pieces) {
   std::vector<glm::vec3> all;
   for (const Piece& piece : pieces)
-    for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) all.push_back(piece.cloud->positions[i]);
+    for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) all.push_back(piece.splats->positions[i]);
   return places(all);
 }
 
 inline double area(const std::vector<Piece>& pieces) {
   double sum = 0;
   for (const Piece& piece : pieces)
-    for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) sum += piece.cloud->weights[i];
+    for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) sum += piece.splats->weights[i];
   return sum;
 }
 

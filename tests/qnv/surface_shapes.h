@@ -134,7 +134,7 @@ inline EncodedStream encoded(const Triangles& triangles, const EncodeOptions& op
   return std::get<EncodedStream>(std::move(result));
 }
 
-inline double total_weight(const Cloud& cloud) {
+inline double total_weight(const VectorArrays& cloud) {
   double total = 0;
   for (const float weight : cloud.weights) total += weight;
   return total;

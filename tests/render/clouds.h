@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/splat/splat_raster.h"
 
 #include <glm/geometric.hpp>
@@ -58,7 +58,7 @@ class Psnr {
   std::size_t count_ = 0;
 };
 
-inline void add(qnv::Cloud& cloud, const glm::vec3& position, const glm::vec3& normal, float weight) {
+inline void add(qnv::VectorArrays& cloud, const glm::vec3& position, const glm::vec3& normal, float weight) {
   cloud.positions.push_back(position);
   cloud.normals.push_back(normal);
   cloud.weights.push_back(weight);
@@ -71,26 +71,24 @@ inline glm::vec3 random_direction(std::mt19937& random) {
 }
 
 /// Returns a volume with a white transfer function and one opacity for all classes.
-inline qnv::Cloud empty_volume(float opacity, float spacing) {
-  qnv::Cloud cloud;
-  cloud.description.kind = qnv::Kind::volume;
+inline qnv::Volume empty_volume(float opacity, float spacing) {
+  qnv::Volume cloud;
   cloud.description.spacing = spacing;
   cloud.description.transfer = {{0, {255, 255, 255}, opacity}, {1, {255, 255, 255}, opacity}};
   return cloud;
 }
 
-inline void add(qnv::Cloud& cloud, const glm::vec3& position, const glm::vec3& normal, float weight,
+inline void add(qnv::Volume& cloud, const glm::vec3& position, const glm::vec3& normal, float weight,
                 std::uint8_t value) {
   add(cloud, position, normal, weight);
   cloud.classes.push_back(value);
 }
 
 /// Returns a thick shell of radius about 1, with vectors of all magnitudes and classes.
-inline qnv::Cloud random_volume(std::size_t count, unsigned seed, float spacing) {
+inline qnv::Volume random_volume(std::size_t count, unsigned seed, float spacing) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> part(0, 1);
-  qnv::Cloud cloud;
-  cloud.description.kind = qnv::Kind::volume;
+  qnv::Volume cloud;
   cloud.description.spacing = spacing;
   cloud.description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
   for (std::size_t i = 0; i < count; ++i) {
@@ -102,8 +100,8 @@ inline qnv::Cloud random_volume(std::size_t count, unsigned seed, float spacing)
 }
 
 /// Returns a sphere of evenly spread discs with the area of the sphere in total.
-inline qnv::Cloud disc_sphere(std::size_t count, float radius, const glm::vec3& center = glm::vec3(0)) {
-  qnv::Cloud cloud;
+inline qnv::Splats disc_sphere(std::size_t count, float radius, const glm::vec3& center = glm::vec3(0)) {
+  qnv::Splats cloud;
   const auto all = static_cast<float>(count);
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);

@@ -17,8 +17,8 @@ namespace {
 const glm::dvec3 kFar{4'500'000.5, -4'500'000.5, 3'200'000.25};
 
 /// World of one QNV node below a Transform, with the vectors of `cloud`.
-struct CloudWorld {
-  CloudWorld(const qnv::Cloud& cloud, const glm::dvec3& origin, const glm::dvec3& translation)
+struct GeometryWorld {
+  GeometryWorld(const qnv::Geometry& cloud, const glm::dvec3& origin, const glm::dvec3& translation)
       : scene(std::make_unique<vrml::SceneGraph>("far.wrl")) {
     std::string place;
     for (int i = 0; i < 3; ++i) place += std::to_string(translation[i]) + " ";
@@ -26,8 +26,8 @@ struct CloudWorld {
     (void)vrml::parse("#VRML V2.0 utf8\nTransform { translation " + place + "children Shape { geometry QNV { } } }",
                       *scene, diagnostics);
     REQUIRE(diagnostics.errors() == 0);
-    auto moved = std::make_shared<qnv::Cloud>(cloud);
-    moved->description.origin = origin;
+    auto moved = std::make_shared<qnv::Geometry>(cloud);
+    moved->base().description.origin = origin;
     for (std::uint32_t i = 1; i <= scene->node_count(); ++i)
       if (const vrml::NodeId id = scene->resolve_as(scene->id_at(i), vrml::NodeKind::qnv))
         clouds[&scene->node(id)] = moved;
@@ -44,7 +44,7 @@ struct CloudWorld {
   }
   std::unique_ptr<vrml::SceneGraph> scene;
   MeshCache meshes;
-  Clouds clouds;
+  Geometries clouds;
 };
 
 /// Counts pixels that differ by more than `most` in any colour.
@@ -55,37 +55,37 @@ std::size_t others(const Image& a, const Image& b, int most) {
   return count;
 }
 
-void check_alike_far(const qnv::Cloud& cloud, SplatPath path) {
+void check_alike_far(const qnv::Geometry& cloud, SplatPath path) {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 120;
   drawing.options.splats = path;
-  const Image near = CloudWorld(cloud, {}, {}).draw(drawing, {});
+  const Image near = GeometryWorld(cloud, {}, {}).draw(drawing, {});
   CHECK(std::count_if(near.pixels.begin(), near.pixels.end(), [](std::uint8_t c) { return c > 40; }) > 3000);
   // Moved by its origin, by a Transform, and by both.
-  CHECK(others(near, CloudWorld(cloud, kFar, {}).draw(drawing, kFar), 3) <= 6);
-  CHECK(others(near, CloudWorld(cloud, {}, kFar).draw(drawing, kFar), 3) <= 6);
-  CHECK(others(near, CloudWorld(cloud, kFar, kFar).draw(drawing, kFar * 2.0), 3) <= 6);
+  CHECK(others(near, GeometryWorld(cloud, kFar, {}).draw(drawing, kFar), 3) <= 6);
+  CHECK(others(near, GeometryWorld(cloud, {}, kFar).draw(drawing, kFar), 3) <= 6);
+  CHECK(others(near, GeometryWorld(cloud, kFar, kFar).draw(drawing, kFar * 2.0), 3) <= 6);
   // A shift of half a centimetre changes the picture.
-  CHECK(others(near, CloudWorld(cloud, kFar + glm::dvec3(0.005, 0, 0), {}).draw(drawing, kFar), 3) > 60);
+  CHECK(others(near, GeometryWorld(cloud, kFar + glm::dvec3(0.005, 0, 0), {}).draw(drawing, kFar), 3) > 60);
 }
 
 }  // namespace
 
 TEST_CASE("draws splats far from the origin as near it") {
-  const qnv::Cloud cloud = test::disc_sphere(4000, 0.5f);
+  const qnv::Splats cloud = test::disc_sphere(4000, 0.5f);
   check_alike_far(cloud, SplatPath::cpu);
   check_alike_far(cloud, SplatPath::gl);
 }
 
 TEST_CASE("draws volumes far from the origin as near it") {
-  qnv::Cloud cloud = test::random_volume(1500, 3, 0.08f);
+  qnv::Volume cloud = test::random_volume(1500, 3, 0.08f);
   for (const glm::vec3& p : cloud.positions) cloud.description.box.add(p);
   check_alike_far(cloud, SplatPath::cpu);
   check_alike_far(cloud, SplatPath::gl);
 }
 
 TEST_CASE("draws surfaces with triangles far from the origin as near it") {
-  qnv::Cloud cloud;
+  qnv::IndexedMesh cloud;
   constexpr std::uint32_t kRows = 24, kColumns = 48;
   for (std::uint32_t row = 0; row <= kRows; ++row)
     for (std::uint32_t column = 0; column <= kColumns; ++column) {

@@ -194,18 +194,19 @@ TEST_CASE("fades splats and volumes like surfaces, on both paths") {
       Drawing drawing;
       drawing.options.splats = path;
       // A wall of splats in the plane z = 0.
-      auto cloud = std::make_shared<qnv::Cloud>();
-      cloud->description.kind = volume ? qnv::Kind::volume : qnv::Kind::surface;
+      qnv::Geometry geometry;
+      if (volume) geometry = qnv::Volume();
+      qnv::VectorArrays& wall = *geometry.arrays();
       for (int y = -20; y <= 20; ++y)
         for (int x = -20; x <= 20; ++x) {
-          cloud->positions.push_back({x * 0.1f, y * 0.1f, 0});
-          cloud->normals.push_back({0, 0, 1});
-          cloud->weights.push_back(0.02f);
-          cloud->description.box.add(cloud->positions.back());
+          wall.positions.push_back({x * 0.1f, y * 0.1f, 0});
+          wall.normals.push_back({0, 0, 1});
+          wall.weights.push_back(0.02f);
+          wall.description.box.add(wall.positions.back());
         }
       RenderList list;
       SplatItem item;
-      item.cloud = cloud;
+      item.geometry = std::make_shared<const qnv::Geometry>(std::move(geometry));
       item.material.diffuse = {0.2f, 0.4f, 0.8f};
       list.splats.push_back(item);
       list.bounds.add(glm::vec3(-2, -2, -0.1f));

@@ -146,7 +146,7 @@ TEST_CASE("draws small texts in one batch as one by one") {
     for (const int samples : {1, 4}) {
       INFO(about << samples);
       ParsedWorld world(about + labels);
-      const Clouds clouds;
+      const Geometries clouds;
       RenderScene gathered(*world.scene, world.images, clouds, world.meshes);
       gathered.gather({}, {0, 0, 10});
       RenderList list = gathered.list();

@@ -16,10 +16,10 @@ using namespace gs::render::testing;
 
 namespace {
 
-RenderList bumpy_list(std::shared_ptr<const qnv::Cloud> cloud) {
+RenderList bumpy_list(std::shared_ptr<const qnv::Geometry> cloud) {
   RenderList list;
   SplatItem item;
-  item.cloud = std::move(cloud);
+  item.geometry = std::move(cloud);
   list.splats.push_back(std::move(item));
   list.bounds.add({-1.06f, -1.06f, -1.06f});
   list.bounds.add({1.06f, 1.06f, 1.06f});
@@ -27,7 +27,7 @@ RenderList bumpy_list(std::shared_ptr<const qnv::Cloud> cloud) {
 }
 
 /// Returns a white item in any light.
-RenderList white(std::shared_ptr<const qnv::Cloud> cloud) {
+RenderList white(std::shared_ptr<const qnv::Geometry> cloud) {
   RenderList list = bumpy_list(std::move(cloud));
   list.splats[0].material.diffuse = glm::vec3(0);
   list.splats[0].material.emissive = glm::vec3(1);

@@ -2,13 +2,14 @@
 
 // Point sets for tests of splatting, and a bare context.
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/stream_decoder.h"
 #include "render/gl/gl.h"
+#include "tests/geometries.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -24,8 +25,8 @@ namespace gs::render::testing {
 inline constexpr float kPi = 3.14159265f;
 
 /// Returns splats of equal area along a spiral on a unit sphere.
-inline std::shared_ptr<qnv::Cloud> sphere(std::size_t count, bool colored = false) {
-  auto cloud = std::make_shared<qnv::Cloud>();
+inline std::shared_ptr<qnv::Splats> sphere(std::size_t count, bool colored = false) {
+  auto cloud = std::make_shared<qnv::Splats>();
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
     const float angle = 2.3999632f * static_cast<float>(i), across = std::sqrt(1 - z * z);
@@ -41,7 +42,7 @@ inline std::shared_ptr<qnv::Cloud> sphere(std::size_t count, bool colored = fals
 }
 
 /// Returns the sphere as an octree stream, with splats clipped to its cubes.
-inline std::shared_ptr<const qnv::Cloud> octree_sphere(std::size_t vectors) {
+inline std::shared_ptr<const qnv::Splats> octree_sphere(std::size_t vectors) {
   const auto on_sphere = [](int row, int column) {
     const float theta = kPi * static_cast<float>(row) / 24, phi = kPi * static_cast<float>(column) / 24;
     return glm::vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
@@ -69,11 +70,11 @@ inline std::shared_ptr<const qnv::Cloud> octree_sphere(std::size_t vectors) {
   qnv::StreamDecoder decoder;
   REQUIRE(decoder.push(std::get<qnv::EncodedStream>(encoded).bytes));
   decoder.finish();
-  return std::make_shared<const qnv::Cloud>(decoder.cloud());
+  return std::make_shared<const qnv::Splats>(content_of<qnv::Splats>(decoder.geometry()));
 }
 
 /// Returns a closed, bumpy surface at 0.94 to 1.06 from the origin, as an octree stream with levels.
-inline std::shared_ptr<const qnv::Cloud> bumpy_stream(std::size_t vectors) {
+inline std::shared_ptr<const qnv::Geometry> bumpy_stream(std::size_t vectors) {
   constexpr int kRows = 160;
   const auto on_surface = [](int row, int column) {
     const float theta = kPi * static_cast<float>(row) / kRows, phi = kPi * static_cast<float>(column) / kRows;
@@ -101,10 +102,8 @@ inline std::shared_ptr<const qnv::Cloud> bumpy_stream(std::size_t vectors) {
   if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
   auto opened = qnv::LodStream::open(std::move(std::get<qnv::EncodedStream>(encoded).bytes));
   if (auto* problem = std::get_if<qnv::StreamProblem>(&opened)) FAIL(problem->message);
-  auto cloud = std::make_shared<qnv::Cloud>();
-  cloud->levels = std::move(std::get<std::unique_ptr<qnv::LodStream>>(opened));
-  cloud->description = cloud->levels->header().description;
-  return cloud;
+  return std::make_shared<const qnv::Geometry>(
+      qnv::OctreeSplats(std::move(std::get<std::unique_ptr<qnv::LodStream>>(opened))));
 }
 
 /// OpenGL context on OSMesa.

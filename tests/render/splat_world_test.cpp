@@ -15,11 +15,11 @@ using namespace gs::render::testing;
 
 namespace {
 
-using NamedClouds = std::map<std::string, std::shared_ptr<const qnv::Cloud>>;
+using NamedGeometries = std::map<std::string, std::shared_ptr<const qnv::Geometry>>;
 
 /// World with QNV nodes that show the point set of their first url.
-struct CloudWorld {
-  CloudWorld(const std::string& body, const NamedClouds& named)
+struct GeometryWorld {
+  GeometryWorld(const std::string& body, const NamedGeometries& named)
       : scene(std::make_unique<vrml::SceneGraph>("test.wrl")) {
     Diagnostics diagnostics;
     vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
@@ -38,7 +38,7 @@ struct CloudWorld {
 
   std::unique_ptr<vrml::SceneGraph> scene;
   MeshCache meshes;
-  Clouds clouds;
+  Geometries clouds;
 };
 
 const std::string kPaint =
@@ -65,13 +65,13 @@ double psnr(const Image& a, const Image& b) {
 }
 
 /// Draws both worlds on both paths. Neither may be empty.
-void check_alike(const std::string& world, const std::string& same, const NamedClouds& clouds, double least,
+void check_alike(const std::string& world, const std::string& same, const NamedGeometries& clouds, double least,
                  const glm::vec3& eye = {0, 0.5f, 6}) {
   static Drawing drawing;
   drawing.options.width = 160;
   drawing.options.height = 120;
   drawing.options.samples = 4;
-  CloudWorld first(world, clouds), second(same, clouds);
+  GeometryWorld first(world, clouds), second(same, clouds);
   const RenderList a = first.collect(eye), b = second.collect(eye);
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     drawing.options.splats = path;
@@ -84,8 +84,8 @@ void check_alike(const std::string& world, const std::string& same, const NamedC
 }
 
 /// Returns the splats after `matrix`, with the areas of their ellipses.
-std::shared_ptr<const qnv::Cloud> moved(const qnv::Cloud& cloud, const glm::mat4& matrix) {
-  auto result = std::make_shared<qnv::Cloud>(cloud);
+std::shared_ptr<const qnv::Geometry> moved(const qnv::Splats& cloud, const glm::mat4& matrix) {
+  auto result = std::make_shared<qnv::Splats>(cloud);
   const glm::mat3 linear(matrix), normals = glm::transpose(glm::inverse(linear)) * glm::determinant(linear);
   result->description.box = {};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -95,17 +95,17 @@ std::shared_ptr<const qnv::Cloud> moved(const qnv::Cloud& cloud, const glm::mat4
     result->weights[i] = cloud.weights[i] * glm::length(n);
     result->description.box.add(result->positions[i]);
   }
-  return result;
+  return shared_geometry(result);
 }
 
 /// Returns a sphere that is red towards +Z and green towards +X.
-std::shared_ptr<const qnv::Cloud> painted() {
+std::shared_ptr<const qnv::Geometry> painted() {
   auto cloud = sphere(3000);
   for (const glm::vec3& p : cloud->positions)
     cloud->colors.push_back(p.z > 0.6f   ? qnv::Rgb8{230, 20, 20}
                             : p.x > 0.6f ? qnv::Rgb8{20, 230, 20}
                                          : qnv::Rgb8{60, 60, 200});
-  return cloud;
+  return shared_geometry(cloud);
 }
 
 }  // namespace
@@ -116,12 +116,12 @@ TEST_CASE("draws a point set under Transforms like one that was moved before") {
   rigid = glm::scale(glm::rotate(rigid, 0.8f, glm::vec3(0, 0, 1)), glm::vec3(1.4f));
   check_alike(
       "Transform { translation 0.7 -0.3 0.5 rotation 0 0 1 0.8 scale 1.4 1.4 1.4 children " + shape("ball") + "}",
-      shape("moved"), {{"ball", ball}, {"moved", moved(*ball, rigid)}}, 50);
+      shape("moved"), {{"ball", shared_geometry(ball)}, {"moved", moved(*ball, rigid)}}, 50);
   // Non-uniform after a rotation, so that it shears.
   glm::mat4 shear = glm::scale(glm::mat4(1), glm::vec3(1.7f, 0.7f, 1.1f));
   shear = glm::rotate(shear, 0.6f, glm::vec3(0, 0, 1));
   check_alike("Transform { scale 1.7 0.7 1.1 children Transform { rotation 0 0 1 0.6 children " + shape("ball") + "} }",
-              shape("moved"), {{"ball", ball}, {"moved", moved(*ball, shear)}}, 55);
+              shape("moved"), {{"ball", shared_geometry(ball)}, {"moved", moved(*ball, shear)}}, 55);
 }
 
 TEST_CASE("draws a point set under any scale like the polygons that it represents") {
@@ -129,7 +129,7 @@ TEST_CASE("draws a point set under any scale like the polygons that it represent
   for (const std::string scale : {"1 1 1", "2 0.5 1", "0.3 1.5 1.5"}) {
     const std::string before = "Transform { rotation 0 0 1 0.4 scale " + scale + " children ";
     check_alike(before + shape("ball") + "}", before + "Shape { " + kPaint + " geometry Sphere { radius 1 } } }",
-                {{"ball", ball}}, 44);
+                {{"ball", shared_geometry(ball)}}, 44);
   }
 }
 
@@ -139,24 +139,25 @@ TEST_CASE("hides point sets and polygons behind each other like polygons") {
       "Transform { rotation 0 1 0 0.7 children Shape { appearance Appearance { material Material { "
       "emissiveColor 0.1 0.7 0.2 diffuseColor 0 0 0 } } geometry Box { size 3 1 0.02 } } }\n";
   const std::string sphere_shape = "Shape { " + kPaint + " geometry Sphere { radius 1 } }\n";
-  check_alike(board + shape("ball"), board + sphere_shape, {{"ball", ball}}, 40);
-  check_alike(shape("ball") + board, board + sphere_shape, {{"ball", ball}}, 40);
+  check_alike(board + shape("ball"), board + sphere_shape, {{"ball", shared_geometry(ball)}}, 40);
+  check_alike(shape("ball") + board, board + sphere_shape, {{"ball", shared_geometry(ball)}}, 40);
   // Glass before and behind.
   const auto glass = [](const std::string& z) {
     return "Transform { translation 0 0 " + z +
            " children Shape { appearance Appearance { material Material { emissiveColor 0.2 0.2 0.9 diffuseColor 0 0 0 "
            "transparency 0.5 } } geometry Box { size 3 1 0.02 } } }\n";
   };
-  check_alike(glass("2") + shape("ball") + glass("-2"), glass("2") + sphere_shape + glass("-2"), {{"ball", ball}}, 40);
+  check_alike(glass("2") + shape("ball") + glass("-2"), glass("2") + sphere_shape + glass("-2"),
+              {{"ball", shared_geometry(ball)}}, 40);
 }
 
 TEST_CASE("draws point sets that intersect like one joint point set") {
-  auto red = std::make_shared<qnv::Cloud>(*sphere(8000)), blue = std::make_shared<qnv::Cloud>(*red);
+  auto red = std::make_shared<qnv::Splats>(*sphere(8000)), blue = std::make_shared<qnv::Splats>(*red);
   red->colors.assign(red->size(), {220, 40, 40});
   blue->colors.assign(blue->size(), {40, 40, 220});
   for (glm::vec3& p : blue->positions) p += glm::vec3(0.8f, 0.2f, 0.3f);
   blue->description.box = {{-0.2f, -0.8f, -0.7f}, {1.8f, 1.2f, 1.3f}};
-  auto both = std::make_shared<qnv::Cloud>(*red);
+  auto both = std::make_shared<qnv::Splats>(*red);
   both->description.box.add(blue->description.box.upper);
   for (std::size_t i = 0; i < blue->size(); ++i) {
     both->positions.push_back(blue->positions[i]);
@@ -164,16 +165,18 @@ TEST_CASE("draws point sets that intersect like one joint point set") {
     both->weights.push_back(blue->weights[i]);
     both->colors.push_back(blue->colors[i]);
   }
-  const NamedClouds clouds{{"red", red}, {"blue", blue}, {"both", both}};
+  const NamedGeometries clouds{
+      {"red", shared_geometry(red)}, {"blue", shared_geometry(blue)}, {"both", shared_geometry(both)}};
   check_alike(shape("red") + shape("blue"), shape("both"), clouds, 37);
   check_alike(shape("blue") + shape("red"), shape("both"), clouds, 37);
 }
 
 TEST_CASE("chooses among point sets by Switch and LOD") {
-  const NamedClouds clouds{{"ball", sphere(3000)}, {"coarse", sphere(60)}, {"painted", painted()}};
+  const NamedGeometries clouds{
+      {"ball", shared_geometry(sphere(3000))}, {"coarse", shared_geometry(sphere(60))}, {"painted", painted()}};
   check_alike("Switch { whichChoice 1 choice [ " + shape("ball") + shape("painted") + "] }", shape("painted"), clouds,
               100);
-  CloudWorld none("Switch { choice " + shape("ball") + "}", clouds);
+  GeometryWorld none("Switch { choice " + shape("ball") + "}", clouds);
   CHECK(none.collect({0, 0, 10}).splats.empty());
   const std::string lod = "LOD { range [ 5 ] level [ " + shape("ball") + shape("coarse") + "] }";
   check_alike(lod, shape("ball"), clouds, 100, {0, 0.5f, 4});
@@ -181,7 +184,7 @@ TEST_CASE("chooses among point sets by Switch and LOD") {
 }
 
 TEST_CASE("turns the point set of a Billboard to the viewer") {
-  const NamedClouds clouds{{"painted", painted()}};
+  const NamedGeometries clouds{{"painted", painted()}};
   // Seen from +X, the side of +Z turns to the viewer, as by a quarter turn about Y.
   check_alike("Billboard { children " + shape("painted") + "}",
               "Transform { rotation 0 1 0 1.5707963 children " + shape("painted") + "}", clouds, 50, {6, 0, 0});
@@ -189,7 +192,7 @@ TEST_CASE("turns the point set of a Billboard to the viewer") {
 }
 
 TEST_CASE("places instances of a PROTO with a point set") {
-  const NamedClouds clouds{{"painted", painted()}};
+  const NamedGeometries clouds{{"painted", painted()}};
   const std::string proto =
       "PROTO Place [ field SFVec3f at 0 0 0 field SFVec3f size 1 1 1 ] { Transform { translation IS at scale IS size "
       "children " +
@@ -199,7 +202,7 @@ TEST_CASE("places instances of a PROTO with a point set") {
                   "} Transform { translation 1.2 0.3 0 scale 0.5 1 0.8 children " + shape("painted") + "}",
               clouds, 100);
   // USE, and a stream at two instances.
-  const NamedClouds stream{{"stream", bumpy_stream(5000)}};
+  const NamedGeometries stream{{"stream", bumpy_stream(5000)}};
   check_alike("Transform { translation -1.2 0 0 children DEF S " + shape("stream") +
                   "} Transform { translation 1.2 0 -6 children USE S }",
               "Transform { translation -1.2 0 0 children " + shape("stream") +
@@ -208,9 +211,9 @@ TEST_CASE("places instances of a PROTO with a point set") {
 }
 
 TEST_CASE("collects the detail of a QNV node within bounds") {
-  const NamedClouds clouds{{"ball", sphere(100)}};
+  const NamedGeometries clouds{{"ball", shared_geometry(sphere(100))}};
   const auto detail = [&](const std::string& value) {
-    CloudWorld world("Shape { geometry QNV { url \"ball\" " + value + " } }", clouds);
+    GeometryWorld world("Shape { geometry QNV { url \"ball\" " + value + " } }", clouds);
     const RenderList list = world.collect({0, 0, 10});
     REQUIRE(list.splats.size() == 1);
     return list.splats[0].detail;
@@ -224,7 +227,7 @@ TEST_CASE("collects the detail of a QNV node within bounds") {
 
 TEST_CASE("draws streams by budget and detail, and reports pending data") {
   Drawing drawing;
-  CloudWorld world("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
+  GeometryWorld world("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
   const Camera camera = upright_camera({0, 0, 3});
   RenderList list = world.collect({0, 0, 3});
   drawing.options.width = drawing.options.height = 200;
@@ -240,7 +243,7 @@ TEST_CASE("draws streams by budget and detail, and reports pending data") {
   (void)drawing.draw(list, camera);
   CHECK(drawing.statistics.vectors < all / 4);
 
-  CloudWorld fresh("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
+  GeometryWorld fresh("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
   list = fresh.collect({0, 0, 3});
   drawing.options.most_decoded = 3000;
   drawing.options.viewport = 3;
@@ -254,9 +257,9 @@ TEST_CASE("draws streams by budget and detail, and reports pending data") {
 TEST_CASE("draws colours that distinguish vectors with any material") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 64;
-  CloudWorld world(
+  GeometryWorld world(
       "Shape { appearance Appearance { material Material { diffuseColor 0 0 0 } } geometry QNV { url \"ball\" } }",
-      {{"ball", sphere(6000)}});
+      {{"ball", shared_geometry(sphere(6000))}});
   const RenderList list = world.collect({0, 0, 4});
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     drawing.options.splats = path;

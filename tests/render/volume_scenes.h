@@ -4,6 +4,7 @@
 
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_pass.h"
+#include "tests/geometries.h"
 #include "tests/render/clouds.h"
 #include "tests/render/drawing.h"
 #include "tests/render/rays/raycast.h"
@@ -34,8 +35,8 @@ inline render::RayImage exact_volumes(std::span<const render::VolumeItem> items,
     const auto lens = render::volume_lens(view, item.camera_from_node);
     if (!lens) continue;
     for (std::size_t k = 0; k < item.count; ++k) {
-      const double alpha = static_cast<double>(render::volume_alpha(*item.cloud, *item.model, item.options, k));
-      const glm::dvec3 place(glm::dmat4(item.camera_from_node) * glm::dvec4(item.cloud->positions[k], 1));
+      const double alpha = static_cast<double>(render::volume_alpha(*item.volume, *item.model, item.options, k));
+      const glm::dvec3 place(glm::dmat4(item.camera_from_node) * glm::dvec4(item.volume->positions[k], 1));
       const double spacing = static_cast<double>(item.model->spacing[k] * lens->scale), depth = -place.z;
       if (!(alpha > 0 && depth > static_cast<double>(view.near_plane) && depth > spacing)) continue;
       const double pixels = static_cast<double>(lens->pixels_x * lens->pixels_y) / (depth * depth);
@@ -43,8 +44,8 @@ inline render::RayImage exact_volumes(std::span<const render::VolumeItem> items,
       const double least = static_cast<double>(render::kVolumePixel) / pixels;
       if (area < least) part = std::exchange(area, least) / least;
       const glm::vec3 color =
-          render::volume_shade(item.options, render::volume_color(*item.cloud, *item.model, item.options, k),
-                               glm::vec3(place), lens->normal_matrix * item.cloud->normals[k]);
+          render::volume_shade(item.options, render::volume_color(*item.volume, *item.model, item.options, k),
+                               glm::vec3(place), lens->normal_matrix * item.volume->normals[k]);
       vectors.push_back({place, glm::dvec3(color), alpha * part, area});
     }
   }
@@ -245,11 +246,11 @@ class VolumePicture {
   render::Framebuffer drawn_, resolved_;
 };
 
-inline render::RenderList volume_list(const std::shared_ptr<const qnv::Cloud>& cloud,
+inline render::RenderList volume_list(const std::shared_ptr<const qnv::Volume>& cloud,
                                       const glm::mat4& world_from_node = glm::mat4(1.0f)) {
   render::RenderList list;
   render::SplatItem item;
-  item.cloud = cloud;
+  item.geometry = shared_geometry(cloud);
   item.world_from_node = world_from_node;
   list.splats.push_back(item);
   return list;

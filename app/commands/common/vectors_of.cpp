@@ -62,20 +62,20 @@ std::optional<Opened> open_cloud_input(const LoadingOptions& options, const Cont
   Diagnostics diagnostics;
   const LoadLimit limit(deadline_of(options));
   const WorldBudget budget = budget_of(options, limit);
-  auto cloud = read_cloud(type, file, diagnostics, limit, budget);
-  if (cloud && cloud->levels) {
+  auto geometry = read_geometry(type, file, diagnostics, limit, budget);
+  if (const auto* octree = geometry ? geometry->as<qnv::OctreeSplats>() : nullptr) {
     qnv::LodLimits limits;
     limits.discs = most_decoded_vectors(*budget);
-    cloud->levels->set_limits(limits);
-    const auto levels = cloud->levels;
-    cloud = levels->whole();
-    if (levels->cut_short())
+    const auto stream = octree->stream;
+    stream->set_limits(limits);
+    geometry = stream->whole();
+    if (stream->cut_short())
       diagnostics.add(
           {Severity::error, file.path, {}, budget->refusal(Resource::vectors) + "; some parts stay coarse"});
   }
   print_diagnostics(diagnostics);
-  if (!cloud) return std::nullopt;
-  return std::move(*cloud);
+  if (!geometry) return std::nullopt;
+  return std::move(*geometry);
 }
 
 std::optional<Opened> open_world_input(const LoadingOptions& options, const std::string& path, std::string& title) {
@@ -229,8 +229,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   return encoded;
 }
 
-std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume, const ConversionOptions& options,
-                                                ProgressBar& progress) {
+std::variant<qnv::Volume, EncodeError> gradients(const qnv::VolumeSource& volume, const ConversionOptions& options,
+                                                 ProgressBar& progress) {
   qnv::GradientOptions gradient_options;
   if (options.vectors > 0) {
     gradient_options.fraction = 1;
@@ -248,7 +248,7 @@ std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume,
   progress.whole().stage = "gradients";
   auto found = qnv::gradient_vectors(volume, gradient_options, &progress.whole());
   if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) return EncodeError{problem->message};
-  return std::move(std::get<qnv::Cloud>(found));
+  return std::move(std::get<qnv::Volume>(found));
 }
 
 }  // namespace
@@ -290,8 +290,9 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   if (const auto* surface = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content))
     if (const WideBox& bounds = (*surface)->list.bounds; !bounds.empty()) size = bounds.size();
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) size = mesh->size;
-  if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content); cloud && !cloud->description.box.empty())
-    size = cloud->description.box.size();
+  if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content);
+      geometry && !geometry->description().box.empty())
+    size = geometry->description().box.size();
   input.upright = upright_of(is_raw(options) ? UpRule::slices : type.up, size);
   return input;
 }
@@ -337,19 +338,20 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
                        " applies to surfaces of triangles only; leave it out"};
   if (options.packed && std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--packed applies to surfaces only; leave it out"};
-  if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
+  if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
     if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
-    encode_options.metadata = metadata_of(options, input, path, cloud->description.metadata);
-    if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, cloud->size());
-    return encode(std::cref(*cloud), {requested_payload(options), std::move(encode_options)}, progress);
+    encode_options.metadata = metadata_of(options, input, path, geometry->description().metadata);
+    const qnv::VectorView vectors(*geometry);
+    if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, vectors.size());
+    return encode(vectors, {requested_payload(options), std::move(encode_options)}, progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   auto found = gradients(volume, options, progress);
   if (auto* problem = std::get_if<EncodeError>(&found)) return std::move(*problem);
   encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
   encode_options.vectors = 0;
-  const auto& cloud = std::get<qnv::Cloud>(found);
-  return encode(qnv::VolumeVectors{cloud, volume.layout}, {requested_payload(options), std::move(encode_options)},
+  const auto& vectors = std::get<qnv::Volume>(found);
+  return encode(qnv::VolumeVectors{vectors, volume.layout}, {requested_payload(options), std::move(encode_options)},
                 progress);
 }
 
@@ -377,30 +379,32 @@ std::variant<OutlineModel, std::string> isosurface_outlines(const ConversionOpti
   return model;
 }
 
-std::variant<qnv::Cloud, EncodeError> cloud_of_input(const ConversionOptions& options, OpenedInput input,
-                                                     ProgressBar& progress) {
-  const auto stand = [&](qnv::Cloud& cloud) {
-    Metadata& metadata = cloud.description.metadata;
+std::variant<qnv::Geometry, EncodeError> geometry_of_input(const ConversionOptions& options, OpenedInput input,
+                                                           ProgressBar& progress) {
+  const auto stand = [&](qnv::Description& description) {
+    Metadata& metadata = description.metadata;
     if (stated_upright(metadata)) return;
     for (auto& pair : metadata_of(input.upright)) metadata.push_back(std::move(pair));
   };
-  if (auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
+  if (auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
     if (options.isovalue)
       return EncodeError{options.files.front() + " is not a volume; --isovalue applies to volumes only"};
-    stand(*cloud);
-    return std::move(*cloud);
+    stand(geometry->base().description);
+    return std::move(*geometry);
   }
   if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && !options.isovalue) {
     auto found = gradients(*volume, options, progress);
-    if (auto* cloud = std::get_if<qnv::Cloud>(&found)) stand(*cloud);
-    return found;
+    if (auto* problem = std::get_if<EncodeError>(&found)) return std::move(*problem);
+    auto& vectors = std::get<qnv::Volume>(found);
+    stand(vectors.description);
+    return std::move(vectors);
   }
   auto encoded = encode_input(options, input, progress);
   if (auto* problem = std::get_if<EncodeError>(&encoded)) return std::move(*problem);
   const auto& stream = std::get<qnv::EncodedStream>(encoded);
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
   auto decoded = qnv::decode_stream(stream.bytes, kAll);
-  return std::get<qnv::Cloud>(std::move(decoded.content));
+  return std::get<qnv::Geometry>(std::move(decoded.content));
 }
 
 }  // namespace gs::app

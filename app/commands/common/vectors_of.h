@@ -25,7 +25,7 @@ struct OpenedSurface {
 };
 
 /// Content of a file for `encode`, `export` and `info`.
-using Opened = std::variant<qnv::VolumeSource, qnv::Cloud, std::unique_ptr<OpenedSurface>, MeshStream>;
+using Opened = std::variant<qnv::VolumeSource, qnv::Geometry, std::unique_ptr<OpenedSurface>, MeshStream>;
 
 /// Opened file with its content, type and title.
 struct OpenedInput {
@@ -62,7 +62,7 @@ inline constexpr std::uint64_t kOutlineTriangleBytes = 400;
                                                                           ProgressBar& progress);
 
 /// Returns the vectors of an input: its own, the gradients of a volume, or those of its encoded surface.
-[[nodiscard]] std::variant<qnv::Cloud, qnv::EncodeError> cloud_of_input(const ConversionOptions& options,
-                                                                        OpenedInput input, ProgressBar& progress);
+[[nodiscard]] std::variant<qnv::Geometry, qnv::EncodeError> geometry_of_input(const ConversionOptions& options,
+                                                                              OpenedInput input, ProgressBar& progress);
 
 }  // namespace gs::app

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 
 #include <cstddef>
 #include <span>
@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-/// Export of oriented vectors to other programs' formats. Each function takes a qnv::Cloud and returns the bytes of the
+/// Export of oriented vectors to other programs' formats. Each function takes a geometry and returns the bytes of the
 /// file, or a message. Runs on any thread. Splat formats omit vectors with non-finite values. A surface vector becomes
 /// a flat splat of its area. A volume vector becomes a ball as wide as a voxel, coloured by the transfer function.
 /// Without a transfer function it is grey by class, with opacity proportional to magnitude.
@@ -25,34 +25,34 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 /// Exports binary little-endian PLY: x y z nx ny nz, red green blue (bytes), area; a mesh if there are triangles. Axes
 /// and units are unchanged. Normals of a volume point away from higher values. Positions, normals and areas round-trip
 /// bit for bit.
-[[nodiscard]] Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions& options = {});
+[[nodiscard]] Exported export_points_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 /// Exports Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. Axes: right, down, forward.
-[[nodiscard]] Exported export_splats_ply(const qnv::Cloud& cloud, const ExportOptions& options = {});
+[[nodiscard]] Exported export_splats_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 /// Exports binary glTF 2.0 with KHR_gaussian_splatting (release candidate of April 2026): one POINTS primitive, with
 /// COLOR_0 for viewers without the extension. Refuses files over 4 GiB.
-[[nodiscard]] Exported export_glb_splats(const qnv::Cloud& cloud, const ExportOptions& options = {});
-/// Exports binary glTF: a mesh (export_glb_mesh.h) if `cloud` has triangles, else splats.
-[[nodiscard]] Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options = {});
+[[nodiscard]] Exported export_glb_splats(const qnv::Geometry& geometry, const ExportOptions& options = {});
+/// Exports binary glTF: a mesh (export_glb_mesh.h) if `geometry` has triangles, else splats.
+[[nodiscard]] Exported export_glb(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 /// Export Niantic's SPZ, version 4 (zstd) or 3 (gzip), degree 0. Axes: right, up, back. Positions have 24 bits of the
 /// largest coordinate, sizes 6 % accuracy. Both refuse input without visible vectors, which SPZ cannot represent.
-[[nodiscard]] Exported export_spz(const qnv::Cloud& cloud, const ExportOptions& options = {});
-[[nodiscard]] Exported export_spz3(const qnv::Cloud& cloud, const ExportOptions& options = {});
+[[nodiscard]] Exported export_spz(const qnv::Geometry& geometry, const ExportOptions& options = {});
+[[nodiscard]] Exported export_spz3(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 /// Export a VRML97 world for any browser: a PROTO QNV with the interface of the built-in node, and a Shape that uses
 /// it, framed from the front. The PROTO's body is a PointSet, or an IndexedFaceSet with a square for each vector.
 /// Points cannot be lit, so single-coloured points get shading by a light above the viewer.
-[[nodiscard]] Exported export_vrml97_points(const qnv::Cloud& cloud, const ExportOptions& options = {});
-[[nodiscard]] Exported export_vrml97_patches(const qnv::Cloud& cloud, const ExportOptions& options = {});
+[[nodiscard]] Exported export_vrml97_points(const qnv::Geometry& geometry, const ExportOptions& options = {});
+[[nodiscard]] Exported export_vrml97_patches(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 /// Export format.
 struct ExportFormat {
   std::string_view name;       // "spz"
   std::string_view extension;  // ".spz"; may have two parts, ".3dgs.ply"
   std::string_view description;
-  Exported (*write)(const qnv::Cloud& cloud, const ExportOptions& options);
+  Exported (*write)(const qnv::Geometry& geometry, const ExportOptions& options);
 };
 
 /// Returns all formats. If several share an extension, the first one is the default.

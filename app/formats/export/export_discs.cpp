@@ -20,37 +20,37 @@ glm::vec4 rotation_to(const glm::vec3& n) {
 
 }  // namespace
 
-ExportDiscs::ExportDiscs(const qnv::Cloud& cloud) : cloud_(cloud) {
+ExportDiscs::ExportDiscs(const qnv::VectorView& vectors) : vectors_(vectors) {
   if (!balls()) return;
   most_weight_ = std::numeric_limits<float>::min();
-  for (const float weight : cloud.weights)
+  for (const float weight : vectors.weights)
     if (std::isfinite(weight)) most_weight_ = std::max(most_weight_, weight);
-  float width = cloud.description.spacing;
-  if (!(width > 0) && !cloud.description.box.empty()) {
-    const glm::vec3 size = cloud.description.box.size();
-    width = std::cbrt(size.x * size.y * size.z / static_cast<float>(std::max<std::size_t>(cloud.size(), 1)));
+  float width = vectors.description.spacing;
+  if (!(width > 0) && !vectors.description.box.empty()) {
+    const glm::vec3 size = vectors.description.box.size();
+    width = std::cbrt(size.x * size.y * size.z / static_cast<float>(std::max<std::size_t>(vectors.size(), 1)));
   }
   if (std::isnormal(width * width)) ball_area_ = width * width;
 }
 
 ExportDisc ExportDiscs::operator[](std::size_t i) const {
   ExportDisc disc;
-  disc.position = cloud_.positions[i];
-  if (!cloud_.normals.empty()) disc.normal = cloud_.normals[i];
-  if (!cloud_.weights.empty()) disc.area = cloud_.weights[i];
-  disc.color = cloud_.colors.empty() ? cloud_.color : cloud_.colors[i];
+  disc.position = vectors_.positions[i];
+  if (!vectors_.normals.empty()) disc.normal = vectors_.normals[i];
+  if (!vectors_.weights.empty()) disc.area = vectors_.weights[i];
+  disc.color = vectors_.colors.empty() ? vectors_.color : vectors_.colors[i];
   if (balls()) shade_volume(i, disc);
   return disc;
 }
 
 void ExportDiscs::shade_volume(std::size_t i, ExportDisc& disc) const {
-  const std::vector<qnv::TransferPoint>& transfer = cloud_.description.transfer;
-  const std::uint8_t level = cloud_.classes.empty() ? 255 : cloud_.classes[i];
+  const std::vector<qnv::TransferPoint>& transfer = vectors_.description.transfer;
+  const std::uint8_t level = vectors_.classes.empty() ? 255 : vectors_.classes[i];
   disc.opacity = std::clamp(disc.area / most_weight_, 0.0f, 1.0f);
   disc.area = ball_area_;
   disc.normal = -disc.normal;  // the gradient points inwards
   if (transfer.empty()) {
-    if (!cloud_.classes.empty()) disc.color = {level, level, level};
+    if (!vectors_.classes.empty()) disc.color = {level, level, level};
     return;
   }
   const float value = static_cast<float>(level) / 255;
@@ -78,8 +78,8 @@ std::vector<ExportDisc> visible_discs(const ExportDiscs& discs) {
   return visible;
 }
 
-std::vector<ExportSplat> splats_of(const qnv::Cloud& cloud, const glm::vec3& axes) {
-  const ExportDiscs discs(cloud);
+std::vector<ExportSplat> splats_of(const qnv::VectorView& vectors, const glm::vec3& axes) {
+  const ExportDiscs discs(vectors);
   std::vector<ExportSplat> splats;
   splats.reserve(discs.size());
   const auto coefficient = [](std::uint8_t c) { return (static_cast<float>(c) / 255 - 0.5f) / kSphericalHarmonic0; };

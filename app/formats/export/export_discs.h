@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -19,21 +19,21 @@ struct ExportDisc {
   float opacity = 1;  // 0..1
 };
 
-/// Sequence of the vectors of a qnv::Cloud for export.
+/// Sequence of vectors for export.
 class ExportDiscs {
  public:
-  /// `cloud` must outlive this object.
-  explicit ExportDiscs(const qnv::Cloud& cloud);
+  /// The viewed geometry must outlive this object.
+  explicit ExportDiscs(const qnv::VectorView& vectors);
 
-  [[nodiscard]] std::size_t size() const { return cloud_.size(); }
+  [[nodiscard]] std::size_t size() const { return vectors_.size(); }
   [[nodiscard]] ExportDisc operator[](std::size_t i) const;
   /// Reports whether vectors become balls instead of flat splats; true for volumes.
-  [[nodiscard]] bool balls() const { return cloud_.description.kind == qnv::Kind::volume; }
+  [[nodiscard]] bool balls() const { return vectors_.kind == qnv::Kind::volume; }
 
  private:
   void shade_volume(std::size_t i, ExportDisc& disc) const;
 
-  const qnv::Cloud& cloud_;
+  const qnv::VectorView vectors_;
   float ball_area_ = 1, most_weight_ = 1;
 };
 
@@ -49,7 +49,7 @@ struct ExportSplat {
 
 /// Converts the visible, finite vectors to splats; see splats.h for the relation of area and Gaussian. Multiplies the
 /// axes by `axes`, which must be a rotation. The thickness of a surface splat is kDiscThickness times its width.
-[[nodiscard]] std::vector<ExportSplat> splats_of(const qnv::Cloud& cloud, const glm::vec3& axes);
+[[nodiscard]] std::vector<ExportSplat> splats_of(const qnv::VectorView& vectors, const glm::vec3& axes);
 
 inline constexpr float kDiscThickness = 0.01f;
 /// Opacity of surface splats: formats that store log odds cannot represent 1.

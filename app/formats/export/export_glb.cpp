@@ -114,20 +114,21 @@ Json document_of(const Attributes& attributes, const glm::dvec3& origin, const E
 
 }  // namespace
 
-Exported export_glb_splats(const qnv::Cloud& cloud, const ExportOptions& options) {
+Exported export_glb_splats(const qnv::Geometry& geometry, const ExportOptions& options) {
   constexpr std::size_t kHeaderRoom = 65536;
-  if (cloud.size() > (std::numeric_limits<std::uint32_t>::max() - kHeaderRoom - options.title.size()) / kSplatBytes)
-    return "a GLB file holds no more than 4 GiB: too many vectors (" + std::to_string(cloud.size()) + ")";
-  const std::vector<ExportSplat> splats = splats_of(cloud, kFromRightUpBack);
+  if (geometry.size() > (std::numeric_limits<std::uint32_t>::max() - kHeaderRoom - options.title.size()) / kSplatBytes)
+    return "a GLB file holds no more than 4 GiB: too many vectors (" + std::to_string(geometry.size()) + ")";
+  const std::vector<ExportSplat> splats = splats_of(geometry, kFromRightUpBack);
   Attributes attributes(splats);
   if (!splats.empty()) add_all(splats, attributes);
-  return glb_file(
-      document_of(attributes, cloud.description.origin, options).dump(-1, ' ', false, Json::error_handler_t::replace),
-      attributes.bytes);
+  return glb_file(document_of(attributes, geometry.description().origin, options)
+                      .dump(-1, ' ', false, Json::error_handler_t::replace),
+                  attributes.bytes);
 }
 
-Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options) {
-  return cloud.triangles.empty() ? export_glb_splats(cloud, options) : export_glb_mesh(cloud, options);
+Exported export_glb(const qnv::Geometry& geometry, const ExportOptions& options) {
+  const auto* mesh = geometry.as<qnv::IndexedMesh>();
+  return mesh && !mesh->triangles.empty() ? export_glb_mesh(*mesh, options) : export_glb_splats(geometry, options);
 }
 
 Exported glb_file(std::string text, std::span<const std::byte> binary) {

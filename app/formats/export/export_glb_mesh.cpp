@@ -54,11 +54,11 @@ std::uint8_t linear_byte(std::uint8_t display) {
 bool is_png(const std::vector<std::byte>& file) { return !file.empty() && file[0] == std::byte{0x89}; }
 
 /// Builds the primitive of the textured or the untextured triangles.
-Json primitive_of(const qnv::Cloud& cloud, bool pictured, MeshBuffer& buffer) {
-  const std::size_t border = cloud.first_textured();
-  const std::size_t first = pictured ? border : 0, end = pictured ? cloud.size() : border;
+Json primitive_of(const qnv::IndexedMesh& mesh, bool pictured, MeshBuffer& buffer) {
+  const std::size_t border = mesh.first_textured();
+  const std::size_t first = pictured ? border : 0, end = pictured ? mesh.size() : border;
   std::vector<std::uint32_t> indices;
-  for (const std::uint32_t v : cloud.triangles)
+  for (const std::uint32_t v : mesh.triangles)
     if ((v >= border) == pictured) indices.push_back(v - static_cast<std::uint32_t>(first));
   if (indices.empty()) return {};
   const auto put_vectors = [&](const std::vector<glm::vec3>& vectors) {
@@ -66,25 +66,25 @@ Json primitive_of(const qnv::Cloud& cloud, bool pictured, MeshBuffer& buffer) {
       for (int k = 0; k < 3; ++k) put_little(buffer.bytes, vectors[v][k]);
   };
   Json attributes;
-  const std::size_t positions = buffer.add("VEC3", kFloats, end - first, [&] { put_vectors(cloud.positions); });
+  const std::size_t positions = buffer.add("VEC3", kFloats, end - first, [&] { put_vectors(mesh.positions); });
   Box box;
-  for (std::size_t v = first; v < end; ++v) box.add(cloud.positions[v]);
+  for (std::size_t v = first; v < end; ++v) box.add(mesh.positions[v]);
   buffer.accessors[positions]["min"] = {box.lower.x, box.lower.y, box.lower.z};
   buffer.accessors[positions]["max"] = {box.upper.x, box.upper.y, box.upper.z};
   attributes["POSITION"] = positions;
-  attributes["NORMAL"] = buffer.add("VEC3", kFloats, end - first, [&] { put_vectors(cloud.normals); });
+  attributes["NORMAL"] = buffer.add("VEC3", kFloats, end - first, [&] { put_vectors(mesh.normals); });
   if (pictured) {
     attributes["TEXCOORD_0"] = buffer.add("VEC2", kFloats, end - first, [&] {
-      for (const glm::vec2& at : cloud.texture_coordinates) {
+      for (const glm::vec2& at : mesh.texture_coordinates) {
         put_little(buffer.bytes, at.x);
         put_little(buffer.bytes, 1 - at.y);  // glTF counts from the upper left corner
       }
     });
-  } else if (!cloud.colors.empty()) {
+  } else if (!mesh.colors.empty()) {
     attributes["COLOR_0"] = buffer.add("VEC4", kUnsignedBytes, end - first, [&] {
       for (std::size_t v = first; v < end; ++v)
-        for (const std::uint8_t c : {linear_byte(cloud.colors[v].r), linear_byte(cloud.colors[v].g),
-                                     linear_byte(cloud.colors[v].b), std::uint8_t{255}})
+        for (const std::uint8_t c : {linear_byte(mesh.colors[v].r), linear_byte(mesh.colors[v].g),
+                                     linear_byte(mesh.colors[v].b), std::uint8_t{255}})
           buffer.bytes.push_back(static_cast<std::byte>(c));
     });
     buffer.accessors.back()["normalized"] = true;
@@ -97,12 +97,12 @@ Json primitive_of(const qnv::Cloud& cloud, bool pictured, MeshBuffer& buffer) {
 
 }  // namespace
 
-Exported export_glb_mesh(const qnv::Cloud& cloud, const ExportOptions& options) {
+Exported export_glb_mesh(const qnv::IndexedMesh& mesh, const ExportOptions& options) {
   constexpr std::size_t kVertexBytes = 12 + 12 + 8, kRoom = std::size_t{1} << 20;
-  const std::size_t about = cloud.size() * kVertexBytes + cloud.triangles.size() * 4 +
-                            (cloud.picture ? cloud.picture->bytes.size() : 0) + kRoom;
+  const std::size_t about =
+      mesh.size() * kVertexBytes + mesh.triangles.size() * 4 + (mesh.picture ? mesh.picture->bytes.size() : 0) + kRoom;
   if (about > std::numeric_limits<std::uint32_t>::max())
-    return "a GLB file holds no more than 4 GiB: too many triangles (" + std::to_string(cloud.triangles.size() / 3) +
+    return "a GLB file holds no more than 4 GiB: too many triangles (" + std::to_string(mesh.triangles.size() / 3) +
            ")";
   MeshBuffer buffer;
   buffer.bytes.reserve(about);
@@ -112,29 +112,29 @@ Exported export_glb_mesh(const qnv::Cloud& cloud, const ExportOptions& options) 
   document["scenes"] = {{{"nodes", {0}}}};
   Json node = {{"mesh", 0}};
   if (!options.title.empty()) node["name"] = options.title;
-  const glm::dvec3& origin = cloud.description.origin;
+  const glm::dvec3& origin = mesh.description.origin;
   if (origin != glm::dvec3(0)) node["translation"] = {origin.x, origin.y, origin.z};
   document["nodes"] = {std::move(node)};
   for (const bool pictured : {false, true}) {
-    Json primitive = primitive_of(cloud, pictured, buffer);
+    Json primitive = primitive_of(mesh, pictured, buffer);
     if (primitive.is_null()) continue;
     Json surface = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
-    if (pictured && cloud.picture) {
-      const std::vector<std::byte>& file = cloud.picture->bytes;
+    if (pictured && mesh.picture) {
+      const std::vector<std::byte>& file = mesh.picture->bytes;
       const std::size_t view =
           buffer.add_view(0, [&] { buffer.bytes.insert(buffer.bytes.end(), file.begin(), file.end()); });
       document["images"] = {{{"bufferView", view}, {"mimeType", is_png(file) ? "image/png" : "image/jpeg"}}};
-      document["samplers"] = {{{"wrapS", cloud.picture->repeat_s ? kRepeat : kClamp},
-                               {"wrapT", cloud.picture->repeat_t ? kRepeat : kClamp}}};
+      document["samplers"] = {
+          {{"wrapS", mesh.picture->repeat_s ? kRepeat : kClamp}, {"wrapT", mesh.picture->repeat_t ? kRepeat : kClamp}}};
       document["textures"] = {{{"sampler", 0}, {"source", 0}}};
       surface["baseColorTexture"] = {{"index", 0}};
-    } else if (cloud.colors.empty()) {
-      const qnv::Rgb8& c = cloud.color;
+    } else if (mesh.colors.empty()) {
+      const qnv::Rgb8& c = mesh.color;
       const auto part = [](std::uint8_t v) { return static_cast<float>(linear_byte(v)) / 255.0f; };
       surface["baseColorFactor"] = {part(c.r), part(c.g), part(c.b), 1};
     }
     Json material = {{"pbrMetallicRoughness", std::move(surface)}};
-    if (cloud.description.two_sided) material["doubleSided"] = true;
+    if (mesh.description.two_sided) material["doubleSided"] = true;
     primitive["material"] = materials.size();
     materials.push_back(std::move(material));
     primitives.push_back(std::move(primitive));

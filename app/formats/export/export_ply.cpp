@@ -46,11 +46,12 @@ void put_vector(std::vector<std::byte>& to, const glm::vec3& v) {
 
 }  // namespace
 
-Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions&) {
-  const ExportDiscs discs(cloud);
-  const glm::dvec3& origin = cloud.description.origin;
+Exported export_points_ply(const qnv::Geometry& geometry, const ExportOptions&) {
+  const ExportDiscs discs(geometry);
+  const glm::dvec3& origin = geometry.description().origin;
   constexpr std::size_t kRowBytes = 43, kFaceBytes = 13, kHeaderRoom = 512;
-  const std::size_t faces = cloud.triangles.size() / 3;
+  const auto* mesh = geometry.as<qnv::IndexedMesh>();
+  const std::size_t faces = mesh ? mesh->triangles.size() / 3 : 0;
   std::vector<std::byte> bytes;
   bytes.reserve(kHeaderRoom + discs.size() * kRowBytes + faces * kFaceBytes);
   put_header(bytes, discs.size(), origin,
@@ -66,14 +67,14 @@ Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions&) {
   }
   for (std::size_t i = 0; i < 3 * faces; ++i) {
     if (i % 3 == 0) put_little(bytes, std::uint8_t{3});
-    put_little(bytes, cloud.triangles[i]);
+    put_little(bytes, mesh->triangles[i]);
   }
   return bytes;
 }
 
-Exported export_splats_ply(const qnv::Cloud& cloud, const ExportOptions&) {
-  const std::vector<ExportSplat> splats = splats_of(cloud, kFromRightDownForward);
-  const glm::dvec3 origin = cloud.description.origin * glm::dvec3(kFromRightDownForward);
+Exported export_splats_ply(const qnv::Geometry& geometry, const ExportOptions&) {
+  const std::vector<ExportSplat> splats = splats_of(geometry, kFromRightDownForward);
+  const glm::dvec3 origin = geometry.description().origin * glm::dvec3(kFromRightDownForward);
   constexpr std::size_t kRowBytes = 80, kHeaderRoom = 512;
   std::vector<std::byte> bytes;
   bytes.reserve(kHeaderRoom + splats.size() * kRowBytes);

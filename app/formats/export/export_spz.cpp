@@ -114,14 +114,14 @@ std::optional<std::vector<std::byte>> zstd_packed(const std::vector<std::byte>& 
 }
 
 /// Converts the vectors to splats. Returns a message if they do not fit into the format.
-Exported checked(const qnv::Cloud& cloud, std::vector<ExportSplat>& splats) {
-  splats = splats_of(cloud, kFromRightUpBack);
+Exported checked(const qnv::Geometry& geometry, std::vector<ExportSplat>& splats) {
+  splats = splats_of(geometry, kFromRightUpBack);
   if (splats.empty()) return "SPZ needs at least one visible vector";
   if (splats.size() > kMaxSplats)
     return "too many vectors for SPZ (" + std::to_string(splats.size()) + "); expected at most " +
            std::to_string(kMaxSplats);
-  const glm::dvec3& origin = cloud.description.origin;
-  const glm::vec3 size = cloud.description.box.size();
+  const glm::dvec3& origin = geometry.description().origin;
+  const glm::vec3 size = geometry.description().box.size();
   for (ExportSplat& splat : splats) splat.position = glm::vec3(origin + glm::dvec3(splat.position));
   const float step = std::ldexp(1.0f, -fraction_bits_for(splats));
   if (origin != glm::dvec3(0) && step * kMinSteps > std::max({size.x, size.y, size.z}))
@@ -132,9 +132,9 @@ Exported checked(const qnv::Cloud& cloud, std::vector<ExportSplat>& splats) {
 
 }  // namespace
 
-Exported export_spz(const qnv::Cloud& cloud, const ExportOptions&) {
+Exported export_spz(const qnv::Geometry& geometry, const ExportOptions&) {
   std::vector<ExportSplat> splats;
-  Exported bytes = checked(cloud, splats);
+  Exported bytes = checked(geometry, splats);
   if (std::holds_alternative<std::string>(bytes)) return bytes;
   auto& file = std::get<std::vector<std::byte>>(bytes);
   const int fraction_bits = fraction_bits_for(splats);
@@ -154,9 +154,9 @@ Exported export_spz(const qnv::Cloud& cloud, const ExportOptions&) {
   return bytes;
 }
 
-Exported export_spz3(const qnv::Cloud& cloud, const ExportOptions&) {
+Exported export_spz3(const qnv::Geometry& geometry, const ExportOptions&) {
   std::vector<ExportSplat> splats;
-  Exported bytes = checked(cloud, splats);
+  Exported bytes = checked(geometry, splats);
   if (std::holds_alternative<std::string>(bytes)) return bytes;
   auto& data = std::get<std::vector<std::byte>>(bytes);
   const int fraction_bits = fraction_bits_for(splats);

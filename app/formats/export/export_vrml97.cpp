@@ -147,19 +147,19 @@ void put_viewpoint(const qnv::Description& description, Vrml97Text& text) {
 
 /// Writes the QNV instance. If `moved`, numbers are local and below a Transform to the origin, which is exact in
 /// float32.
-void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool moved, Vrml97Text& text) {
+void put_instance(const qnv::VectorView& vectors, const ExportOptions& options, bool moved, Vrml97Text& text) {
   text.add("}\n");
   if (moved) {
     text.add("Transform {\n translation ");
-    text.vector(glm::vec3(cloud.description.origin));
+    text.vector(glm::vec3(vectors.description.origin));
     text.add(" children [\n");
   }
-  if (!cloud.description.box.empty()) put_viewpoint(cloud.description, text);
+  if (!vectors.description.box.empty()) put_viewpoint(vectors.description, text);
   // Default colour of vectors without their own.
   text.add("Shape {\n  appearance Appearance { material Material { ");
-  if (cloud.description.kind == qnv::Kind::surface && cloud.colors.empty()) {
+  if (vectors.kind == qnv::Kind::surface && vectors.colors.empty()) {
     text.add("diffuseColor ");
-    text.color(rgb_of(cloud.color));
+    text.color(rgb_of(vectors.color));
   }
   text.add("} }\n  geometry QNV {\n");
   if (!options.stream_url.empty()) {
@@ -167,8 +167,8 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool mo
     text.quoted(options.stream_url);
     text.add("\n");
   }
-  if (cloud.description.kind == qnv::Kind::volume) text.add("    profile \"VOLUME\"\n");
-  if (const Box& box = cloud.description.box; !box.empty()) {
+  if (vectors.kind == qnv::Kind::volume) text.add("    profile \"VOLUME\"\n");
+  if (const Box& box = vectors.description.box; !box.empty()) {
     text.add("    bboxCenter ");
     text.vector(box.lower + box.size() * 0.5f);
     text.add("    bboxSize ");
@@ -178,23 +178,25 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool mo
   if (moved) text.add(" ]\n}\n");
 }
 
-/// Returns the cloud with world coordinates in float32 and origin 0.
-qnv::Cloud about_zero(qnv::Cloud cloud) {
-  const glm::dvec3 origin = std::exchange(cloud.description.origin, glm::dvec3(0));
+/// Returns the geometry with world coordinates in float32 and origin 0.
+qnv::Geometry about_zero(qnv::Geometry geometry) {
+  qnv::Description& description = geometry.base().description;
+  const glm::dvec3 origin = std::exchange(description.origin, glm::dvec3(0));
   const auto move = [&](glm::vec3& p) { p = glm::vec3(origin + glm::dvec3(p)); };
-  for (glm::vec3& p : cloud.positions) move(p);
-  move(cloud.description.box.lower);
-  move(cloud.description.box.upper);
-  return cloud;
+  if (qnv::VectorArrays* arrays = geometry.arrays())
+    for (glm::vec3& p : arrays->positions) move(p);
+  move(description.box.lower);
+  move(description.box.upper);
+  return geometry;
 }
 
-std::vector<std::byte> world_of(const qnv::Cloud& given, const ExportOptions& options, bool patches) {
+std::vector<std::byte> world_of(const qnv::Geometry& given, const ExportOptions& options, bool patches) {
   // A stream provides its own origin in browsers that support the node.
-  const bool far = given.description.origin != glm::dvec3(0), moved = far && options.stream_url.empty();
-  std::optional<qnv::Cloud> near;
+  const bool far = given.description().origin != glm::dvec3(0), moved = far && options.stream_url.empty();
+  std::optional<qnv::Geometry> near;
   if (far && !moved) near = about_zero(given);
-  const qnv::Cloud& cloud = near ? *near : given;
-  const ExportDiscs all(cloud);
+  const qnv::VectorView vectors(near ? *near : given);
+  const ExportDiscs all(vectors);
   const std::vector<ExportDisc> discs = visible_discs(all);
   Vrml97Text text;
   text.add("#VRML V2.0 utf8 written by GhostSpace\n");
@@ -207,20 +209,20 @@ std::vector<std::byte> world_of(const qnv::Cloud& given, const ExportOptions& op
   if (patches)
     put_patches(discs, text);
   else
-    put_points(discs, cloud.colors.empty() && !all.balls(), text);
-  put_instance(cloud, options, moved, text);
+    put_points(discs, vectors.colors.empty() && !all.balls(), text);
+  put_instance(vectors, options, moved, text);
   return text.bytes();
 }
 
 }  // namespace
 
-Exported export_vrml97_points(const qnv::Cloud& cloud, const ExportOptions& options) {
-  return world_of(cloud, options, false);
+Exported export_vrml97_points(const qnv::Geometry& geometry, const ExportOptions& options) {
+  return world_of(geometry, options, false);
 }
 
-Exported export_vrml97_patches(const qnv::Cloud& cloud, const ExportOptions& options) {
-  if (cloud.size() > std::size_t{1} << 29) return "too many vectors for the indices of VRML97";
-  return world_of(cloud, options, true);
+Exported export_vrml97_patches(const qnv::Geometry& geometry, const ExportOptions& options) {
+  if (geometry.size() > std::size_t{1} << 29) return "too many vectors for the indices of VRML97";
+  return world_of(geometry, options, true);
 }
 
 }  // namespace gs::app

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/formats/common/upright.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 
 #include <array>
 #include <charconv>

@@ -61,21 +61,21 @@ class Gatherer {
 
   ImportedCloud take() {
     if (places_.empty()) return std::string(points_.format) + ": no usable point; expected finite x y z and nx ny nz";
-    set_places(cloud_, places_);
-    if (points_.areas.empty()) cloud_.weights = point_areas(cloud_.positions);
-    qnv::Description& description = cloud_.description;
+    set_places(splats_, places_);
+    if (points_.areas.empty()) splats_.weights = point_areas(splats_.positions);
+    qnv::Description& description = splats_.description;
     description.two_sided = true;
-    for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    for (std::size_t i = 0; i < splats_.size(); ++i) {
       // Points too close for float precision still need an area.
-      if (!std::isnormal(cloud_.weights[i])) cloud_.weights[i] = std::numeric_limits<float>::min();
-      description.total += cloud_.weights[i];
+      if (!std::isnormal(splats_.weights[i])) splats_.weights[i] = std::numeric_limits<float>::min();
+      description.total += splats_.weights[i];
     }
     description.metadata.emplace_back("source", points_.format);
     count("points broken", broken_);
     count("points doubled", doubled_);
     const std::size_t there = points_.positions.size();
     count("points missing", points_.announced > there ? points_.announced - there : 0);
-    return std::move(cloud_);
+    return std::move(splats_);
   }
 
  private:
@@ -96,22 +96,22 @@ class Gatherer {
       return;
     }
     places_.push_back(p);
-    cloud_.normals.push_back(n / length);
-    if (!points_.areas.empty()) cloud_.weights.push_back(points_.areas[i]);
+    splats_.normals.push_back(n / length);
+    if (!points_.areas.empty()) splats_.weights.push_back(points_.areas[i]);
     if (!points_.colors.empty()) {
       const auto part = [](float c) {
         return static_cast<std::uint8_t>(std::lround(c > 0 ? std::min(c, 255.0f) : 0.0f));
       };
       const glm::vec3 c = points_.colors[i];
-      cloud_.colors.push_back({part(c.x), part(c.y), part(c.z)});
+      splats_.colors.push_back({part(c.x), part(c.y), part(c.z)});
     }
   }
   void count(const char* name, std::size_t number) {
-    if (number > 0) cloud_.description.metadata.emplace_back(name, std::to_string(number));
+    if (number > 0) splats_.description.metadata.emplace_back(name, std::to_string(number));
   }
 
   const Points& points_;
-  qnv::Cloud cloud_;
+  qnv::Splats splats_;
   std::vector<glm::dvec3> places_;
   std::vector<bool> doubled_places_;
   std::size_t broken_ = 0, doubled_ = 0;

@@ -36,10 +36,10 @@ class CloudFileReader {
   CloudFileReader(const CloudFile& file, Diagnostics& diagnostics, const LoadLimit& limit, const WorldBudget& budget)
       : file_(file), diagnostics_(diagnostics), limit_(limit), budget_(budget) {}
 
-  std::optional<qnv::Cloud> levels(qnv::LodStream::Opened opened);
-  std::optional<qnv::Cloud> stream();
-  std::optional<qnv::Cloud> cloud(const ContentType& type);
-  std::optional<qnv::Cloud> volume();
+  std::optional<qnv::Geometry> levels(qnv::LodStream::Opened opened);
+  std::optional<qnv::Geometry> stream();
+  std::optional<qnv::Geometry> cloud(const ContentType& type);
+  std::optional<qnv::Geometry> volume();
 
  private:
   void report(Severity severity, std::string message) {
@@ -67,21 +67,17 @@ class FileSource : public qnv::ChunkSource {
 };
 
 // Keeps a packed stream in encoded form, in memory or in its file; views decode the parts that they show.
-std::optional<qnv::Cloud> CloudFileReader::levels(qnv::LodStream::Opened opened) {
+std::optional<qnv::Geometry> CloudFileReader::levels(qnv::LodStream::Opened opened) {
   auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
   if (!made) return std::nullopt;
   const std::shared_ptr<qnv::LodStream> stream = hold_levels(std::move(*made), budget_, false);
   for (const qnv::StreamProblem& problem : stream->problems())
     if (!(file_.cut && problem.message.starts_with("ends ")))
       report(Severity::warning, "byte " + std::to_string(problem.offset) + ": " + problem.message);
-  qnv::Cloud cloud;
-  cloud.description = stream->header().description;
-  cloud.color = stream->header().color;
-  cloud.levels = stream;
-  return cloud;
+  return qnv::OctreeSplats(stream);
 }
 
-std::optional<qnv::Cloud> CloudFileReader::stream() {
+std::optional<qnv::Geometry> CloudFileReader::stream() {
   const bool as_it_lies = !file_.cut && !(file_.loss > 0) && file_.bytes.size() >= net::MappedFile::kMappedSize;
   if (as_it_lies && qnv::is_stream(file_.bytes)) {
     const auto source = stream_source(file_.path);
@@ -123,13 +119,13 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
   if (decoder.full())
     report(Severity::error, "vectors need " + budget_->refusal(Resource::vectors) + "; the finer ones are left out");
   if (!decoder.header()) return std::nullopt;
-  if (file_.to_draw) return decoder.cloud_to_draw();
-  qnv::Cloud cloud = decoder.cloud();
-  color_by_picture(cloud, budget_);
-  return cloud;
+  if (file_.to_draw) return decoder.geometry_to_draw();
+  qnv::Geometry geometry = decoder.geometry();
+  if (auto* mesh = geometry.as<qnv::IndexedMesh>()) color_by_picture(*mesh, budget_);
+  return geometry;
 }
 
-std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
+std::optional<qnv::Geometry> CloudFileReader::cloud(const ContentType& type) {
   UnpackedBytes unpacked;
   std::span<const std::byte> bytes = file_.bytes;
   if (is_gzip(bytes) && !type.unpacks_itself) {
@@ -142,15 +138,15 @@ std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
     report(Severity::error, *problem);
     return std::nullopt;
   }
-  auto& cloud = std::get<qnv::Cloud>(imported);
-  for (const auto& [key, value] : cloud.description.metadata) {
+  auto& splats = std::get<qnv::Splats>(imported);
+  for (const auto& [key, value] : splats.description.metadata) {
     if (key == kSplatsDrawnAs) report(Severity::note, "splats are drawn as " + value);
     if (!file_.cut && key.ends_with(" missing")) report(Severity::error, "the file ends early: " + key + ": " + value);
   }
-  return std::move(cloud);
+  return std::move(splats);
 }
 
-std::optional<qnv::Cloud> CloudFileReader::volume() {
+std::optional<qnv::Geometry> CloudFileReader::volume() {
   if (file_.cut) {
     report(Severity::error, "a volume cannot be read in part");
     return std::nullopt;
@@ -174,12 +170,13 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
                                 : problem->message);
     return std::nullopt;
   }
-  return std::move(std::get<qnv::Cloud>(found));
+  return std::move(std::get<qnv::Volume>(found));
 }
 
-/// Returns the bytes of a cloud as stored and drawn.
-std::uint64_t bytes_of(const qnv::Cloud& cloud) {
-  return cloud.size() * kHeldBytes + (cloud.patches ? cloud.patches->bytes() : 0);
+/// Returns the bytes of a geometry as stored and drawn.
+std::uint64_t bytes_of(const qnv::Geometry& geometry) {
+  const auto* patches = geometry.as<qnv::SurfacePatches>();
+  return patches ? patches->bytes() : geometry.size() * kHeldBytes;
 }
 
 qnv::Rgb8 color_at(const std::vector<qnv::TransferPoint>& points, float value) {
@@ -231,18 +228,18 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
   return {held, held->stream.get()};
 }
 
-bool has_room_for(const qnv::Cloud& cloud, const Budget& budget) {
-  return bytes_of(cloud) <= budget.left(Resource::vectors);
+bool has_room_for(const qnv::Geometry& geometry, const Budget& budget) {
+  return bytes_of(geometry) <= budget.left(Resource::vectors);
 }
 
-std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget) {
+std::shared_ptr<const qnv::Geometry> hold_geometry(qnv::Geometry geometry, const WorldBudget& budget) {
   struct Held {
-    qnv::Cloud cloud;
+    qnv::Geometry geometry;
     Share share;
   };
-  auto held = std::make_shared<Held>(Held{std::move(cloud), Share(budget, Resource::vectors)});
-  if (!held->share.grow(bytes_of(held->cloud))) return nullptr;
-  return {held, &held->cloud};
+  auto held = std::make_shared<Held>(Held{std::move(geometry), Share(budget, Resource::vectors)});
+  if (!held->share.grow(bytes_of(held->geometry))) return nullptr;
+  return {held, &held->geometry};
 }
 
 std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path) {
@@ -265,8 +262,8 @@ Deadline::Deadline(const LoadLimit& limit)
 
 Deadline::~Deadline() = default;
 
-std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file, Diagnostics& diagnostics,
-                                     const LoadLimit& limit, const WorldBudget& budget) {
+std::optional<qnv::Geometry> read_geometry(const ContentType& type, const CloudFile& file, Diagnostics& diagnostics,
+                                           const LoadLimit& limit, const WorldBudget& budget) {
   CloudFileReader reader(file, diagnostics, limit, budget);
   if (file.bytes.empty()) {
     diagnostics.add({Severity::error, file.path, {}, "the file is empty; expected " + std::string(type.name)});
@@ -277,15 +274,16 @@ std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& f
   return reader.volume();
 }
 
-vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, const std::string& url) {
+vrml::NodeId add_geometry_shape(vrml::SceneGraph& scene, const qnv::Geometry& geometry, const std::string& url) {
+  const qnv::Description& description = geometry.description();
   const auto make = [&](vrml::NodeKind kind) { return scene.create(vrml::built_in_node_type(kind)); };
-  for (const auto& [key, value] : cloud.description.metadata)
+  for (const auto& [key, value] : description.metadata)
     if (key == "title" && !value.empty())
       if (const vrml::NodeId info = make(vrml::NodeKind::world_info)) {
         scene.set<vrml::SFString>(info, "title", vrml::SFString(value));
         scene.add_root(info);
       }
-  if (const auto key = color_key_of(cloud.description.metadata))
+  if (const auto key = color_key_of(description.metadata))
     if (const vrml::NodeId info = make(vrml::NodeKind::world_info)) {
       vrml::MFString lines;
       lines.push_back(vrml::String(color_key_text(*key)));
@@ -298,16 +296,16 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
   vrml::MFString urls;
   urls.push_back(vrml::SFString(url));
   scene.set(qnv, "url", std::move(urls));
-  if (cloud.description.kind == qnv::Kind::volume) scene.set<vrml::SFString>(qnv, "profile", "VOLUME");
-  const Box& box = cloud.description.box;
+  if (geometry.kind() == qnv::Kind::volume) scene.set<vrml::SFString>(qnv, "profile", "VOLUME");
+  const Box& box = description.box;
   if (!box.empty()) {
     const glm::dvec3 middle = (glm::dvec3(box.lower) + glm::dvec3(box.upper)) * 0.5;
-    scene.set<vrml::SFVec3f>(qnv, "bboxCenter", glm::vec3(cloud.description.origin + middle));
+    scene.set<vrml::SFVec3f>(qnv, "bboxCenter", glm::vec3(description.origin + middle));
     scene.set<vrml::SFVec3f>(qnv, "bboxSize", box.size());
   }
   // Default colour of vectors without their own.
-  if (cloud.description.kind == qnv::Kind::surface) {
-    const qnv::Rgb8& color = cloud.color;
+  if (geometry.kind() == qnv::Kind::surface) {
+    const qnv::Rgb8& color = geometry.color();
     const auto part = [](std::uint8_t byte) { return static_cast<float>(byte) / 255; };
     scene.set<vrml::SFColor>(material, "diffuseColor", {part(color.r), part(color.g), part(color.b)});
   }
@@ -330,14 +328,16 @@ std::vector<qnv::TransferPoint> transfer_of(const vrml::MFFloat& numbers) {
   return points;
 }
 
-std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene, vrml::NodeId node) {
+std::variant<qnv::Geometry, std::string> inline_vectors(const vrml::SceneGraph& scene, vrml::NodeId node) {
   const auto& words = scene.get<vrml::MFInt32>(node, "vectors");
   const auto& center = scene.get<vrml::SFVec3f>(node, "bboxCenter");
   const auto& size = scene.get<vrml::SFVec3f>(node, "bboxSize");
-  qnv::Cloud cloud;
-  qnv::Description& d = cloud.description;
   if (words.size() < 2) return "the field vectors has no record; expected two numbers per record";
+  qnv::Geometry geometry;
   const bool volume = scene.get<vrml::SFString>(node, "profile").view() == "VOLUME";
+  if (volume) geometry = qnv::Volume();
+  qnv::VectorArrays& arrays = *geometry.arrays();
+  qnv::Description& d = arrays.description;
   const float largest = volume ? 1 : std::max({size.x * size.y, size.y * size.z, size.z * size.x});
   const glm::dvec3 middle(center), half = glm::dvec3(size) * 0.5;
   d.origin = qnv::local_origin({middle - half, middle + half});
@@ -355,23 +355,22 @@ std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene
     for (int shift = 0; shift < 32; shift += 8)
       records.push_back(static_cast<std::byte>(static_cast<std::uint32_t>(words[i]) >> shift & 255));
   std::vector<std::uint8_t> classes(count);
-  cloud.positions.resize(count);
-  cloud.normals.resize(count);
-  cloud.weights.resize(count);
-  qnv::unpack_records(records, frame, cloud.positions.data(), cloud.normals.data(), cloud.weights.data(),
+  arrays.positions.resize(count);
+  arrays.normals.resize(count);
+  arrays.weights.resize(count);
+  qnv::unpack_records(records, frame, arrays.positions.data(), arrays.normals.data(), arrays.weights.data(),
                       classes.data());
-  for (const float weight : cloud.weights) d.total += weight;
+  for (const float weight : arrays.weights) d.total += weight;
   d.box = frame.box();
   d.two_sided = true;  // the vectors may not form a closed surface
   d.transfer = transfer_of(scene.get<vrml::MFFloat>(node, "transfer"));
-  if (volume) {
-    d.kind = qnv::Kind::volume;
+  if (auto* made = geometry.as<qnv::Volume>()) {
     d.spacing = std::max({frame.cell.x, frame.cell.y, frame.cell.z});
-    cloud.classes = std::move(classes);
+    made->classes = std::move(classes);
   } else if (!d.transfer.empty()) {
-    for (const std::uint8_t c : classes) cloud.colors.push_back(color_at(d.transfer, static_cast<float>(c) / 255));
+    for (const std::uint8_t c : classes) arrays.colors.push_back(color_at(d.transfer, static_cast<float>(c) / 255));
   }
-  return cloud;
+  return geometry;
 }
 
 }  // namespace gs::app

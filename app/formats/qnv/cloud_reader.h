@@ -6,7 +6,7 @@
 #include "base/budget.h"
 #include "base/diagnostic.h"
 #include "base/parallel.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/sampling/volume/volume.h"
@@ -39,15 +39,15 @@ struct CloudFile {
 /// volume's gradients. Reports problems to `diagnostics`; returns nullopt if there is no vector to show. A truncated
 /// stream gives fewer vectors, with a warning at most. Of a large complete packed stream, reads only header and
 /// directory; it stays open, and views read the parts that they show. Safe for untrusted files; stops at `limit`.
-/// Working memory is charged to `budget`; the caller charges the result (`hold_cloud`).
-[[nodiscard]] std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file,
-                                                   Diagnostics& diagnostics, const LoadLimit& limit,
-                                                   const WorldBudget& budget = own_budget());
+/// Working memory is charged to `budget`; the caller charges the result (`hold_geometry`).
+[[nodiscard]] std::optional<qnv::Geometry> read_geometry(const ContentType& type, const CloudFile& file,
+                                                         Diagnostics& diagnostics, const LoadLimit& limit,
+                                                         const WorldBudget& budget = own_budget());
 
-/// Reports whether the budget has room for a copy of `cloud`.
-[[nodiscard]] bool has_room_for(const qnv::Cloud& cloud, const Budget& budget);
+/// Reports whether the budget has room for a copy of `geometry`.
+[[nodiscard]] bool has_room_for(const qnv::Geometry& geometry, const Budget& budget);
 /// Wraps decoded geometry with the budget share for it and the renderer's copy. Returns null if the budget is exceeded.
-[[nodiscard]] std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget);
+[[nodiscard]] std::shared_ptr<const qnv::Geometry> hold_geometry(qnv::Geometry geometry, const WorldBudget& budget);
 
 /// Returns how many volume gradients the remaining budget allows.
 [[nodiscard]] std::uint64_t most_gradients(const Budget& budget);
@@ -66,7 +66,7 @@ inline constexpr std::uint64_t kDecodedBytes = 128;
 
 /// Builds the scene for a QNV geometry: a WorldInfo with its title, and a Shape with a QNV node with url `url`. Returns
 /// the QNV node; null if the node limit is reached.
-vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, const std::string& url);
+vrml::NodeId add_geometry_shape(vrml::SceneGraph& scene, const qnv::Geometry& geometry, const std::string& url);
 
 /// Parses the `transfer` field of a QNV node: five numbers per point (value, red, green, blue, opacity), clamped to
 /// 0..1 and sorted by value. Ignores an incomplete last point.
@@ -76,7 +76,7 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
 /// each, low word first, relative to its bounding box. For SURFACE profiles, weight 1 is 1/32767 of the area of the
 /// box's largest side; for VOLUME, it is 1/32767. C is the class, which selects a surface's colour in `transfer` if
 /// given. Returns a message if there are no vectors.
-[[nodiscard]] std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene, vrml::NodeId qnv);
+[[nodiscard]] std::variant<qnv::Geometry, std::string> inline_vectors(const vrml::SceneGraph& scene, vrml::NodeId qnv);
 
 /// Timer for a piece of work: sets `progress.cancelled` when the limit is reached.
 class Deadline {

@@ -22,9 +22,9 @@ std::shared_ptr<const render::Image> SurfacePictures::image_of(
   return std::move(std::get<Texture>(texture).image);
 }
 
-void color_by_picture(qnv::Cloud& cloud, const WorldBudget& budget) {
-  if (!cloud.picture || cloud.texture_coordinates.empty()) return;
-  const auto texture = decode_texture(cloud.picture->bytes, budget);
+void color_by_picture(qnv::IndexedMesh& mesh, const WorldBudget& budget) {
+  if (!mesh.picture || mesh.texture_coordinates.empty()) return;
+  const auto texture = decode_texture(mesh.picture->bytes, budget);
   if (!std::holds_alternative<Texture>(texture)) return;
   const render::Image& image = *std::get<Texture>(texture).image;
   const auto pixel = [](float at, std::uint32_t size, bool repeat) {
@@ -32,13 +32,13 @@ void color_by_picture(qnv::Cloud& cloud, const WorldBudget& budget) {
     at = repeat ? at - std::floor(at) : std::clamp(at, 0.0f, 1.0f);
     return std::min(static_cast<std::uint32_t>(at * static_cast<float>(size)), size - 1);
   };
-  cloud.colors.resize(cloud.size(), cloud.color);
-  for (std::size_t i = 0, v = cloud.first_textured(); v < cloud.size(); ++v, ++i) {
-    const glm::vec2& at = cloud.texture_coordinates[i];
-    const std::uint32_t x = pixel(at.x, image.width, cloud.picture->repeat_s),
-                        row = image.height - 1 - pixel(at.y, image.height, cloud.picture->repeat_t);
+  mesh.colors.resize(mesh.size(), mesh.color);
+  for (std::size_t i = 0, v = mesh.first_textured(); v < mesh.size(); ++v, ++i) {
+    const glm::vec2& at = mesh.texture_coordinates[i];
+    const std::uint32_t x = pixel(at.x, image.width, mesh.picture->repeat_s),
+                        row = image.height - 1 - pixel(at.y, image.height, mesh.picture->repeat_t);
     const std::uint8_t* c = image.pixels.data() + (std::size_t{row} * image.width + x) * image.components;
-    cloud.colors[v] = image.components < 3 ? qnv::Rgb8{c[0], c[0], c[0]} : qnv::Rgb8{c[0], c[1], c[2]};
+    mesh.colors[v] = image.components < 3 ? qnv::Rgb8{c[0], c[0], c[0]} : qnv::Rgb8{c[0], c[1], c[2]};
   }
 }
 

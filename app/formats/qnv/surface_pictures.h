@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/budget.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/image/image.h"
 
 #include <memory>
@@ -27,6 +27,6 @@ class SurfacePictures {
 
 /// Replaces texture coordinates of vertices by texture colours, for consumers that do not draw textures. Leaves `cloud`
 /// unchanged if the texture cannot be decoded.
-void color_by_picture(qnv::Cloud& cloud, const WorldBudget& budget);
+void color_by_picture(qnv::IndexedMesh& mesh, const WorldBudget& budget);
 
 }  // namespace gs::app

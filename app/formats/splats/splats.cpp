@@ -103,18 +103,18 @@ void SplatModel::resize(std::size_t count) {
   dc.resize(count);
 }
 
-qnv::Cloud cloud_of_splats(const SplatModel& model) {
-  qnv::Cloud cloud;
-  qnv::Description& description = cloud.description;
+qnv::Splats cloud_of_splats(const SplatModel& model) {
+  qnv::Splats splats;
+  qnv::Description& description = splats.description;
   description.two_sided = true;
   std::size_t faint = 0, broken = 0, thick = 0;
   bool all_flat = true, translucent = false;
   std::vector<bool> sided;  // the sign of the normal is known
   std::vector<glm::dvec3> places;
   places.reserve(model.size());
-  cloud.normals.reserve(model.size());
-  cloud.weights.reserve(model.size());
-  cloud.colors.reserve(model.size());
+  splats.normals.reserve(model.size());
+  splats.weights.reserve(model.size());
+  splats.colors.reserve(model.size());
   for (std::size_t i = 0; i < model.size(); ++i) {
     Disc disc = disc_of(model, i);
     if (disc.fate != Disc::Fate::kept) {
@@ -128,33 +128,33 @@ qnv::Cloud cloud_of_splats(const SplatModel& model) {
     thick += disc.thick ? 1 : 0;
     translucent = translucent || model.opacities[i] < kOpaque;
     places.push_back(disc.place);
-    cloud.normals.push_back(disc.normal);
-    cloud.weights.push_back(disc.area);
-    cloud.colors.push_back(color_of(model.dc[i]));
+    splats.normals.push_back(disc.normal);
+    splats.weights.push_back(disc.area);
+    splats.colors.push_back(color_of(model.dc[i]));
     description.total += disc.area;
   }
-  set_places(cloud, places);
-  if (!all_flat && !cloud.empty()) {
+  set_places(splats, places);
+  if (!all_flat && !splats.empty()) {
     const glm::vec3 middle = description.box.lower + description.box.size() * 0.5f;
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-      if (!sided[i] && dot(cloud.normals[i], cloud.positions[i] - middle) < 0) cloud.normals[i] = -cloud.normals[i];
+    for (std::size_t i = 0; i < splats.size(); ++i)
+      if (!sided[i] && dot(splats.normals[i], splats.positions[i] - middle) < 0) splats.normals[i] = -splats.normals[i];
   }
   description.metadata.emplace_back("source", model.format);
-  if (!cloud.empty())
+  if (!splats.empty())
     if (std::string text = drawn_as(translucent, model.harmonics); !text.empty())
       description.metadata.emplace_back(kSplatsDrawnAs, std::move(text));
   add_count(description, "splats not discs", thick);
   add_count(description, "splats too faint", faint);
   add_count(description, "splats broken", broken);
   add_count(description, "splats missing", model.announced > model.size() ? model.announced - model.size() : 0);
-  return cloud;
+  return splats;
 }
 
 ImportedCloud import_result(const SplatModel& model) {
-  qnv::Cloud cloud = cloud_of_splats(model);
-  if (cloud.empty())
+  qnv::Splats splats = cloud_of_splats(model);
+  if (splats.empty())
     return model.format + ": no visible splat (" + std::to_string(model.size()) + " read, all too faint or not finite)";
-  return cloud;
+  return splats;
 }
 
 }  // namespace gs::app

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/budget.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -67,9 +67,9 @@ struct SplatModel {
 /// Metadata: "source", and as counts where not 0: "splats not discs" (kept, yet thicker than kMaxDiscThickness),
 /// "splats too faint", "splats broken", "splats missing" (announced, not in the file). If a splat is translucent, or
 /// the file has spherical harmonics, kSplatsDrawnAs says that they are discarded.
-[[nodiscard]] qnv::Cloud cloud_of_splats(const SplatModel& model);
+[[nodiscard]] qnv::Splats cloud_of_splats(const SplatModel& model);
 
-using ImportedCloud = std::variant<qnv::Cloud, std::string>;
+using ImportedCloud = std::variant<qnv::Splats, std::string>;
 
 /// `cloud_of_splats`, or a message where no splat is left.
 [[nodiscard]] ImportedCloud import_result(const SplatModel& model);

@@ -9,7 +9,7 @@
 #include "app/view/navigation.h"
 #include "app/view/panes/pane_request.h"
 #include "app/view/panes/split_tree.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/draw/renderer.h"
 #include "render/scene/cloud_look.h"
 #include "vrml/mesh/mesh.h"
@@ -104,7 +104,7 @@ struct UiModel {
   render::SplatStyle look;
   bool has_surface_clouds = false, has_volumes = false;
   WideBox bounds;                                          // world space, of everything
-  std::vector<std::shared_ptr<const qnv::Cloud>> volumes;  // of which the panel takes a summary, once
+  std::vector<std::shared_ptr<const qnv::Volume>> volumes;  // of which the panel takes a summary, once
   glm::vec3 looking{0, 0, -1};                             // world space, along the middle of the view
 
   render::FrameStatistics statistics;

@@ -143,7 +143,7 @@ std::optional<std::size_t> point_under(const TransferCanvas& canvas, const Trans
 
 }  // namespace
 
-void CloudPanel::summarize_volumes(const std::vector<std::shared_ptr<const qnv::Cloud>>& volumes) {
+void CloudPanel::summarize_volumes(const std::vector<std::shared_ptr<const qnv::Volume>>& volumes) {
   const bool same = std::equal(volumes.begin(), volumes.end(), summarized_.begin(), summarized_.end(),
                                [](const auto& now, const auto& before) { return now == before.lock(); });
   if (same) return;

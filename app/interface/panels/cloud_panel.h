@@ -45,14 +45,14 @@ class CloudPanel final : public Panel {
   /// Tracks an open list or picker; call inside each one.
   void keep_popup();
   /// Recomputes the summary only if the volumes changed.
-  void summarize_volumes(const std::vector<std::shared_ptr<const qnv::Cloud>>& volumes);
+  void summarize_volumes(const std::vector<std::shared_ptr<const qnv::Volume>>& volumes);
 
   const PanelFrame* frame_ = nullptr;  // valid while drawing
   std::optional<std::size_t> point_;   // selected point of the transfer function
   ImVec2 grabbed_{0, 0};               // offset from the pointer to the dragged point
   bool dragging_ = false, popup_ = false, close_popup_ = false;
   ClipChoice clip_;  // used when clipping is switched on
-  std::vector<std::weak_ptr<const qnv::Cloud>> summarized_;
+  std::vector<std::weak_ptr<const qnv::Volume>> summarized_;
   VolumeSummary summary_;
   std::string path_;  // path of the transfer function file
 };

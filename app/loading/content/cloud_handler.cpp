@@ -48,9 +48,9 @@ void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::strin
     file.loss = loading_.options.loss;
     file.loss_seed = loading_.options.loss_seed;
   }
-  auto cloud = read_cloud(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
+  auto cloud = read_geometry(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
   if (!cloud) return;
-  if (auto held = hold_cloud(std::move(*cloud), loading_.budget))
+  if (auto held = hold_geometry(std::move(*cloud), loading_.budget))
     show_(std::move(held));
   else
     give_up(Resource::vectors);
@@ -123,13 +123,9 @@ void CloudHandler::choose_way() {
 }
 
 void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
-  qnv::Cloud cloud;
-  cloud.description = stream->header().description;
-  cloud.color = stream->header().color;
-  cloud.levels = std::move(stream);
-  feed_ = std::make_shared<StreamFeed>(cloud.levels, [waker = loading_.waker] { waker->wake(); });
+  feed_ = std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); });
   loading_.results.add(feed_);
-  show_(std::make_shared<const qnv::Cloud>(std::move(cloud)));
+  show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
 }
 
 // Shows the vectors again when their number has grown by a quarter, because making a point set takes linear time.
@@ -145,8 +141,8 @@ void CloudHandler::show_records(bool last) {
   shown_exact_ = decoder_->mesh().final;
   shown_ = vectors;
   shown_revision_ = revision;
-  show_(std::make_shared<const qnv::Cloud>(loading_.options.whole_surfaces ? decoder_->cloud()
-                                                                           : decoder_->cloud_to_draw()));
+  show_(std::make_shared<const qnv::Geometry>(loading_.options.whole_surfaces ? decoder_->geometry()
+                                                                              : decoder_->geometry_to_draw()));
 }
 
 void CloudHandler::end(const std::optional<std::string>& problem) {

@@ -23,7 +23,7 @@ namespace gs::app {
 class CloudHandler final : public ResourceHandler {
  public:
   /// Called with each better version of the vectors.
-  using Show = std::function<void(const std::shared_ptr<const qnv::Cloud>&)>;
+  using Show = std::function<void(const std::shared_ptr<const qnv::Geometry>&)>;
   using Progress = std::function<void(double)>;
   /// Creates a handler. A `request` without content means that the file is the world itself.
   CloudHandler(Loading& loading, UrlRequest request, Show show, Progress progress = {});

@@ -121,7 +121,7 @@ class CloudContent final : public SceneContent {
     request.type = "QNV";
     request.file = target.found().path;
     cloud_ = std::make_shared<CloudHandler>(target.loading(), std::move(request),
-                                            [this](const std::shared_ptr<const qnv::Cloud>& cloud) { show(cloud); });
+                                            [this](const std::shared_ptr<const qnv::Geometry>& cloud) { show(cloud); });
     cloud_->begin(target.found());
   }
 
@@ -145,13 +145,13 @@ class CloudContent final : public SceneContent {
   std::shared_ptr<StreamFeed> follow() override { return cloud_->follow(); }
 
  private:
-  void show(const std::shared_ptr<const qnv::Cloud>& cloud) {
+  void show(const std::shared_ptr<const qnv::Geometry>& cloud) {
     if (!node_) {
       const Found& found = target_.found();
       const std::string path = found.local ? net::url_of_path(found.path).path : found.url.path;
-      node_ = add_cloud_shape(*target_.scene(), *cloud, path.substr(path.rfind('/') + 1));
+      node_ = add_geometry_shape(*target_.scene(), *cloud, path.substr(path.rfind('/') + 1));
       if (!node_) return;
-      target_.set_up(stated_upright(cloud->description.metadata));
+      target_.set_up(stated_upright(cloud->description().metadata));
       target_.add_nodes(false);  // its url is this file
     }
     target_.loading().results.add(ResourceUpdates::Cloud{{target_.scene(), node_}, {}, cloud});

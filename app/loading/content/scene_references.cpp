@@ -31,7 +31,7 @@ std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& fr
 
 /// Vectors that several QNV nodes show.
 struct SharedCloud {
-  std::shared_ptr<const qnv::Cloud> cloud;
+  std::shared_ptr<const qnv::Geometry> cloud;
   std::vector<std::pair<std::shared_ptr<SceneHandler>, NodeId>> nodes;
 };
 
@@ -205,10 +205,10 @@ void SceneReferences::visit_cloud(NodeId id) {
     const auto warn = [&](const std::string& why) {
       results.report(Severity::warning, node.text->file_name(), node.location, "QNV: " + why);
     };
-    auto made = inline_cloud(scene(), id);
+    auto made = inline_vectors(scene(), id);
     if (const auto* problem = std::get_if<std::string>(&made))
       warn(*problem);
-    else if (auto held = hold_cloud(std::move(std::get<qnv::Cloud>(made)), budget))
+    else if (auto held = hold_geometry(std::move(std::get<qnv::Geometry>(made)), budget))
       results.add_own({&scene(), id}, std::move(held));
     else
       warn(budget->refusal(Resource::vectors) + "; left out");
@@ -228,7 +228,7 @@ void SceneReferences::visit_cloud(NodeId id) {
   shared->nodes.emplace_back(handler_.shared_from_this(), id);
   auto handler = std::make_shared<CloudHandler>(
       context_.loading, request_of(id, list),
-      [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
+      [shared = shared](const std::shared_ptr<const qnv::Geometry>& cloud) {
         shared->cloud = cloud;
         for (const auto& [user, of] : shared->nodes) user->references().set_cloud(of, cloud);
       },
@@ -245,7 +245,7 @@ void SceneReferences::visit_outlines(NodeId id) {
   ask_for(refer(id), &node, std::make_shared<OutlineHandler>(context_, request_of(id, list), &node), Urgency::vectors);
 }
 
-void SceneReferences::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
+void SceneReferences::set_cloud(NodeId id, const std::shared_ptr<const qnv::Geometry>& cloud) {
   const auto fallback = fallbacks_.find(id.index);
   context_.loading.results.add(
       ResourceUpdates::Cloud{{&scene(), id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, cloud});
@@ -307,7 +307,7 @@ void SceneReferences::load(const UrlRequest& request) {
       if (reference.places.empty()) return results.add(ResourceUpdates::Cloud{at, {}, nullptr});
       auto handler = std::make_shared<CloudHandler>(
           context_.loading, request,
-          [&results, at](const std::shared_ptr<const qnv::Cloud>& cloud) {
+          [&results, at](const std::shared_ptr<const qnv::Geometry>& cloud) {
             results.add(ResourceUpdates::Cloud{at, {}, cloud});
           },
           [&results, at](double fraction) {

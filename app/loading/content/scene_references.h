@@ -46,7 +46,7 @@ class SceneReferences {
   /// content is available or missing.
   void load(const UrlRequest& request);
   /// Gives vectors to a QNV node.
-  void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud);
+  void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Geometry>& cloud);
   /// Returns the handlers of the Inlines.
   [[nodiscard]] const std::vector<std::shared_ptr<SceneHandler>>& inlines() const { return inlines_; }
 

@@ -29,7 +29,8 @@ LoadResults::LoadResults(std::string path, bool network_allowed, WorldBudget bud
 
 void LoadResults::add(ResourceUpdates::Cloud cloud) {
   changed_ = true;
-  if (cloud.cloud && cloud.cloud->picture) cloud.image = pictures_.image_of(cloud.cloud->picture, budget_);
+  if (const auto* mesh = cloud.cloud ? cloud.cloud->as<qnv::IndexedMesh>() : nullptr; mesh && mesh->picture)
+    cloud.image = pictures_.image_of(mesh->picture, budget_);
   if (LoadedWorld* const read = world()) return set_cloud(*read, cloud, diagnostics_);
   for (ResourceUpdates::Cloud& earlier : updates().clouds)
     if (earlier.place.scene == cloud.place.scene && earlier.place.node == cloud.place.node &&
@@ -41,7 +42,7 @@ void LoadResults::add(ResourceUpdates::Cloud cloud) {
   updates().clouds.push_back(std::move(cloud));
 }
 
-void LoadResults::add_own(const ResourceUpdates::Place& place, std::shared_ptr<const qnv::Cloud> vectors) {
+void LoadResults::add_own(const ResourceUpdates::Place& place, std::shared_ptr<const qnv::Geometry> vectors) {
   if (LoadedWorld* const read = world())
     read->clouds[&place.scene->node(place.node)] = std::move(vectors);
   else

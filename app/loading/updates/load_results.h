@@ -31,7 +31,7 @@ class LoadResults {
   void add(const UrlProgress& progress);
   void add(std::shared_ptr<StreamFeed> feed) { feeds_.push_back(std::move(feed)); }
   /// Adds vectors of a QNV node's own records, with the transfer function of the node.
-  void add_own(const ResourceUpdates::Place& place, std::shared_ptr<const qnv::Cloud> vectors);
+  void add_own(const ResourceUpdates::Place& place, std::shared_ptr<const qnv::Geometry> vectors);
   void report(Severity severity, const std::string& file, SourceLocation at, std::string message) {
     diagnostics_.add({severity, file, at, std::move(message)});
   }

@@ -60,7 +60,7 @@ struct LoadedWorld {
   std::string path;                         // as requested
   std::unique_ptr<vrml::SceneGraph> scene;  // null if the world could not be opened; the diagnostics give the reason
   render::Images images;
-  render::Clouds clouds;
+  render::Geometries clouds;
   std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>> media;  // of AudioClips and MovieTextures
   std::vector<MediaDuration> durations;            // of AudioClips and MovieTextures, not reported to them yet
   std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams in `clouds` that still grow; see stream_feed.h

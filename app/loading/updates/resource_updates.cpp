@@ -37,7 +37,7 @@ void ResourceUpdates::append(ResourceUpdates&& later) {
 void set_cloud(LoadedWorld& world, const ResourceUpdates::Cloud& update, Diagnostics& diagnostics) {
   vrml::SceneGraph& scene = *update.place.scene;
   const vrml::Node* node = &scene.node(update.place.node);
-  std::shared_ptr<const qnv::Cloud>& held = world.clouds[node];
+  std::shared_ptr<const qnv::Geometry>& held = world.clouds[node];
   if (update.image)
     world.images[node] = update.image;
   else
@@ -48,9 +48,9 @@ void set_cloud(LoadedWorld& world, const ResourceUpdates::Cloud& update, Diagnos
   } else {
     held = nullptr;
     if (has_room_for(*update.cloud, *scene.budget())) {
-      qnv::Cloud own = *update.cloud;
-      own.description.transfer = std::move(transfer);
-      held = hold_cloud(std::move(own), scene.budget());
+      qnv::Geometry own = *update.cloud;
+      own.base().description.transfer = std::move(transfer);
+      held = hold_geometry(std::move(own), scene.budget());
     }
     if (!held) {
       held = update.cloud;

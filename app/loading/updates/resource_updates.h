@@ -49,7 +49,7 @@ struct ResourceUpdates {
   struct Cloud {
     Place place;                                      // of a QNV node
     vrml::NodeId fallback;                            // PROTO instance that it replaces; null if none
-    std::shared_ptr<const qnv::Cloud> cloud;          // null if it is not available
+    std::shared_ptr<const qnv::Geometry> cloud;       // null if it is not available
     std::shared_ptr<const render::Image> image = {};  // its texture; null if it has none
   };
   /// Sound or movie.

@@ -32,8 +32,8 @@ glm::vec3 size_of_all(const render::RenderList& list) {
 
 void inspect_clouds(Document& document) {
   for (const render::SplatItem& item : document.list->splats) {
-    if (!item.cloud) continue;
-    const bool surface = item.cloud->description.kind == qnv::Kind::surface;
+    if (!item.geometry) continue;
+    const bool surface = item.geometry->kind() == qnv::Kind::surface;
     (surface ? document.has_surface_clouds : document.has_volumes) = true;
   }
 }

@@ -3,7 +3,7 @@
 #include "app/loading/updates/loaded_world.h"
 #include "app/loading/world_loading.h"
 #include "app/session/documents/world_runtime.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "render/scene/render_list.h"
 
 #include <glm/vec3.hpp>

@@ -18,10 +18,10 @@ bool take_own_vectors(LoadedWorld& world, const vrml::SceneGraph& scene, vrml::N
   if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
   const vrml::Node& node = scene.node(id);
   if (world.clouds.contains(&node)) return true;
-  auto made = inline_cloud(scene, id);
+  auto made = inline_vectors(scene, id);
   std::string problem;
-  if (auto* cloud = std::get_if<qnv::Cloud>(&made)) {
-    if (auto held = hold_cloud(std::move(*cloud), scene.budget()))
+  if (auto* geometry = std::get_if<qnv::Geometry>(&made)) {
+    if (auto held = hold_geometry(std::move(*geometry), scene.budget()))
       world.clouds[&node] = std::move(held);
     else
       problem = scene.budget()->refusal(Resource::vectors) + "; left out";

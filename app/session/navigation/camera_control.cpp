@@ -167,7 +167,7 @@ void CameraControl::approach(View& seen, const Ray& ray, const glm::vec2& size) 
   WideBox bounds;
   if (hit->splat) {
     const render::SplatItem& splat = seen.list->splats[*hit->splat];
-    const Box& box = splat.cloud->description.box;
+    const Box& box = splat.geometry->description().box;
     bounds = render::world_bounds({box.lower, box.upper}, splat.world_from_node);
   } else {
     const render::DrawItem& item = seen.list->items[hit->item];

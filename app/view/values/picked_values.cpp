@@ -4,7 +4,7 @@
 
 namespace gs::app {
 
-std::optional<VectorValue> value_near(const qnv::Cloud& volume, const glm::dvec3& place) {
+std::optional<VectorValue> value_near(const qnv::Volume& volume, const glm::dvec3& place) {
   if (volume.empty() || volume.classes.size() != volume.size()) return std::nullopt;
   const glm::vec3 sought(place);
   std::size_t nearest = volume.size();

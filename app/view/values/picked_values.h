@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/formats/common/color_key.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/rays/mesh_bvh.h"
 #include "vrml/mesh/mesh.h"
 
@@ -20,7 +20,7 @@ struct VectorValue {
 
 /// Returns the value of the vector nearest to `place`, in the volume's space. Returns nullopt if no vector has a value.
 /// Scans all vectors: some milliseconds per million.
-[[nodiscard]] std::optional<VectorValue> value_near(const qnv::Cloud& volume, const glm::dvec3& place);
+[[nodiscard]] std::optional<VectorValue> value_near(const qnv::Volume& volume, const glm::dvec3& place);
 
 /// Returns the value that a surface's colours represent at a hit, interpolated between the corners. Returns nullopt if
 /// the surface has no colours of its own there.

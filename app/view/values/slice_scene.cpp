@@ -115,7 +115,7 @@ render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, st
 
 std::optional<glm::dmat4> world_from_volume(const render::RenderList& list) {
   for (const render::SplatItem& item : list.splats)
-    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) return item.world_from_node;
+    if (item.geometry && item.geometry->as<qnv::Volume>()) return item.world_from_node;
   return std::nullopt;
 }
 
@@ -139,9 +139,8 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
   list_.changes = render::next_change();
   list_.moved.clear();
   if (slices.alone)
-    std::erase_if(list_.splats, [](const render::SplatItem& item) {
-      return item.cloud && item.cloud->description.kind == qnv::Kind::volume;
-    });
+    std::erase_if(list_.splats,
+                  [](const render::SplatItem& item) { return item.geometry && item.geometry->as<qnv::Volume>(); });
   static constexpr std::array<glm::vec3, 3> kColors{{{0.9f, 0.35f, 0.3f}, {0.4f, 0.8f, 0.35f}, {0.35f, 0.55f, 0.95f}}};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!slices.shown[axis]) {

@@ -168,7 +168,7 @@ bool remove_point(Transfer& transfer, std::size_t index) {
 
 std::span<const TransferPreset> transfer_presets() { return kPresets; }
 
-VolumeSummary summarize(std::span<const std::shared_ptr<const qnv::Cloud>> volumes) {
+VolumeSummary summarize(std::span<const std::shared_ptr<const qnv::Volume>> volumes) {
   VolumeSummary summary;
   std::array<double, 256> sums{};
   std::size_t all = 0;

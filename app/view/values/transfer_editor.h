@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "render/scene/world_bounds.h"
 
 #include <glm/vec3.hpp>
@@ -60,7 +60,7 @@ struct VolumeSummary {
   [[nodiscard]] float least() const { return magnitudes.empty() ? 0.0f : magnitudes.front(); }
   [[nodiscard]] float largest() const { return magnitudes.empty() ? 0.0f : magnitudes.back(); }
 };
-[[nodiscard]] VolumeSummary summarize(std::span<const std::shared_ptr<const qnv::Cloud>> volumes);
+[[nodiscard]] VolumeSummary summarize(std::span<const std::shared_ptr<const qnv::Volume>> volumes);
 /// Returns the fraction, 0..1, of vectors with at least this magnitude.
 [[nodiscard]] float share_left(const VolumeSummary& summary, float least_magnitude);
 

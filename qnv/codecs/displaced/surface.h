@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "qnv/codecs/displaced/base_mesh.h"
 #include "qnv/codecs/displaced/number_array.h"
 #include "qnv/codecs/displaced/patches.h"

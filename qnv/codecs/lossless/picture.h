@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/lossless/tail_pieces.h"
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/base/voxels.h"
 
 #include <cstdint>
@@ -68,9 +68,9 @@ struct PackedError {
 
 /// Returns the number of splats of voxels `first` to `first + count` - 1; a thin sheet has two.
 [[nodiscard]] std::uint32_t discs_of(const PackedVoxels& voxels, std::size_t first, std::size_t count);
-/// Appends the splats of voxels `first` to `first + count` - 1 to a point set: position on the plane, unit normal, area
+/// Appends the splats of voxels `first` to `first + count` - 1: position on the plane, unit normal, area
 /// of the plane inside the voxel. A thin sheet gives two splats back to back. Fills `colors` if the voxels have them.
-void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, const Cube& cube, Cloud& cloud);
+void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, const Cube& cube, Splats& splats);
 
 struct PackedOptions {
   std::size_t vectors = 0;    // approximate number of splats at full detail

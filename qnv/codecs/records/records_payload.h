@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/parallel.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/container/container.h"
 
@@ -68,13 +68,13 @@ struct RecordsOptions {
   Progress* progress = nullptr;  // if cancelled, the result is empty
 };
 
-/// Splits a point set into chunks, most important first: layer by layer, and within a layer spread over the object. The
+/// Splits vectors into chunks, most important first: layer by layer, and within a layer spread over the object. The
 /// records of a chunk are in progressive order (order.h). Cells are chosen so that a chunk has at most most_per_chunk
 /// records. Children with fewer than a tenth of that share one chunk of the parent cell.
-/// `cloud.description.box` must contain all positions. Skips vectors without weight, and those with a position or
-/// weight that is not finite or beyond 1e37. The chunks depend only on the point set and the options, not on the number
+/// `vectors.description.box` must contain all positions. Skips vectors without weight, and those with a position or
+/// weight that is not finite or beyond 1e37. The chunks depend only on the vectors and the options, not on the number
 /// of threads. Throws only bad_alloc.
-[[nodiscard]] std::vector<RecordsChunk> encode_records(const Cloud& cloud, const RecordsOptions& options);
+[[nodiscard]] std::vector<RecordsChunk> encode_records(const VectorView& vectors, const RecordsOptions& options);
 
 /// Received part of one chunk.
 struct RecordsPatch {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/container/container.h"
 
 #include <cstddef>
-#include <memory>
 #include <span>
+#include <utility>
 
 namespace gs::qnv {
 
@@ -50,15 +50,12 @@ class Decoder {
   /// end may be added later or never; only codecs with records accept that.
   virtual void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) = 0;
   [[nodiscard]] virtual DecodeCount count() const = 0;
-  /// Returns the number of vectors that append() appends.
+  /// Returns the number of vectors of geometry().
   [[nodiscard]] virtual std::size_t vectors() const = 0;
-  /// Appends everything received to a point set, at its finest detail.
-  virtual void append(Cloud& cloud) const = 0;
-  /// Returns the surface for renderers, as patches of which each view takes a cut; nullptr if append() serves them.
-  /// Shares unchanged parts with earlier results.
-  [[nodiscard]] virtual std::shared_ptr<const SurfacePatches> patches() { return nullptr; }
-  /// Reports whether patches() returns nullptr.
-  [[nodiscard]] virtual bool has_arrays() const { return true; }
+  /// Returns everything received, at its finest detail, with the properties `base`.
+  [[nodiscard]] virtual Geometry geometry(GeometryBase base) const = 0;
+  /// Returns the geometry for renderers. Shares unchanged parts with earlier results.
+  [[nodiscard]] virtual Geometry geometry_to_draw(GeometryBase base) { return geometry(std::move(base)); }
   [[nodiscard]] virtual MeshProgress mesh() const { return {}; }
 };
 

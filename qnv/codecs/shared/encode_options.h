@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/parallel.h"
+#include "qnv/base/geometry.h"
 #include "qnv/base/triangles.h"
 #include "qnv/container/container.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/octree/packed.h"
 #include "qnv/container/voxel_lattice.h"
 
@@ -55,7 +55,7 @@ struct VolumeCluster {
 /// Appends the vectors of voxels `first` to `first + count` - 1: position, unit gradient direction, magnitude, class.
 /// The edge of a Cell is VoxelLattice::reach of the level.
 void append_vectors(const VolumeCluster& cluster, std::size_t first, std::size_t count, const VoxelLattice& lattice,
-                    Cloud& cloud);
+                    Volume& volume);
 
 /// Vector of a volume on its lattice, for the encoder.
 struct LatticeVector {

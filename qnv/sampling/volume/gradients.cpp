@@ -77,7 +77,7 @@ class GradientEncoder {
     gaps_ = may_miss(layout_);
   }
 
-  std::variant<Cloud, VolumeError> run() {
+  std::variant<Volume, VolumeError> run() {
     start("measuring");
     if (const auto problem = measure()) return *problem;
     if (!(all_.least <= all_.most)) return VolumeError{"every voxel of the volume is missing; expected values"};
@@ -88,7 +88,7 @@ class GradientEncoder {
       if (const auto problem = collect(found)) return *problem;
     }
     start("sorting");
-    return cloud_of(found);
+    return volume_of(found);
   }
 
  private:
@@ -266,14 +266,14 @@ class GradientEncoder {
         });
   }
 
-  std::variant<Cloud, VolumeError> cloud_of(const FoundVectors& found) const {
+  std::variant<Volume, VolumeError> volume_of(const FoundVectors& found) const {
     const std::vector<FoundVectors::Entry> order = found.longest_first(options_.threads);
     const std::size_t count = std::min<std::size_t>(order.size(), wanted_);
-    Cloud cloud;
-    cloud.description = description();
+    Volume volume;
+    volume.description = description();
     const std::array<std::function<void()>, 4> resize = {
-        [&] { cloud.positions.resize(count); }, [&] { cloud.normals.resize(count); },
-        [&] { cloud.weights.resize(count); }, [&] { cloud.classes.resize(count); }};
+        [&] { volume.positions.resize(count); }, [&] { volume.normals.resize(count); },
+        [&] { volume.weights.resize(count); }, [&] { volume.classes.resize(count); }};
     parallel_for(
         resize.size(), [&](std::size_t i) { resize[i](); }, options_.threads);
     const double least = all_.least, range = static_cast<double>(all_.most) - least;
@@ -285,21 +285,20 @@ class GradientEncoder {
                        for (std::size_t i = piece * kPiece; i < std::min(count, (piece + 1) * kPiece); ++i) {
                          __builtin_prefetch(&found[order[std::min(i + kAhead, count - 1)].place]);
                          const FoundVector& entry = found[order[i].place];
-                         cloud.positions[i] = voxel_position(layout_, entry.voxel[0], entry.voxel[1], entry.voxel[2]);
-                         cloud.normals[i] = entry.normal;
-                         cloud.weights[i] = entry.length();
+                         volume.positions[i] = voxel_position(layout_, entry.voxel[0], entry.voxel[1], entry.voxel[2]);
+                         volume.normals[i] = entry.normal;
+                         volume.weights[i] = entry.length();
                          const double part = (static_cast<double>(entry.value) - least) * scale;
-                         cloud.classes[i] = static_cast<std::uint8_t>(std::clamp(part, 0.0, 255.0) + 0.5);
+                         volume.classes[i] = static_cast<std::uint8_t>(std::clamp(part, 0.0, 255.0) + 0.5);
                        }
                      },
                      options_.threads);
     if (!whole || (progress_ && progress_->cancelled)) return VolumeError{"cancelled"};
-    return cloud;
+    return volume;
   }
 
   [[nodiscard]] Description description() const {
     Description about;
-    about.kind = Kind::volume;
     about.two_sided = true;
     about.origin = layout_.base;
     about.box = voxel_box(layout_);
@@ -326,8 +325,8 @@ class GradientEncoder {
 
 }  // namespace
 
-std::variant<Cloud, VolumeError> gradient_vectors(const VolumeSource& source, const GradientOptions& options,
-                                                  Progress* progress) {
+std::variant<Volume, VolumeError> gradient_vectors(const VolumeSource& source, const GradientOptions& options,
+                                                   Progress* progress) {
   if (const auto problem = check(source.layout)) return *problem;
   if (!source.read) return VolumeError{"the volume has no source of slices"};
   if (!(options.fraction >= 0 && options.fraction <= 1))

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/sampling/volume/volume.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
@@ -31,9 +31,9 @@ struct GradientOptions {
 /// Needs memory for a few slices and the result. Returns an error for an invalid layout or options, a source that
 /// fails, a volume without values, or if cancelled. Progress counts slices. Safe from any thread and for untrusted
 /// values.
-[[nodiscard]] std::variant<Cloud, VolumeError> gradient_vectors(const VolumeSource& source,
-                                                                const GradientOptions& options,
-                                                                Progress* progress = nullptr);
+[[nodiscard]] std::variant<Volume, VolumeError> gradient_vectors(const VolumeSource& source,
+                                                                 const GradientOptions& options,
+                                                                 Progress* progress = nullptr);
 
 /// Returns an initial transfer function for values from `least` to `most`: from transparent through warm colours to
 /// nearly opaque white. If zero lies in the lower half of the range, zero and everything below are transparent, which

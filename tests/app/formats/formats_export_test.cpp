@@ -19,7 +19,7 @@ using gs::qnv::Kind;
 using gs::qnv::Rgb8;
 using gs::vrml::Color;
 
-Bytes written(const Cloud& cloud, Exported (*write)(const Cloud&, const ExportOptions&),
+Bytes written(const qnv::Geometry& cloud, Exported (*write)(const qnv::Geometry&, const ExportOptions&),
               const ExportOptions& options = {}) {
   auto result = write(cloud, options);
   if (const auto* problem = std::get_if<std::string>(&result)) {
@@ -34,7 +34,7 @@ struct Tolerance {
   int color;
 };
 
-void check_same(const Cloud& a, const Cloud& b, const Tolerance& tolerance) {
+void check_same(const Splats& a, const Splats& b, const Tolerance& tolerance) {
   REQUIRE(a.size() == b.size());
   float position = 0, normal = 0, area = 0;
   int color = 0;
@@ -53,18 +53,18 @@ void check_same(const Cloud& a, const Cloud& b, const Tolerance& tolerance) {
 }
 
 /// Returns a sphere off the origin, with normals to both poles.
-Cloud model() {
-  Cloud cloud = sphere(999, 2, {3, -1, 0.5f});
+Splats model() {
+  Splats cloud = sphere(999, 2, {3, -1, 0.5f});
   cloud.normals[0] = {0, 0, 1};
   cloud.normals[1] = {0, 0, -1};
   cloud.normals[2] = glm::vec3(1e-5f, 0, -1);
   return cloud;
 }
 
-Cloud volume_cloud() {
-  Cloud cloud = sphere(10);
+qnv::Volume volume_cloud() {
+  qnv::Volume cloud;
+  static_cast<qnv::VectorArrays&>(cloud) = sphere(10);
   cloud.colors.clear();
-  cloud.description.kind = Kind::volume;
   cloud.description.spacing = 0.25f;
   cloud.description.transfer = {{0.0f, {0, 0, 0}, 0.0f}, {0.5f, {255, 0, 0}, 0.5f}, {1.0f, {255, 255, 255}, 1.0f}};
   for (int i = 0; i < 10; ++i) cloud.classes.push_back(static_cast<std::uint8_t>(i * 28));  // 0..252
@@ -89,11 +89,11 @@ TEST_CASE("lists each export format with its extension") {
 }
 
 TEST_CASE("restores PLY points bit for bit") {
-  const Cloud cloud = model();
+  const Splats cloud = model();
   const Bytes bytes = written(cloud, export_points_ply);
   CHECK(is_points_ply(bytes));
   CHECK(bytes.size() - string_of(bytes).find("end_header\n") - 11 == 999 * 31);
-  const Cloud back = cloud_of(import_points_ply, bytes);
+  const Splats back = cloud_of(import_points_ply, bytes);
   CHECK(back.positions == cloud.positions);
   CHECK(back.weights == cloud.weights);
   CHECK(back.colors == cloud.colors);
@@ -103,7 +103,8 @@ TEST_CASE("restores PLY points bit for bit") {
 }
 
 TEST_CASE("writes vectors with triangles as a PLY mesh") {
-  Cloud cloud = sphere(4);
+  qnv::IndexedMesh cloud;
+  static_cast<qnv::VectorArrays&>(cloud) = sphere(4);
   cloud.triangles = {0, 1, 2, 2, 1, 3};
   const Bytes bytes = written(cloud, export_points_ply);
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -115,22 +116,22 @@ TEST_CASE("writes vectors with triangles as a PLY mesh") {
 }
 
 TEST_CASE("restores 3DGS PLY") {
-  const Cloud cloud = model();
+  const Splats cloud = model();
   const Bytes bytes = written(cloud, export_splats_ply);
   CHECK(is_splats_ply(bytes));
   CHECK_FALSE(is_splats_compressed_ply(bytes));
   CHECK(bytes.size() - string_of(bytes).find("end_header\n") - 11 == 999 * 68);
-  const Cloud back = cloud_of(import_splats_ply, bytes);
+  const Splats back = cloud_of(import_splats_ply, bytes);
   check_same(cloud, back, {0, 1e-6f, 1e-5f, 0});
   CHECK(metadata(back, "splats not discs").empty());
 }
 
 TEST_CASE("restores SPZ within its quantisation steps") {
-  const Cloud cloud = model();
+  const Splats cloud = model();
   for (auto* write : {export_spz, export_spz3}) {
     const Bytes bytes = written(cloud, write);
     CHECK(is_splats_spz(bytes) == (write == export_spz));
-    const Cloud back = cloud_of(import_splats_spz, bytes);
+    const Splats back = cloud_of(import_splats_spz, bytes);
     // The largest coordinate is 5: 20 bits after the point. Two scales to 1/32 in their logarithm, quaternions to 1/723
     // per component, colours to 0.282 / 38.25 of 255 plus rounding.
     check_same(cloud, back, {0.51f / (1 << 20), 2e-5f, 0.0626f, 2});
@@ -138,14 +139,14 @@ TEST_CASE("restores SPZ within its quantisation steps") {
     check_hostile(import_splats_spz, bytes, 211);
   }
   CHECK(written(cloud, export_spz).size() < 999 * 20);
-  CHECK(std::holds_alternative<std::string>(export_spz(Cloud(), {})));
-  CHECK(std::holds_alternative<std::string>(export_spz3(Cloud(), {})));
+  CHECK(std::holds_alternative<std::string>(export_spz(Splats(), {})));
+  CHECK(std::holds_alternative<std::string>(export_spz3(Splats(), {})));
 }
 
 TEST_CASE("adapts the fixed point of SPZ to the coordinates") {
   for (const float size : {1e-3f, 1.0f, 1e5f, 1e9f}) {
-    const Cloud cloud = sphere(50, size);
-    const Cloud back = cloud_of(import_splats_spz, written(cloud, export_spz));
+    const Splats cloud = sphere(50, size);
+    const Splats back = cloud_of(import_splats_spz, written(cloud, export_spz));
     REQUIRE(back.size() == 50);
     // Up to 2^23 the largest coordinate decides; then the format ends.
     if (size < 1e6f) CHECK(length(back.positions[7] - cloud.positions[7]) <= size * 3e-7f + 1e-7f);
@@ -180,7 +181,7 @@ Glb read_glb(const Bytes& bytes) {
 }
 
 TEST_CASE("writes GLB with KHR_gaussian_splatting") {
-  const Cloud cloud = model();
+  const Splats cloud = model();
   const Bytes bytes = written(cloud, export_glb, {"b\xffll \"1\"", {}});
   const Glb glb = read_glb(bytes);
   const auto& document = glb.document;
@@ -232,7 +233,7 @@ TEST_CASE("writes GLB with KHR_gaussian_splatting") {
 }
 
 TEST_CASE("shows the points of the GLB by its own glTF reader") {
-  const Cloud cloud = model();
+  const Splats cloud = model();
   const Bytes bytes = written(cloud, export_glb);
   const Imported result =
       imported([](auto b, auto& scene, auto& diagnostics) { import_gltf(b, scene, diagnostics); }, bytes);
@@ -241,7 +242,7 @@ TEST_CASE("shows the points of the GLB by its own glTF reader") {
   const Color color = result.colors()[300];
   CHECK(color.r == Approx(static_cast<float>(cloud.colors[300].r) / 255).margin(0.03));
   CHECK(color.b == Approx(200.0f / 255).margin(0.01));
-  const Glb empty = read_glb(written(Cloud(), export_glb));
+  const Glb empty = read_glb(written(Splats(), export_glb));
   CHECK(empty.binary.empty());
   CHECK_FALSE(empty.document.contains("meshes"));
 }
@@ -253,7 +254,7 @@ Imported parsed(const std::string& text) {
 }
 
 TEST_CASE("writes VRML97 points for any browser") {
-  const Cloud cloud = model();
+  const Splats cloud = model();
   const std::string text = string_of(written(cloud, export_vrml97_points, {"a \"title\"\n\\", "ball.qnv"}));
   CHECK(text.starts_with("#VRML V2.0 utf8"));
   const Imported world = parsed(text);
@@ -276,7 +277,7 @@ TEST_CASE("writes VRML97 points for any browser") {
 }
 
 TEST_CASE("writes shaded colours for points of one colour, which browsers do not light") {
-  Cloud cloud = sphere(100);
+  Splats cloud = sphere(100);
   cloud.colors.clear();
   cloud.color = {200, 200, 200};
   const Imported world = parsed(string_of(written(cloud, export_vrml97_points)));
@@ -292,7 +293,7 @@ TEST_CASE("writes shaded colours for points of one colour, which browsers do not
 }
 
 TEST_CASE("writes VRML97 patches with the areas and sides of the splats") {
-  const Cloud cloud = model();
+  const Splats cloud = model();
   const Imported world = parsed(string_of(written(cloud, export_vrml97_patches)));
   CHECK(world.messages().empty());
   const auto faces = world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"),
@@ -313,15 +314,15 @@ TEST_CASE("writes VRML97 patches with the areas and sides of the splats") {
 }
 
 TEST_CASE("exports volumes as balls in the colours of their transfer function") {
-  const Cloud cloud = volume_cloud();
-  const Cloud points = cloud_of(import_points_ply, written(cloud, export_points_ply));
+  const qnv::Volume cloud = volume_cloud();
+  const Splats points = cloud_of(import_points_ply, written(cloud, export_points_ply));
   REQUIRE(points.size() == 10);
   CHECK(points.colors[9].r == 255);
   CHECK(points.colors[9].g == 249);  // class 252: between 0.5 and 1 by 0.9765
   CHECK(points.weights[0] == 0.0625f);
   CHECK(dot(points.normals[4], cloud.normals[4]) == Approx(-1));
   // The first splat is invisible.
-  const Cloud splats = cloud_of(import_splats_spz, written(cloud, export_spz));
+  const Splats splats = cloud_of(import_splats_spz, written(cloud, export_spz));
   CHECK(splats.size() == 9);
   CHECK(metadata(splats, "splats not discs") == "9");
   for (auto* write : {export_vrml97_points, export_vrml97_patches})
@@ -329,7 +330,7 @@ TEST_CASE("exports volumes as balls in the colours of their transfer function") 
 }
 
 TEST_CASE("leaves out vectors with invalid numbers in exports") {
-  Cloud cloud = sphere(6);
+  Splats cloud = sphere(6);
   cloud.positions[0].x = NAN;
   cloud.weights[1] = INFINITY;
   cloud.weights[2] = 0;
@@ -340,11 +341,11 @@ TEST_CASE("leaves out vectors with invalid numbers in exports") {
   CHECK(read_glb(written(cloud, export_glb)).binary.size() == 120);
   for (const ExportFormat& format : export_formats()) {
     (void)format.write(cloud, {});
-    (void)format.write(Cloud(), {});
+    (void)format.write(Splats(), {});
   }
   for (auto* write : {export_vrml97_points, export_vrml97_patches}) {
     CHECK(parsed(string_of(written(cloud, write))).messages().empty());
-    CHECK(parsed(string_of(written(Cloud(), write))).messages().empty());
+    CHECK(parsed(string_of(written(Splats(), write))).messages().empty());
   }
 }
 

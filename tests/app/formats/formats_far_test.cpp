@@ -6,13 +6,14 @@
 #include "app/formats/volume/volume.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "render/scene/render_list.h"
 #include "tests/app/clouds.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/geometries.h"
 #include "vrml/syntax/parser.h"
 
 #include <nlohmann/json.hpp>
@@ -27,13 +28,13 @@ const glm::dvec3 kFarPlace{4'500'000.25, -4'500'000.5, 3'200'000.125};
 /// Returns `count` positions within half a metre of `kFarPlace`.
 std::vector<glm::dvec3> far_places(std::size_t count) {
   std::vector<glm::dvec3> places;
-  const Cloud near = sphere(count, 0.5f);
+  const Splats near = sphere(count, 0.5f);
   for (const glm::vec3& p : near.positions) places.push_back(kFarPlace + glm::dvec3(p));
   return places;
 }
 
 /// Returns the largest distance of the point set's positions from given ones in equal order.
-double farthest(const Cloud& cloud, const std::vector<glm::dvec3>& places, const glm::dvec3& axes = glm::dvec3(1)) {
+double farthest(const Splats& cloud, const std::vector<glm::dvec3>& places, const glm::dvec3& axes = glm::dvec3(1)) {
   REQUIRE(cloud.size() == places.size());
   double most = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -57,7 +58,7 @@ Bytes far_points(const std::vector<glm::dvec3>& places) {
   return bytes_of(text);
 }
 
-Bytes exported(const Cloud& cloud, Exported (*write)(const Cloud&, const ExportOptions&),
+Bytes exported(const qnv::Geometry& cloud, Exported (*write)(const qnv::Geometry&, const ExportOptions&),
                const ExportOptions& options = {}) {
   auto result = write(cloud, options);
   REQUIRE(std::holds_alternative<Bytes>(result));
@@ -68,7 +69,7 @@ constexpr double kMicrometre = 1e-6;
 
 TEST_CASE("reads distant points without loss, from text and binary files") {
   const auto places = far_places(200);
-  const Cloud cloud = cloud_of(import_points_ply, far_points(places));
+  const Splats cloud = cloud_of(import_points_ply, far_points(places));
   CHECK(farthest(cloud, places) < 0.1 * kMicrometre);
   CHECK(cloud.description.box.size().x < 1.1f);
   std::string xyz;
@@ -81,7 +82,7 @@ TEST_CASE("reads distant points without loss, from text and binary files") {
 
 TEST_CASE("writes distant points as they were read") {
   const auto places = far_places(200);
-  const Cloud cloud = cloud_of(import_points_ply, far_points(places));
+  const Splats cloud = cloud_of(import_points_ply, far_points(places));
   CHECK(farthest(cloud_of(import_points_ply, exported(cloud, export_points_ply)), places) < 0.1 * kMicrometre);
   CHECK(farthest(cloud_of(import_splats_ply, exported(cloud, export_splats_ply)), places) < 0.1 * kMicrometre);
   // glTF has doubles only in its text.
@@ -102,13 +103,13 @@ TEST_CASE("writes distant points as they were read") {
 
 TEST_CASE("keeps the positions of vectors in a stream of records") {
   const auto places = far_places(300);
-  const Cloud cloud = cloud_of(import_points_ply, far_points(places));
-  const auto made = gs::qnv::encode_cloud(cloud, {});
+  const Splats cloud = cloud_of(import_points_ply, far_points(places));
+  const auto made = gs::qnv::encode_vectors(cloud, {});
   REQUIRE(std::holds_alternative<gs::qnv::EncodedStream>(made));
   gs::qnv::StreamDecoder decoder;
   REQUIRE(decoder.push(std::get<gs::qnv::EncodedStream>(made).bytes));
   decoder.finish();
-  const Cloud read = decoder.cloud();
+  const auto read = content_of<Splats>(decoder.geometry());
   REQUIRE(read.size() == places.size());
   double most = 0;  // largest distance of a vector from its nearest source
   for (const glm::vec3& p : read.positions) {
@@ -156,12 +157,12 @@ TEST_CASE("encodes distant triangles relative to an origin, and restores their p
     gs::qnv::StreamDecoder decoder;
     REQUIRE(decoder.push(std::get<gs::qnv::EncodedStream>(made).bytes));
     decoder.finish();
-    const Cloud cloud = decoder.cloud();
-    CHECK(cloud.description.origin == middle);
+    const qnv::Geometry cloud = decoder.geometry();
+    CHECK(cloud.description().origin == middle);
     REQUIRE(cloud.size() > 7);
     // A plate of a centimetre stays one.
     Box places;
-    for (const glm::vec3& p : cloud.positions) places.add(p);
+    for (const glm::vec3& p : qnv::VectorView(cloud).positions) places.add(p);
     CHECK(places.size().z < 0.02f);
     CHECK(places.size().x > 0.9f);
   }
@@ -182,8 +183,8 @@ TEST_CASE("reads the position of a distant volume in double precision") {
   const glm::dvec3 first = source.layout.base + source.layout.origin - kFarPlace;
   CHECK(std::max({std::abs(first.x), std::abs(first.y), std::abs(first.z)}) < kMicrometre);
   const auto found = gs::qnv::gradient_vectors(source, {});
-  REQUIRE(std::holds_alternative<Cloud>(found));
-  const Cloud& cloud = std::get<Cloud>(found);
+  REQUIRE(std::holds_alternative<qnv::Volume>(found));
+  const auto& cloud = std::get<qnv::Volume>(found);
   CHECK(cloud.description.origin == source.layout.base);
   // On the lattice within a thousandth of a voxel.
   for (const glm::vec3& p : cloud.positions) {

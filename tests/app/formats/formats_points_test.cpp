@@ -18,7 +18,7 @@ bool near(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) { ret
 }  // namespace
 
 TEST_CASE("estimates the areas of points from their neighbours") {
-  const Cloud ball = sphere(2000, 3);
+  const Splats ball = sphere(2000, 3);
   const auto areas = point_areas(ball.positions);
   double total = 0;
   for (const float area : areas) total += area;
@@ -59,7 +59,7 @@ TEST_CASE("reads points with normals") {
       "blue\nend_header\n"
       "0 0 0 0 0 2 255 0 9\n1 0 0 0 0 2 1 2 3\n0 0 -0 0 0 1 4 5 6\n5 5 5 0 0 0 7 8 9\n";
   CHECK(is_points_ply(bytes_of(ply)));
-  const Cloud cloud = cloud_of(import_points_ply, bytes_of(ply));
+  const Splats cloud = cloud_of(import_points_ply, bytes_of(ply));
   REQUIRE(cloud.size() == 2);
   CHECK(cloud.normals[0] == glm::vec3(0, 0, 1));
   CHECK(cloud.colors[0] == Rgb8{255, 0, 9});
@@ -81,7 +81,7 @@ TEST_CASE("reads scanned points") {
     WARN("no " << folder);
     return;
   }
-  const Cloud kitten = cloud_of(import_points_xyz, file_bytes(folder / "kitten.xyz"));
+  const Splats kitten = cloud_of(import_points_xyz, file_bytes(folder / "kitten.xyz"));
   CHECK(kitten.size() == 5210);
   CHECK(near(kitten.normals[0], {0.340472f, 0.937712f, -0.0690972f}));
   // The file has no area. An ellipsoid in its box of 0.65 x 1 x 0.59 has 1.7.

@@ -32,7 +32,7 @@ SplatModel one_splat(glm::vec3 position, glm::vec3 scale, glm::vec4 rotation) {
 TEST_CASE("converts a splat to the disc across its smallest axis") {
   SplatModel model = one_splat({1, 2, 3}, {2, 3, 0.02f}, kNoTurn);
   model.dc[0] = {0, 0.5f / kSphericalHarmonic0, -9};
-  Cloud cloud = cloud_of_splats(model);
+  Splats cloud = cloud_of_splats(model);
   check_sound(cloud);
   REQUIRE(cloud.size() == 1);
   CHECK(cloud.positions[0] == glm::vec3(1, 2, 3));
@@ -91,7 +91,7 @@ TEST_CASE("counts splats that cannot be discs") {
   model.rotations[6] = {0, 0, 0, 0};
   model.scales[7].z = -1;
   model.opacities[8] = NAN;
-  const Cloud cloud = cloud_of_splats(model);
+  const Splats cloud = cloud_of_splats(model);
   check_sound(cloud);
   CHECK(cloud.size() == 3);
   CHECK(metadata(cloud, "splats not discs") == "1");
@@ -132,7 +132,7 @@ constexpr const char* k2dgs =
 TEST_CASE("reads 2DGS PLY") {
   CHECK(is_splats_ply(bytes_of(k2dgs)));
   CHECK_FALSE(is_splats_compressed_ply(bytes_of(k2dgs)));
-  const Cloud cloud = cloud_of(import_splats_ply, bytes_of(k2dgs));
+  const Splats cloud = cloud_of(import_splats_ply, bytes_of(k2dgs));
   REQUIRE(cloud.size() == 2);
   CHECK(metadata(cloud, "source") == "2DGS PLY");
   CHECK(cloud.positions[0] == glm::vec3(1, -2, -3));
@@ -172,7 +172,7 @@ TEST_CASE("reads 3DGS PLY of a trained scene") {
   Bytes bytes = file_bytes(path);
   CHECK(is_splats_ply(bytes));
   CHECK_FALSE(is_points_ply(bytes_of("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")));
-  const Cloud cloud = cloud_of(import_splats_ply, bytes);
+  const Splats cloud = cloud_of(import_splats_ply, bytes);
   REQUIRE(cloud.size() == 1000);
   CHECK(metadata(cloud, "splats not discs") == "865");
   CHECK(metadata(cloud, kSplatsDrawnAs) ==
@@ -186,7 +186,7 @@ TEST_CASE("reads 3DGS PLY of a trained scene") {
   CHECK(cloud.colors[0] == Rgb8{110, 144, 108});
   CHECK(cloud.colors[999] == Rgb8{72, 105, 92});
   bytes.resize(bytes.size() - 248 * 100 - 7);
-  const Cloud shorter = cloud_of(import_splats_ply, bytes);
+  const Splats shorter = cloud_of(import_splats_ply, bytes);
   CHECK(shorter.size() == 899);
   CHECK(metadata(shorter, "splats missing") == "101");
   bytes.resize(4000);
@@ -205,7 +205,7 @@ TEST_CASE("reads antimatter .splat, and every prefix as a scene") {
   // (0, 1, 1, 0) as w x y z: half a turn about the diagonal moves z to -z and swaps x and y.
   put_antimatter(bytes, {-1, 0, 0}, {0.001f, 1, 1}, {0, 255, 0, 128, 128, 218, 218, 128});
   put_antimatter(bytes, {0, 0, 0}, {1, 1, 1}, {0, 0, 0, 0, 255, 128, 128, 128});  // invisible
-  const Cloud cloud = cloud_of(import_splats_antimatter, bytes);
+  const Splats cloud = cloud_of(import_splats_antimatter, bytes);
   REQUIRE(cloud.size() == 2);
   CHECK(cloud.positions[0] == glm::vec3(1, -2, -3));
   CHECK(cloud.weights[0] == Approx(kPi / 4));
@@ -265,7 +265,7 @@ TEST_CASE("reads .ksplat with floats") {
     for (int k = 0; k < 9; ++k) put(made.splats, 0.5f);
   }
   const Bytes bytes = made.file();
-  const Cloud cloud = cloud_of(import_splats_ksplat, bytes);
+  const Splats cloud = cloud_of(import_splats_ksplat, bytes);
   REQUIRE(cloud.size() == 2);
   CHECK(cloud.positions[1] == glm::vec3(1, -2, -4));
   CHECK(cloud.weights[0] == Approx(kPi / 4));
@@ -300,7 +300,7 @@ TEST_CASE("reads .ksplat with buckets") {
       for (int k = 0; k < 9 * (mode == 1 ? 2 : 1); ++k) made.splats.push_back(std::byte{7});
     }
     const Bytes bytes = made.file();
-    const Cloud cloud = cloud_of(import_splats_ksplat, bytes);
+    const Splats cloud = cloud_of(import_splats_ksplat, bytes);
     REQUIRE(cloud.size() == 4);
     CHECK(cloud.positions[0] == glm::vec3(10, 0, 1));
     CHECK(cloud.positions[1] == glm::vec3(11, 0, 1));
@@ -361,14 +361,14 @@ Bytes spz(std::uint32_t version, int flags = 0) {
 }
 
 /// Returns the first position in the coordinates of the file.
-glm::vec3 first_place(const Cloud& cloud) {
+glm::vec3 first_place(const Splats& cloud) {
   return glm::vec3(cloud.description.origin + glm::dvec3(cloud.positions[0]));
 }
 
 TEST_CASE("reads SPZ versions 1 to 3") {
   for (const std::uint32_t version : {1u, 2u, 3u}) {
     const Bytes bytes = gzip(spz(version));
-    const Cloud cloud = cloud_of(import_splats_spz, bytes);
+    const Splats cloud = cloud_of(import_splats_spz, bytes);
     REQUIRE(cloud.size() == 2);
     CHECK(first_place(cloud) == glm::vec3(1, -1, 2.5f));
     CHECK(cloud.weights[0] == Approx(2 * kPi));
@@ -418,7 +418,7 @@ TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
   CHECK(is_splats_spz(packed));
   CHECK(is_splats_compressed_ply(ply));
   CHECK_FALSE(is_splats_ply(ply));
-  const Cloud a = cloud_of(import_splats_spz, packed), b = cloud_of(import_splats_compressed_ply, ply);
+  const Splats a = cloud_of(import_splats_spz, packed), b = cloud_of(import_splats_compressed_ply, ply);
   REQUIRE(a.size() == 152746);
   REQUIRE(b.size() == a.size());
   float position = 0, area = 0;
@@ -448,7 +448,7 @@ TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
     check_any(import_splats_spz, head);
   }
   head.assign(ply.begin(), ply.begin() + 60000);
-  const Cloud less = cloud_of(import_splats_compressed_ply, head);
+  const Splats less = cloud_of(import_splats_compressed_ply, head);
   CHECK(metadata(less, "splats missing") == std::to_string(152746 - less.size()));
   head.resize(46000);
   check_hostile(import_splats_compressed_ply, head, 5003);

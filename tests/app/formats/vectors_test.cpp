@@ -1,13 +1,14 @@
 // Tests of files of vectors as worlds, and of QNV nodes.
 #include "app/formats/content_types.h"
 #include "app/loading/world_loader.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "tests/app/clouds.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/volume_files.h"
 #include "tests/app/worlds.h"
+#include "tests/geometries.h"
 
 #include <catch2/catch.hpp>
 
@@ -23,19 +24,19 @@ std::string ball_stream(std::size_t count) {
   qnv::EncodeOptions options;
   options.payload = qnv::Payload::records;
   options.metadata = {{"title", "a ball"}};
-  auto encoded = qnv::encode_cloud(test::sphere(count), options);
+  auto encoded = qnv::encode_vectors(test::sphere(count), options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
   return string_of(std::get<qnv::EncodedStream>(encoded).bytes);
 }
 
-double area(const qnv::Cloud& cloud) {
+double area(const qnv::VectorView& cloud) {
   double sum = 0;
   for (const float weight : cloud.weights) sum += weight;
   return sum;
 }
 
 // Returns the only point set of a world.
-const qnv::Cloud& only_cloud(const LoadedWorld& world) {
+const qnv::Geometry& only_geometry(const LoadedWorld& world) {
   INFO(said(world));
   REQUIRE(world.clouds.size() == 1);
   CHECK(world.clouds.begin()->first->type->name == "QNV");
@@ -55,7 +56,7 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   const ScratchFolder folder;
   const std::string bytes = ball_stream(3000), file = folder.write("ball.qnv", bytes);
   const LoadedWorld world = load_world(file);
-  const qnv::Cloud& cloud = only_cloud(world);
+  const qnv::Geometry& cloud = only_geometry(world);
   CHECK(cloud.size() == 3000);
   CHECK(area(cloud) == Approx(12.566370614).epsilon(0.001));
   CHECK(world.title == "a ball");
@@ -67,7 +68,7 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
 
   const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
   const std::string packed = string_of(test::gzipped(std::vector<std::byte>(first, first + bytes.size())));
-  CHECK(only_cloud(load_world(folder.write("packed.qnv", packed))).size() == 3000);
+  CHECK(only_geometry(load_world(folder.write("packed.qnv", packed))).size() == 3000);
 
   // Every prefix is a coarser ball of equal area, without errors.
   std::size_t before = 0;
@@ -77,16 +78,16 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
     INFO(cut.max_bytes << " " << said(part));
     CHECK(part.diagnostics.errors() + part.diagnostics.warnings() == 0);
     CHECK_FALSE(part.truncated);
-    CHECK(only_cloud(part).size() >= before);
-    CHECK(area(only_cloud(part)) == Approx(12.566370614).epsilon(0.01));
-    before = only_cloud(part).size();
+    CHECK(only_geometry(part).size() >= before);
+    CHECK(area(only_geometry(part)) == Approx(12.566370614).epsilon(0.01));
+    before = only_geometry(part).size();
   }
   CHECK(before > 1500);
   // A truncated file is reported; one without a header is refused.
   const LoadedWorld early = load_world(folder.write("early.qnv", bytes.substr(0, bytes.size() / 2)));
   CHECK(early.diagnostics.errors() == 0);
   CHECK(said(early).find("early.qnv: warning: byte ") != std::string::npos);
-  CHECK_FALSE(only_cloud(early).empty());
+  CHECK(only_geometry(early).size() > 0);
   const LoadedWorld none = load_world(folder.write("none.qnv", bytes.substr(0, 50)));
   CHECK_FALSE(none.scene);
   CHECK(none.diagnostics.errors() == 1);
@@ -97,7 +98,7 @@ TEST_CASE("loses one chunk to damage in a stream, and reports its position") {
   std::string bytes = ball_stream(3000);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   const LoadedWorld world = load_world(folder.write("ball.qnv", bytes));
-  const qnv::Cloud& cloud = only_cloud(world);
+  const qnv::Geometry& cloud = only_geometry(world);
   CHECK(cloud.size() > 1000);
   CHECK(cloud.size() < 3000);
   CHECK(said(world).find("a chunk is damaged") != std::string::npos);
@@ -119,7 +120,7 @@ TEST_CASE("loads vectors of QNV nodes in the main scene, in Inlines and in PROTO
   std::size_t own = 0;
   for (const auto& [node, cloud] : world.clouds) {
     CHECK(cloud->size() == 500);
-    own += cloud->description.transfer.size();
+    own += cloud->description().transfer.size();
   }
   CHECK(own == 2);
   CHECK(world.diagnostics.errors() == 0);
@@ -134,7 +135,7 @@ TEST_CASE("replaces the fallback PROTO of a QNV node by its stream") {
       "#VRML V2.0 utf8\nPROTO QNV [ exposedField MFString url [] ] { PointSet { } }\nShape { geometry QNV { url "
       "\"ball.qnv\" } }\n";
   const LoadedWorld world = load_world(folder.write("world.wrl", text));
-  CHECK(only_cloud(world).size() == 500);
+  CHECK(only_geometry(world).size() == 500);
   const vrml::NodeId geometry = world.scene->get<vrml::SFNode>(world.scene->roots()[0], "geometry");
   CHECK(&world.scene->node(world.scene->resolve(geometry)) == world.clouds.begin()->first);
   // Without the stream, the fallback remains.
@@ -153,7 +154,7 @@ TEST_CASE("places records inside a QNV node in its bounding box") {
         "world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { vectors [ " + words + "] " + fields + " } }\n"));
   };
   const LoadedWorld world = node("bboxCenter 1 2 3 bboxSize 2 4 8 transfer [ 0 1 0 0 1  1 0 0 1 1 ]");
-  const qnv::Cloud& cloud = only_cloud(world);
+  const auto cloud = content_of<qnv::Splats>(only_geometry(world));
   REQUIRE(cloud.size() == 2);
   CHECK(cloud.positions[0].x == Approx(0).margin(0.002));
   CHECK(cloud.positions[0].y == Approx(2).margin(0.004));
@@ -164,9 +165,9 @@ TEST_CASE("places records inside a QNV node in its bounding box") {
   CHECK(cloud.colors[0] == qnv::Rgb8{0, 0, 255});
   CHECK(cloud.colors[1] == qnv::Rgb8{255, 0, 0});
   const LoadedWorld volume = node("bboxSize 1 1 1 profile \"VOLUME\"");
-  CHECK(only_cloud(volume).description.kind == qnv::Kind::volume);
-  CHECK(only_cloud(volume).classes == std::vector<std::uint8_t>{255, 0});
-  CHECK(only_cloud(volume).weights[0] == Approx(1));
+  const auto vectors = content_of<qnv::Volume>(only_geometry(volume));
+  CHECK(vectors.classes == std::vector<std::uint8_t>{255, 0});
+  CHECK(vectors.weights[0] == Approx(1));
   for (const char* bad : {"", "bboxSize 0 0 0", "bboxSize 1e30 1e30 1e30", "bboxSize -1 2 2"}) {
     const LoadedWorld none = node(bad);
     CHECK(none.clouds.empty());
@@ -177,19 +178,18 @@ TEST_CASE("places records inside a QNV node in its bounding box") {
 TEST_CASE("opens splats, points and volumes as shapes of vectors") {
   const ScratchFolder folder;
   const LoadedWorld points = load_world(folder.write("p.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n"));
-  CHECK(only_cloud(points).size() == 4);
+  CHECK(only_geometry(points).size() == 4);
   const LoadedWorld ply =
       load_world(folder.write("p.ply",
                               "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
                               "float z\nproperty float nx\n"
                               "property float ny\nproperty float nz\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n"));
-  CHECK(only_cloud(ply).size() == 2);
+  CHECK(only_geometry(ply).size() == 2);
   std::string voxels(4 * 4 * 4, '\0');
   voxels[21] = '\x64';
   const LoadedWorld volume = load_world(
       folder.write("v.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n" + voxels));
-  const qnv::Cloud& gradients = only_cloud(volume);
-  CHECK(gradients.description.kind == qnv::Kind::volume);
+  const auto gradients = content_of<qnv::Volume>(only_geometry(volume));
   CHECK(gradients.size() == 6);  // round(0.09 * 64): the neighbours of the voxel
   CHECK(volume.scene
             ->get<vrml::SFString>(

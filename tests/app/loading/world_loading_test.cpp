@@ -7,6 +7,7 @@
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
+#include "tests/geometries.h"
 #include "tests/net/memory_network.h"
 
 #include <catch2/catch.hpp>
@@ -266,24 +267,23 @@ TEST_CASE("shows a stream from its front, and refines it") {
   });
   WorldLoading loading("memory://a/world.wrl", web.options);
   std::vector<std::size_t> clusters;
-  std::shared_ptr<const qnv::Cloud> cloud;
   std::vector<std::shared_ptr<StreamFeed>> feeds;
   while (!loading.done()) {
     (void)loading.step(kLoadingWait);
     const render::RenderList list = loading.collect({0, 0, 10});
     if (list.splats.empty()) continue;
-    cloud = list.splats[0].cloud;
-    REQUIRE(cloud->levels);
+    const auto octree = content_of<qnv::OctreeSplats>(*list.splats[0].geometry);
     if (feeds.empty()) feeds = loading.feeds();
     for (const auto& feed : feeds) (void)feed->apply();
-    clusters.push_back(cloud->levels->clusters());
+    clusters.push_back(octree.stream->clusters());
   }
   REQUIRE(clusters.size() > 3);
   CHECK(std::is_sorted(clusters.begin(), clusters.end()));
   CHECK(clusters.front() * 2 < clusters.back());
   const LoadedWorld world = load_world("memory://a/ball.qnv", web.options);
   REQUIRE(world.clouds.size() == 1);
-  CHECK(world.clouds.begin()->second->levels->clusters() == clusters.back());
+  const auto octree = content_of<qnv::OctreeSplats>(*world.clouds.begin()->second);
+  CHECK(octree.stream->clusters() == clusters.back());
 }
 
 TEST_CASE("slows a stream beside one of more weight") {
@@ -297,7 +297,7 @@ TEST_CASE("slows a stream beside one of more weight") {
     REQUIRE(world.feeds.size() == 1);
     StreamFeed& feed = *world.feeds[0];
     feed.set_weight(weight);
-    qnv::LodStream& stream = *world.clouds.begin()->second->levels;
+    qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
     qnv::LodView view;
     view.eye = {0, 0, 4};
     view.pixels = 5000;
@@ -338,7 +338,7 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
   REQUIRE(world.scene);
   REQUIRE(world.feeds.size() == 1);
   StreamFeed& feed = *world.feeds[0];
-  qnv::LodStream& stream = *world.clouds.begin()->second->levels;
+  qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
   CHECK(loading.streaming());
   qnv::LodView view;
   view.eye = {0, 0, 4};

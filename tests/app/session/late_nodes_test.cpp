@@ -255,8 +255,8 @@ TEST_CASE("shows a QNV node's own vectors and fallback body in late parts") {
   world.load();
   const auto& splats = world.list().splats;
   REQUIRE(splats.size() == 2);
-  CHECK(splats[0].cloud->size() == 2);
-  CHECK(splats[1].cloud->size() == 3);
+  CHECK(splats[0].geometry->size() == 2);
+  CHECK(splats[1].geometry->size() == 3);
   CHECK(world.items() == 1);
 }
 

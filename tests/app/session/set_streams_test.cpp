@@ -1,7 +1,7 @@
 #include "app/encode/outline_model.h"
 #include "qnv/codecs/outlines/grouping/outline_groups.h"
 #include "qnv/codecs/outlines/outline_stream.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/decode_stream.h"
 
@@ -24,7 +24,7 @@ using late_worlds::Site;
 Bytes ball(std::size_t vectors) {
   qnv::EncodeOptions options;
   options.payload = qnv::Payload::records;
-  auto encoded = qnv::encode_cloud(gs::test::sphere(vectors), options);
+  auto encoded = qnv::encode_vectors(gs::test::sphere(vectors), options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
   return std::get<qnv::EncodedStream>(std::move(encoded)).bytes;
 }
@@ -32,7 +32,7 @@ Bytes ball(std::size_t vectors) {
 std::size_t size_of(const Bytes& stream) {
   constexpr std::size_t kMax = 1 << 20;
   const auto decoded = qnv::decode_stream(stream, kMax);
-  return std::get<qnv::Cloud>(decoded.content).size();
+  return std::get<qnv::Geometry>(decoded.content).size();
 }
 
 /// Returns outlines of shapes.
@@ -57,7 +57,7 @@ struct World : late_worlds::World {
   void arrive() { late_worlds::World::arrive(come()); }
   std::size_t vectors() {
     const auto& splats = list().splats;
-    return splats.empty() || !splats[0].cloud ? 0 : splats[0].cloud->size();
+    return splats.empty() || !splats[0].geometry ? 0 : splats[0].geometry->size();
   }
   std::size_t triangles() {
     const auto& items = list().items;

@@ -1,6 +1,7 @@
 #include "app/view/picking.h"
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
+#include "tests/geometries.h"
 #include "vrml/syntax/parser.h"
 
 #include <catch2/catch.hpp>
@@ -42,8 +43,8 @@ render::RenderList list_of(std::initializer_list<glm::mat4> places) {
 glm::mat4 at(float z) { return glm::translate(glm::mat4(1), {0, 0, z}); }
 
 /// Returns a disc of area 3.14 in the plane z = 0 that faces +z and covers 1.7 around the origin.
-std::shared_ptr<qnv::Cloud> disc() {
-  auto cloud = std::make_shared<qnv::Cloud>();
+std::shared_ptr<qnv::Splats> disc() {
+  auto cloud = std::make_shared<qnv::Splats>();
   cloud->positions = {{0, 0, 0}};
   cloud->normals = {{0, 0, 1}};
   cloud->weights = {3.14159f};
@@ -51,9 +52,8 @@ std::shared_ptr<qnv::Cloud> disc() {
 }
 
 /// Returns ten layers of vectors from z = 0 to -0.9.
-std::shared_ptr<qnv::Cloud> fog_volume(float opacity) {
-  auto cloud = std::make_shared<qnv::Cloud>();
-  cloud->description.kind = qnv::Kind::volume;
+std::shared_ptr<qnv::Volume> fog_volume(float opacity) {
+  auto cloud = std::make_shared<qnv::Volume>();
   cloud->description.spacing = 0.1f;
   cloud->description.transfer = {{0, {}, opacity}, {1, {}, opacity}};
   for (int i = 0; i < 10 * 441; ++i) {
@@ -67,9 +67,10 @@ std::shared_ptr<qnv::Cloud> fog_volume(float opacity) {
   return cloud;
 }
 
-void add(render::RenderList& list, std::shared_ptr<const qnv::Cloud> cloud, const glm::mat4& place) {
+template <class Content>
+void add(render::RenderList& list, const std::shared_ptr<Content>& content, const glm::mat4& place) {
   render::SplatItem item;
-  item.cloud = std::move(cloud);
+  item.geometry = shared_geometry(content);
   item.world_from_node = place;
   list.splats.push_back(std::move(item));
 }
@@ -164,7 +165,7 @@ TEST_CASE("hits splats under transformations, and from behind if two-sided") {
   CHECK_FALSE(pick(list, behind));
   auto two_sided = disc();
   two_sided->description.two_sided = true;
-  list.splats[0].cloud = two_sided;
+  list.splats[0].geometry = shared_geometry(two_sided);
   CHECK(pick(list, behind)->distance == Approx(5));
 }
 
@@ -225,7 +226,7 @@ TEST_CASE("ignores invalid point sets") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   render::RenderList list;
   list.splats.emplace_back();  // without a point set
-  add(list, std::make_shared<qnv::Cloud>(), at(-1));
+  add(list, std::make_shared<qnv::Splats>(), at(-1));
   auto broken = disc();
   broken->normals.clear();
   add(list, broken, at(-1));

@@ -72,7 +72,7 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
     return made;
   }();
   const TriangleSource triangles = [&](const TriangleSink& sink) { return sink(square); };
-  Cloud cloud;
+  Splats cloud;
   for (int i = 0; i < 40; ++i) {
     cloud.positions.emplace_back(i % 8, i / 8, 0);
     cloud.normals.emplace_back(0, 0, 1);
@@ -90,7 +90,7 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
   const SoftBall ball(12);
   double magnitudes = 0;
   for (const float weight : ball.cloud.weights) magnitudes += weight;
-  const EncodeSource sources[] = {std::cref(triangles), std::cref(cloud),
+  const EncodeSource sources[] = {std::cref(triangles), VectorView(cloud),
                                   OutlineSource{std::get<OutlineGroups>(grouped), {}, outline_options}, ball.vectors()};
   EncodeOptions few;
   few.vectors = 5000;
@@ -113,10 +113,10 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
       if (row.reader == PayloadReader::polygons) {
         CHECK(std::get<std::vector<OutlineBatch>>(decoded.content).size() >= 1);
       } else {
-        const Cloud& vectors = std::get<Cloud>(decoded.content);
+        const auto& vectors = std::get<Geometry>(decoded.content);
         CHECK(vectors.size() > 0);
         if (i == 1 && row.payload == Payload::records) CHECK(vectors.size() == cloud.size());
-        CHECK(vectors.description.total == Approx(i == 3 ? magnitudes : i == 1 ? 40 : 1).epsilon(0.01));
+        CHECK(vectors.description().total == Approx(i == 3 ? magnitudes : i == 1 ? 40 : 1).epsilon(0.01));
       }
       // The decoders of vectors and of polygons reject each other's streams.
       if (row.reader == PayloadReader::polygons) {

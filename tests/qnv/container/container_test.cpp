@@ -23,7 +23,7 @@ using Bytes = std::vector<std::byte>;
 StreamHeader example_header() {
   StreamHeader h;
   Description& d = h.description;
-  d.kind = Kind::volume;
+  h.kind = Kind::volume;
   d.two_sided = true;
   d.box = {{-1, -2, -3}, {4, 5, 6}};
   d.total = 12.5;
@@ -222,7 +222,7 @@ TEST_CASE("rejects headers with impossible numbers") {
   CHECK(refused([](StreamHeader& h) { h.cube = {glm::vec3(3e38f), 3e38f}; }));
   CHECK(refused([](StreamHeader& h) { h.description.box = {}; }));
   CHECK(refused([](StreamHeader& h) { h.description.box = {glm::vec3(-3e38f), glm::vec3(3e38f)}; }));
-  CHECK(refused([](StreamHeader& h) { h.description.kind = Kind::volume; }));  // volumes are records
+  CHECK(refused([](StreamHeader& h) { h.kind = Kind::volume; }));  // volumes are records
   CHECK_FALSE(refused([](StreamHeader&) {}));
 }
 

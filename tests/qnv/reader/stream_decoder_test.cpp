@@ -2,8 +2,9 @@
 
 #include "qnv/base/morton.h"
 #include "qnv/codecs/octree/packed.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/records/records_payload.h"
+#include "tests/geometries.h"
 #include "tests/qnv/pinned_vectors.h"
 #include "tests/qnv/surface_shapes.h"
 #include "tests/watched.h"
@@ -32,7 +33,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-bool same(const Cloud& a, const Cloud& b) {
+bool same(const Splats& a, const Splats& b) {
   const auto cells = [](const Cell& x, const Cell& y) { return x.edge == y.edge && x.offset == y.offset; };
   return a.description == b.description && a.positions == b.positions && a.normals == b.normals &&
          a.weights == b.weights && a.colors == b.colors && a.color == b.color &&
@@ -59,10 +60,10 @@ struct PackedParts {
     REQUIRE(decoder.push(header));
     return decoder;
   }
-  [[nodiscard]] Cloud whole() const {
+  [[nodiscard]] Splats whole() const {
     StreamDecoder decoder;
     REQUIRE(decoder.push(stream.bytes));
-    return decoder.cloud();
+    return content_of<Splats>(decoder.geometry());
   }
 };
 
@@ -90,7 +91,7 @@ struct Place {
   std::array<std::uint32_t, 3> cell;
 };
 
-Place place_of(const Cloud& cloud, std::size_t i, const Cube& cube) {
+Place place_of(const Splats& cloud, std::size_t i, const Cube& cube) {
   const Cell& cell = cloud.cells[i];
   const glm::vec3 at = (cloud.positions[i] - cell.offset * cloud.normals[i] - cube.lower) / cell.edge - 0.5f;
   Place place{static_cast<int>(std::lround(std::log2(cube.edge / cell.edge))), {}};
@@ -101,7 +102,7 @@ Place place_of(const Cloud& cloud, std::size_t i, const Cube& cube) {
 
 // Checks that each part of the sphere is covered once: its points are in cubes with a splat (within one finest voxel,
 // where the surface only touches a cube), and no cube is inside another.
-void check_cover(const Cloud& cloud, const Cube& cube, int finest) {
+void check_cover(const Splats& cloud, const Cube& cube, int finest) {
   std::set<std::pair<int, std::uint64_t>> cubes;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Place p = place_of(cloud, i, cube);
@@ -147,7 +148,7 @@ TEST_CASE("decodes every prefix of a stream to a complete picture") {
     REQUIRE(decoder.push(std::span(parts.stream.bytes).subspan(at, 1)));
     if (at + 1 < first) REQUIRE(decoder.vectors() == 0);
     if (decoder.revision() == before) continue;
-    const Cloud cloud = decoder.cloud();
+    const Splats cloud = content_of<Splats>(decoder.geometry());
     REQUIRE(at + 1 >= first);
     REQUIRE(cloud.size() == decoder.vectors());
     REQUIRE(cloud.size() >= last);
@@ -160,7 +161,7 @@ TEST_CASE("decodes every prefix of a stream to a complete picture") {
 
 TEST_CASE("decodes a stream to the same picture wherever it is cut in two") {
   const PackedParts parts = small_parts();
-  const Cloud expected = parts.whole();
+  const Splats expected = parts.whole();
   CHECK(expected.size() > 1500);
   for (std::size_t at = 0; at <= parts.stream.bytes.size(); at += watched_step(5)) {
     StreamDecoder decoder;
@@ -168,13 +169,13 @@ TEST_CASE("decodes a stream to the same picture wherever it is cut in two") {
     REQUIRE(decoder.push(std::span(parts.stream.bytes).subspan(at)));
     decoder.finish();
     REQUIRE(decoder.problems().empty());
-    REQUIRE(same(decoder.cloud(), expected));
+    REQUIRE(same(content_of<Splats>(decoder.geometry()), expected));
   }
 }
 
 TEST_CASE("leaves no hole and no overlap with chunks in any order and with any losses") {
   const PackedParts parts = sphere_parts(8000);
-  const Cloud expected = parts.whole();
+  const Splats expected = parts.whole();
   const int finest = finest_level(parts);
   std::mt19937 random(5);
   std::vector<std::size_t> order(parts.payloads.size());
@@ -186,14 +187,14 @@ TEST_CASE("leaves no hole and no overlap with chunks in any order and with any l
     for (const std::size_t i : order)
       if (i == 0 || random() % 100 >= lost) decoder.add(ChunkType::packed, parts.payloads[i]);
     CHECK(decoder.refused_chunks() == 0);
-    const Cloud cloud = decoder.cloud();
+    const Splats cloud = content_of<Splats>(decoder.geometry());
     REQUIRE(cloud.size() == decoder.vectors());
     if (lost == 0) REQUIRE(same(cloud, expected));
     check_cover(cloud, parts.stream.header.cube, finest);
     CHECK(total_weight(cloud) == Approx(4 * std::numbers::pi).epsilon(0.1));
     // The lost chunks are received at last.
     for (const Bytes& payload : parts.payloads) decoder.add(ChunkType::packed, payload);
-    REQUIRE(same(decoder.cloud(), expected));
+    REQUIRE(same(content_of<Splats>(decoder.geometry()), expected));
   }
 }
 
@@ -214,14 +215,14 @@ TEST_CASE("decodes a cluster with its ancestors alone") {
 
 TEST_CASE("reports every flipped bit of a stream and shows no wrong data") {
   const PackedParts parts = small_parts();
-  const Cloud expected = parts.whole();
+  const Splats expected = parts.whole();
   Bytes bytes = parts.stream.bytes;
   std::set<std::array<float, 3>> right;
   // Splats of all levels, of which some show when a chunk is missing.
   StreamDecoder growing = parts.begun();
   for (const Bytes& payload : parts.payloads) {
     growing.add(ChunkType::packed, payload);
-    for (const glm::vec3& p : growing.cloud().positions) right.insert({p.x, p.y, p.z});
+    for (const glm::vec3& p : content_of<Splats>(growing.geometry()).positions) right.insert({p.x, p.y, p.z});
   }
   for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += watched_step(11)) {
     bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
@@ -231,9 +232,9 @@ TEST_CASE("reports every flipped bit of a stream and shows no wrong data") {
     REQUIRE_FALSE(decoder.problems().empty());
     if (bit / 8 < parts.header.size()) {
       REQUIRE((!good || decoder.header() == nullptr));
-      REQUIRE(decoder.cloud().empty());
+      REQUIRE(decoder.geometry().size() == 0);
     } else if (bit % 8 == 0) {
-      const Cloud cloud = decoder.cloud();
+      const Splats cloud = content_of<Splats>(decoder.geometry());
       REQUIRE(cloud.empty() == (bit / 8 < parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size()));
       for (const glm::vec3& p : cloud.positions) REQUIRE_EACH(right.contains({p.x, p.y, p.z}));
     }
@@ -249,7 +250,7 @@ TEST_CASE("survives every flipped bit in chunks without a checksum") {
       payloads[which][bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
       StreamDecoder decoder = parts.begun();
       for (const Bytes& payload : payloads) decoder.add(ChunkType::packed, payload);
-      const Cloud cloud = decoder.cloud();
+      const Splats cloud = content_of<Splats>(decoder.geometry());
       REQUIRE(cloud.size() == decoder.vectors());
       for (std::size_t i = 0; i < cloud.size(); ++i)
         REQUIRE_EACH((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
@@ -267,20 +268,20 @@ Bytes with_ids(Bytes payload, std::uint32_t id, std::uint32_t parent) {
 
 TEST_CASE("rejects cycles, duplicate numbers and second roots") {
   const PackedParts parts = small_parts();
-  const Cloud expected = parts.whole();
+  const Splats expected = parts.whole();
   StreamDecoder decoder = parts.begun();
   // A chunk that is its own parent, and two that are each other's: they wait for ever.
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 900, 900));
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 901, 902));
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 902, 901));
-  CHECK(decoder.cloud().empty());
+  CHECK(decoder.geometry().size() == 0);
   for (const Bytes& payload : parts.payloads) decoder.add(ChunkType::packed, payload);
   CHECK(decoder.refused_chunks() == 0);
-  CHECK(same(decoder.cloud(), expected));
+  CHECK(same(content_of<Splats>(decoder.geometry()), expected));
   std::size_t refused = 0;
   const auto refuses = [&](const Bytes& payload) {
     decoder.add(ChunkType::packed, payload);
-    return decoder.refused_chunks() == ++refused && same(decoder.cloud(), expected);
+    return decoder.refused_chunks() == ++refused && same(content_of<Splats>(decoder.geometry()), expected);
   };
   CHECK(refuses(parts.payloads[0]));                            // repeated
   CHECK(refuses(parts.payloads[1]));                            // another repeated one
@@ -301,7 +302,7 @@ TEST_CASE("limits the memory for chunks without their parents") {
   for (std::uint32_t i = 0; i < 500'000; ++i) decoder.add(ChunkType::packed, with_ids(tiny, 10 + i, 5));
   CHECK(decoder.refused_chunks() > 0);
   CHECK(decoder.refused_chunks() < 200'000);
-  CHECK(decoder.cloud().empty());
+  CHECK(decoder.geometry().size() == 0);
 }
 
 TEST_CASE("decodes at most the maximum number of vectors") {
@@ -310,13 +311,13 @@ TEST_CASE("decodes at most the maximum number of vectors") {
     StreamDecoder decoder(most);
     REQUIRE(decoder.push(parts.stream.bytes));
     CHECK(decoder.vectors() <= most);
-    CHECK(decoder.cloud().size() <= most);
+    CHECK(decoder.geometry().size() <= most);
     CHECK(decoder.refused_chunks() > 0);
   }
 }
 
 TEST_CASE("accepts the records of a chunk in any pieces") {
-  Cloud cloud;
+  Splats cloud;
   std::mt19937 random(5);
   for (int i = 0; i < 3000; ++i) {
     const auto part = [&] { return static_cast<float>(random() % 1000) / 1000; };
@@ -328,7 +329,7 @@ TEST_CASE("accepts the records of a chunk in any pieces") {
   }
   EncodeOptions options;
   options.payload = Payload::records;
-  const auto encoded = encode_cloud(cloud, options);
+  const auto encoded = encode_vectors(cloud, options);
   const auto& stream = std::get<EncodedStream>(encoded);
   std::vector<Bytes> payloads;
   StreamReader reader;
@@ -354,13 +355,13 @@ TEST_CASE("accepts the records of a chunk in any pieces") {
     REQUIRE(pieces.vectors() == vectors);
   }
   CHECK(pieces.refused_chunks() == 0);
-  const auto sorted = [](const Cloud& c) {
+  const auto sorted = [](const Splats& c) {
     std::multiset<std::array<float, 4>> all;
     for (std::size_t i = 0; i < c.size(); ++i)
       all.insert({c.positions[i].x, c.positions[i].y, c.positions[i].z, c.weights[i]});
     return all;
   };
-  CHECK(sorted(pieces.cloud()) == sorted(whole.cloud()));
+  CHECK(sorted(content_of<Splats>(pieces.geometry())) == sorted(content_of<Splats>(whole.geometry())));
   // Only records can be received so.
   const ByteRange missing{0, 8};
   pieces.add(ChunkType::packed, payloads[0], std::span(&missing, 1));
@@ -371,7 +372,7 @@ TEST_CASE("is empty before the header, and reads directories in pieces") {
   const PackedParts parts = small_parts();
   StreamDecoder decoder;
   decoder.add(ChunkType::packed, parts.payloads[0]);
-  CHECK(decoder.cloud().empty());
+  CHECK(decoder.geometry().size() == 0);
   CHECK(decoder.header() == nullptr);
   REQUIRE(decoder.push(parts.stream.bytes));
   CHECK(decoder.directory().size() == parts.stream.header.chunks);
@@ -393,7 +394,7 @@ TEST_CASE("decodes a stream of version 1 to its pinned numbers") {
   decoder.finish();
   REQUIRE(decoder.problems().empty());
   REQUIRE(decoder.refused_chunks() == 0);
-  const Cloud cloud = decoder.cloud();
+  const Splats cloud = content_of<Splats>(decoder.geometry());
   std::ifstream text(folder + "packed_sphere.txt");
   std::string line;
   std::size_t i = 0;
@@ -429,7 +430,7 @@ TEST_CASE("decodes a stream of version 2 to its pinned positions") {
   REQUIRE(decoder.push(bytes));
   decoder.finish();
   REQUIRE(decoder.problems().empty());
-  const Cloud cloud = decoder.cloud();
+  const Splats cloud = content_of<Splats>(decoder.geometry());
   CHECK(cloud.description.origin == glm::dvec3(4'500'000.5, -4'500'000.5, 3'200'000));
   std::ifstream text(GHOSTSPACE_TESTS "/qnv/vectors/v2/records_far.txt");
   std::size_t i = 0;

@@ -21,7 +21,7 @@ class World {
     REQUIRE(diagnostics.errors() == 0);
     execution_ = std::make_unique<vrml::Execution>(*scene_);
     names_ = std::make_unique<vrml::NodeNames>(*scene_);
-    render_ = std::make_unique<RenderScene>(*scene_, images_, clouds_, meshes_);
+    render_ = std::make_unique<RenderScene>(*scene_, images_, geometries_, meshes_);
     execution_->start(1000);
     (void)execution_->changes().take();
     render_->gather(bound(), viewer_);
@@ -52,7 +52,7 @@ class World {
   void check() {
     MeshCache meshes;
     const BoundNodes nodes = bound();
-    const RenderList fresh = collect(*scene_, images_, meshes, viewer_, clouds_, &nodes);
+    const RenderList fresh = collect(*scene_, images_, meshes, viewer_, geometries_, &nodes);
     const RenderList& kept = list();
     REQUIRE(kept.items.size() == fresh.items.size());
     for (std::size_t i = 0; i < kept.items.size(); ++i) {
@@ -106,7 +106,7 @@ class World {
 
   std::unique_ptr<vrml::SceneGraph> scene_;
   Images images_;
-  Clouds clouds_;
+  Geometries geometries_;
   MeshCache meshes_;
   std::unique_ptr<vrml::Execution> execution_;
   std::unique_ptr<vrml::NodeNames> names_;

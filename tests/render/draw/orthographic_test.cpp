@@ -64,16 +64,16 @@ DrawItem shiny_square(const glm::mat4& place) {
   return item;
 }
 
-std::shared_ptr<const qnv::Cloud> shared(qnv::Cloud cloud) {
-  return std::make_shared<const qnv::Cloud>(std::move(cloud));
+std::shared_ptr<const qnv::Geometry> shared(qnv::Geometry cloud) {
+  return std::make_shared<const qnv::Geometry>(std::move(cloud));
 }
 
-void add_cloud(RenderList& list, qnv::Cloud cloud) {
+void add_vectors(RenderList& list, qnv::Geometry cloud) {
   Box bounds;
-  for (const glm::vec3& position : cloud.positions) bounds.add(position);
+  for (const glm::vec3& position : qnv::VectorView(cloud).positions) bounds.add(position);
   list.bounds.add(bounds);
   SplatItem item;
-  item.cloud = shared(std::move(cloud));
+  item.geometry = shared(std::move(cloud));
   list.splats.push_back(std::move(item));
 }
 
@@ -131,12 +131,12 @@ TEST_CASE("matches a distant narrow lens in parallel projection for splats and v
     Drawing drawing;
     drawing.options.splats = path;
     RenderList discs;
-    add_cloud(discs, gs::test::disc_sphere(4000, 1));
+    add_vectors(discs, gs::test::disc_sphere(4000, 1));
     const Image parallel = drawing.draw(discs, parallel_at({0, 0, 10}, 3)), far = drawing.draw(discs, narrow(3));
     CHECK(lit_pixels(parallel) > 1000);
     CHECK(differing(parallel, far, 12) < 80);
     RenderList fog;
-    add_cloud(fog, gs::test::random_volume(2000, 5, 0.1f));
+    add_vectors(fog, gs::test::random_volume(2000, 5, 0.1f));
     const Image cloud = drawing.draw(fog, parallel_at({0, 0, 10}, 3)), far_cloud = drawing.draw(fog, narrow(3));
     CHECK(lit_pixels(cloud) > 100);
     CHECK(differing(cloud, far_cloud, 12) < 80);
@@ -148,7 +148,7 @@ TEST_CASE("draws equal tiles in parallel projection") {
   RenderList list;
   for (int i = 0; i < 5; ++i)
     add(list, shiny_square(translation({static_cast<float>(i) - 2, 0.2f * static_cast<float>(i), -2.0f * i})));
-  add_cloud(list, gs::test::disc_sphere(2000, 1, {0, -0.5f, 0}));
+  add_vectors(list, gs::test::disc_sphere(2000, 1, {0, -0.5f, 0}));
   PictureOptions options;
   options.draw = drawing.options;
   options.draw.width = options.draw.height = 96;

@@ -57,11 +57,11 @@ ImageDifference tiled_against_whole(const RenderList& list, PictureOptions optio
   return std::get<ImageDifference>(difference);
 }
 
-RenderList cloud_world(qnv::Cloud cloud) {
+RenderList cloud_world(qnv::Geometry cloud) {
   RenderList list;
   list.background.sky_colors = {{0.2f, 0.2f, 0.3f}};
   SplatItem item;
-  item.cloud = std::make_shared<const qnv::Cloud>(std::move(cloud));
+  item.geometry = std::make_shared<const qnv::Geometry>(std::move(cloud));
   list.splats.push_back(std::move(item));
   list.bounds.add(glm::vec3(-3));
   list.bounds.add(glm::vec3(3));

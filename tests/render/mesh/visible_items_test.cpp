@@ -151,9 +151,9 @@ TEST_CASE("draws many Shapes equally with and without the tree, at rest and whil
   execution.start(1000);
   (void)execution.changes().take();
   const Images images;
-  const Clouds clouds;
+  const Geometries geometries;
   MeshCache meshes;
-  RenderScene world(scene, images, clouds, meshes);
+  RenderScene world(scene, images, geometries, meshes);
   world.gather({}, {0, 5, 10});
   REQUIRE(world.list().generation != 0);
   Drawing drawing;

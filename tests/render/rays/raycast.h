@@ -87,7 +87,7 @@ struct Vector {
 };
 
 /// Returns the vectors in front of the camera, nearest first.
-inline std::vector<Vector> vectors_of(const qnv::Cloud& cloud, const SplatView& view, const Lens& lens,
+inline std::vector<Vector> vectors_of(const qnv::Volume& cloud, const SplatView& view, const Lens& lens,
                                       const VolumeOptions& options) {
   std::vector<Vector> vectors;
   const VolumeModel model = volume_model(cloud, view.threads);
@@ -137,7 +137,7 @@ struct Disc {
   }
 };
 
-inline std::vector<Disc> discs_of(const qnv::Cloud& cloud, const Lens& lens, const dvec3& eye) {
+inline std::vector<Disc> discs_of(const qnv::Splats& cloud, const Lens& lens, const dvec3& eye) {
   std::vector<Disc> discs;
   const double step = 2 * std::max(lens.tangents.x / lens.width, lens.tangents.y / lens.height);
   double scale = 0;
@@ -217,7 +217,7 @@ inline Sample sample_of(const std::vector<Disc>& discs, const dvec3& ray, double
 /// opacity from the front reaches 0.5; 0 if it never does.
 ///
 /// Takes time proportional to pixels times vectors. Thread-safe; accepts any numbers. Empty if nothing is in view.
-inline RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, const VolumeOptions& options) {
+inline RayImage raycast_volume(const qnv::Volume& cloud, const SplatView& view, const VolumeOptions& options) {
   RayImage image;
   const auto lens = exact::lens_of(view, 1);
   if (!lens) return image;
@@ -267,7 +267,7 @@ inline RayImage raycast_volume(const qnv::Cloud& cloud, const SplatView& view, c
 ///
 /// Takes time proportional to samples times splats. Thread-safe; accepts any numbers. Empty if the point set or the
 /// view is.
-inline RaySurface raycast_surface(const qnv::Cloud& cloud, const SplatView& view, bool smooth) {
+inline RaySurface raycast_surface(const qnv::Splats& cloud, const SplatView& view, bool smooth) {
   RaySurface image;
   const int s = std::max(view.supersample, 1);
   const auto lens = exact::lens_of(view, s);

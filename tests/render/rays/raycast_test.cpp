@@ -37,7 +37,7 @@ std::size_t pixel_index(const RayImage& image, int x, int y) { return static_cas
 }  // namespace
 
 TEST_CASE("draws one vector of a volume as a Gaussian around its position") {
-  qnv::Cloud cloud = empty_volume(0.5f, 1);
+  qnv::Volume cloud = empty_volume(0.5f, 1);
   cloud.description.box = {{-0.5f, -0.5f, -10.5f}, {0.5f, 0.5f, -9.5f}};
   add(cloud, {0, 0, -10}, {0, 0, 1}, 3, 128);
   const render::VolumeModel model = render::volume_model(cloud);
@@ -63,7 +63,7 @@ TEST_CASE("draws one vector of a volume as a Gaussian around its position") {
 
 TEST_CASE("blends front over back in any order of the vectors") {
   for (const bool near_first : {true, false}) {
-    qnv::Cloud cloud = empty_volume(0.9f, 1);
+    qnv::Volume cloud = empty_volume(0.9f, 1);
     cloud.description.transfer = {{0, {255, 0, 0}, 0.9f}, {1, {0, 0, 255}, 0.9f}};
     const auto near = [&] { add(cloud, {0, 0, -10}, {0, 0, 1}, 3, 0); };
     const auto far = [&] { add(cloud, {0, 0, -14}, {0, 0, 1}, 3, 255); };
@@ -88,7 +88,7 @@ TEST_CASE("blends front over back in any order of the vectors") {
 }
 
 TEST_CASE("returns as depth of a volume the depth of half opacity") {
-  qnv::Cloud cloud = empty_volume(0.5f, 1);
+  qnv::Volume cloud = empty_volume(0.5f, 1);
   for (int i = 0; i < 20; ++i) add(cloud, {0, 0, -10.0f - static_cast<float>(i)}, {0, 0, 1}, 3, 9);
   const RayImage image = raycast_volume(cloud, straight_view(3, 3), flat());
   REQUIRE(!image.empty());
@@ -98,7 +98,7 @@ TEST_CASE("returns as depth of a volume the depth of half opacity") {
 }
 
 TEST_CASE("keeps the integrated opacity of vectors smaller than a pixel") {
-  qnv::Cloud cloud = empty_volume(0.9f, 0.001f);
+  qnv::Volume cloud = empty_volume(0.9f, 0.001f);
   cloud.description.box = {{0, 0, -10}, {0, 0, -10}};
   add(cloud, {0, 0, -10}, {0, 0, 1}, 1, 0);
   const render::VolumeModel model = render::volume_model(cloud);
@@ -128,7 +128,7 @@ TEST_CASE("shades a volume by its gradients from both sides") {
   for (const auto& [normal, expected] :
        {std::pair{glm::vec3(0, 0, 1), 1.0f}, std::pair{glm::vec3(h, 0, h), 0.2f + 0.8f * h},
         std::pair{glm::vec3(0, 0, -1), 1.0f}, std::pair{glm::vec3(1, 0, 0), 0.2f}}) {
-    qnv::Cloud cloud = empty_volume(0.9f, 1);
+    qnv::Volume cloud = empty_volume(0.9f, 1);
     add(cloud, {0, 0, -10}, normal, 1, 0);
     const RayImage image = raycast_volume(cloud, straight_view(21, 21), options);
     REQUIRE(!image.empty());
@@ -163,7 +163,7 @@ TEST_CASE("lights volumes with attenuation, radius and spot") {
 }
 
 TEST_CASE("applies magnitude, threshold and clipping plane") {
-  qnv::Cloud cloud = empty_volume(0.5f, 1);
+  qnv::Volume cloud = empty_volume(0.5f, 1);
   add(cloud, {0, 0, -10}, {0, 0, 1}, 1, 0);
   add(cloud, {0, 0, -11}, {0, 0, 1}, 2, 0);
   add(cloud, {0, 0, -12}, {0, 0, 1}, 4, 0);
@@ -186,7 +186,7 @@ TEST_CASE("applies magnitude, threshold and clipping plane") {
 
 TEST_CASE("enlarges footprints as the number of vectors shrinks") {
   const auto lattice = [](int step) {
-    qnv::Cloud cloud = empty_volume(0.5f, 1);
+    qnv::Volume cloud = empty_volume(0.5f, 1);
     cloud.description.box = {glm::vec3(0), glm::vec3(63)};
     for (int z = 30; z < 33; ++z)
       for (int y = 0; y < 64; y += step)
@@ -205,7 +205,7 @@ TEST_CASE("enlarges footprints as the number of vectors shrinks") {
 }
 
 TEST_CASE("finds plane, rim and normal of one splat by raycasting") {
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   const float h = std::sqrt(0.5f);
   add(cloud, {0, 0, -10}, {h, 0, h}, static_cast<float>(std::numbers::pi));  // radius 1
   cloud.color = {255, 0, 51};
@@ -235,7 +235,7 @@ TEST_CASE("finds plane, rim and normal of one splat by raycasting") {
 }
 
 TEST_CASE("hides a splat behind another, and blends it with its neighbour") {
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   add(cloud, {0, 0, -10}, {0, 0, 1}, 1);
   add(cloud, {0, 0, -12}, {0, 0, 1}, 1);
   cloud.colors = {{255, 0, 0}, {0, 255, 0}};
@@ -254,7 +254,7 @@ TEST_CASE("returns an empty picture for no vectors") {
   const VolumeOptions options = flat();
   CHECK(raycast_volume({}, straight_view(4, 4), options).empty());
   CHECK(raycast_surface({}, straight_view(4, 4), false).empty());
-  qnv::Cloud cloud = empty_volume(0.5f, 1);
+  qnv::Volume cloud = empty_volume(0.5f, 1);
   add(cloud, {0, 0, 10}, {0, 0, 1}, 1, 0);  // behind
   CHECK(raycast_volume(cloud, straight_view(4, 4), options).empty());
   CHECK(raycast_volume(cloud, straight_view(0, 4), options).empty());

@@ -28,8 +28,8 @@ using testing::kPi;
 constexpr glm::vec3 kUp(0, 0, 1);
 
 /// Returns one splat of radius 1 at `center`, facing +z.
-qnv::Cloud disc_at(const glm::vec3& center) {
-  qnv::Cloud cloud;
+qnv::Splats disc_at(const glm::vec3& center) {
+  qnv::Splats cloud;
   add(cloud, center, kUp, kPi);
   return cloud;
 }
@@ -57,8 +57,8 @@ PickRay through(const SplatView& view, int x, int y, float& slant) {
 
 /// Returns the share of pixels that agree with the exact ray caster. The picker measures pixels along the ray, the ray
 /// caster along the view axis, so outlines differ slightly.
-double agreement(const qnv::Cloud& cloud, const SplatView& view) {
-  const RaySurface picture = raycast_surface(cloud, view, false);
+double agreement(const qnv::Geometry& cloud, const SplatView& view) {
+  const RaySurface picture = raycast_surface(*cloud.as<qnv::Splats>(), view, false);
   std::size_t equal = 0, all = 0;
   for (int y = 0; y < view.height; ++y)
     for (int x = 0; x < view.width; ++x) {
@@ -73,7 +73,7 @@ double agreement(const qnv::Cloud& cloud, const SplatView& view) {
 }
 
 /// Returns a stream with levels.
-std::shared_ptr<const qnv::Cloud> leveled_sphere(std::size_t vectors) {
+std::shared_ptr<const qnv::Geometry> leveled_sphere(std::size_t vectors) {
   qnv::EncodeOptions options;
   options.vectors = vectors;
   std::vector<qnv::Triangle> triangles;
@@ -97,16 +97,14 @@ std::shared_ptr<const qnv::Cloud> leveled_sphere(std::size_t vectors) {
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
   auto opened = qnv::LodStream::open(std::move(std::get<qnv::EncodedStream>(encoded).bytes));
   REQUIRE(std::holds_alternative<std::unique_ptr<qnv::LodStream>>(opened));
-  auto cloud = std::make_shared<qnv::Cloud>();
-  cloud->levels = std::move(std::get<std::unique_ptr<qnv::LodStream>>(opened));
-  cloud->description = cloud->levels->header().description;
-  return cloud;
+  return std::make_shared<const qnv::Geometry>(
+      qnv::OctreeSplats(std::move(std::get<std::unique_ptr<qnv::LodStream>>(opened))));
 }
 
 }  // namespace
 
 TEST_CASE("meets a splat as far out as it is drawn") {
-  const qnv::Cloud cloud = disc_at({0, 0, 1});
+  const qnv::Splats cloud = disc_at({0, 0, 1});
   REQUIRE(pick_surface(cloud, kHere, down(0, 0)));
   CHECK(*pick_surface(cloud, kHere, down(0, 0)) == Approx(4));
   CHECK(pick_surface(cloud, kHere, down(1.69f, 0)));  // kDiscCover times the radius
@@ -120,7 +118,7 @@ TEST_CASE("meets a splat as far out as it is drawn") {
 }
 
 TEST_CASE("meets the backs of splats where they are drawn") {
-  qnv::Cloud cloud = disc_at({0, 0, 0});
+  qnv::Splats cloud = disc_at({0, 0, 0});
   PickRay from_behind = down(0, 0, -3);
   from_behind.direction = {0, 0, 1};
   CHECK_FALSE(pick_surface(cloud, kHere, from_behind));
@@ -134,7 +132,7 @@ TEST_CASE("meets the backs of splats where they are drawn") {
 }
 
 TEST_CASE("returns the colour of a splat that has one") {
-  qnv::Cloud cloud = disc_at({0, 0, 1});
+  qnv::Splats cloud = disc_at({0, 0, 1});
   const auto plain = pick_disc(cloud, kHere, down(0, 0));
   REQUIRE(plain);
   CHECK(plain->distance == Approx(4));
@@ -150,7 +148,7 @@ TEST_CASE("returns the colour of a splat that has one") {
 }
 
 TEST_CASE("measures distances in world space under any affine matrix, and splats in node space") {
-  const qnv::Cloud cloud = disc_at({0, 0, 1});
+  const qnv::Splats cloud = disc_at({0, 0, 1});
   const glm::mat4 place = glm::translate(glm::mat4(1), {10, 0, 0}) * glm::scale(glm::mat4(1), {3, 0.5f, 2});
   const auto hit = pick_surface(cloud, place, down(10, 0));
   REQUIRE(hit);
@@ -166,7 +164,7 @@ TEST_CASE("measures distances in world space under any affine matrix, and splats
 }
 
 TEST_CASE("meets splats of an octree only in their voxel and its margin") {
-  qnv::Cloud cloud = disc_at({0, 0, 0.1f});
+  qnv::Splats cloud = disc_at({0, 0, 0.1f});
   cloud.cells.push_back({1, 0.1f});  // from -0.5 to 0.5
   CHECK(pick_surface(cloud, kHere, down(0.59f, -0.59f)));
   CHECK_FALSE(pick_surface(cloud, kHere, down(0.61f, 0)));
@@ -180,7 +178,7 @@ TEST_CASE("meets splats of an octree only in their voxel and its margin") {
 }
 
 TEST_CASE("meets splats smaller than a pixel where they are drawn") {
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   add(cloud, {0, 0, 0}, kUp, 1e-12f);
   PickRay ray = down(0.005f, 0, 10);
   ray.pixel = 0;
@@ -199,7 +197,7 @@ TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") 
   }
   SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // cut splats: ragged rims
   SECTION("two-sided") {
-    qnv::Cloud half = test::disc_sphere(3000, 0.9f);
+    qnv::Splats half = test::disc_sphere(3000, 0.9f);
     half.positions.resize(1500), half.normals.resize(1500), half.weights.resize(1500), half.colors.resize(1500);
     half.description.two_sided = true;
     CHECK(agreement(half, view) > 0.995);
@@ -207,7 +205,7 @@ TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") 
 }
 
 TEST_CASE("picks the same point with any number of threads and tasks") {
-  const qnv::Cloud cloud = test::disc_sphere(200000, 1);
+  const qnv::Splats cloud = test::disc_sphere(200000, 1);
   PickLimits one, many;
   one.threads = 1;
   many.threads = 5;
@@ -216,8 +214,8 @@ TEST_CASE("picks the same point with any number of threads and tasks") {
 }
 
 TEST_CASE("picks among the first splats if there are too many") {
-  const qnv::Cloud cloud = test::disc_sphere(20000, 1);
-  qnv::Cloud order;  // orders vectors so that any prefix covers the sphere
+  const qnv::Splats cloud = test::disc_sphere(20000, 1);
+  qnv::Splats order;  // orders vectors so that any prefix covers the sphere
   std::vector<std::size_t> indices(cloud.size());
   for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = i;
   std::shuffle(indices.begin(), indices.end(), std::mt19937(3));
@@ -241,7 +239,8 @@ TEST_CASE("picks streams with levels at the detail of the picture") {
   }
   CHECK_FALSE(pick_surface(*cloud, kHere, down(1.2f, 0)));
   // Clusters beside the ray are not decoded.
-  CHECK(cloud->levels->cached_discs() < cloud->levels->whole().size());
+  qnv::LodStream& stream = *cloud->as<qnv::OctreeSplats>()->stream;
+  CHECK(stream.cached_discs() < stream.whole().size());
   const glm::mat4 place = glm::scale(glm::translate(glm::mat4(1), {0, 0, -10}), {20, 1, 4});
   const auto stretched = pick_surface(*cloud, place, down(10, 0));
   REQUIRE(stretched);
@@ -249,7 +248,7 @@ TEST_CASE("picks streams with levels at the detail of the picture") {
 }
 
 TEST_CASE("ignores splats with invalid numbers") {
-  qnv::Cloud cloud = disc_at({0, 0, 0});
+  qnv::Splats cloud = disc_at({0, 0, 0});
   for (const float bad : {kNaN, kInfinity, -kInfinity, 3e38f, -3e38f}) {
     add(cloud, {0, 0, bad}, kUp, 1);
     add(cloud, {bad, 0, 1}, kUp, 1);
@@ -268,7 +267,7 @@ TEST_CASE("ignores splats with invalid numbers") {
   cloud.normals.pop_back();
   CHECK_FALSE(pick_surface(cloud, kHere, down(0, 0)));
   CHECK_FALSE(pick_surface({}, kHere, down(0, 0)));
-  const qnv::Cloud one = disc_at({0, 0, 0});
+  const qnv::Splats one = disc_at({0, 0, 0});
   for (const float bad : {kNaN, kInfinity, 1e30f}) {
     PickRay ray = down(bad, 0);
     CHECK_FALSE(pick_surface(one, kHere, ray));
@@ -285,8 +284,8 @@ TEST_CASE("ignores splats with invalid numbers") {
 namespace {
 
 /// Returns layers of 21 x 21 vectors of spacing 0.1 around the z axis, from z = 0 downwards.
-qnv::Cloud layers_of(int layers, float opacity) {
-  qnv::Cloud cloud = test::empty_volume(opacity, 0.1f);
+qnv::Volume layers_of(int layers, float opacity) {
+  qnv::Volume cloud = test::empty_volume(opacity, 0.1f);
   for (int layer = 0; layer < layers; ++layer)
     for (int y = -10; y <= 10; ++y)
       for (int x = -10; x <= 10; ++x)
@@ -296,7 +295,7 @@ qnv::Cloud layers_of(int layers, float opacity) {
   return cloud;
 }
 
-std::optional<VolumePick> pick_here(const qnv::Cloud& cloud, const VolumeOptions& options, const PickRay& ray,
+std::optional<VolumePick> pick_here(const qnv::Volume& cloud, const VolumeOptions& options, const PickRay& ray,
                                     const glm::mat4& place = kHere) {
   return pick_volume(cloud, volume_model(cloud), options, place, ray);
 }
@@ -304,7 +303,7 @@ std::optional<VolumePick> pick_here(const qnv::Cloud& cloud, const VolumeOptions
 }  // namespace
 
 TEST_CASE("picks a volume where it absorbs half of the light") {
-  const qnv::Cloud dense = layers_of(10, 0.9f), thin = layers_of(10, 0.1f);
+  const qnv::Volume dense = layers_of(10, 0.9f), thin = layers_of(10, 0.1f);
   const auto first = pick_here(dense, {}, down(0, 0)), deeper = pick_here(thin, {}, down(0, 0));
   REQUIRE((first && deeper));
   CHECK(first->distance == Approx(5).margin(0.11));
@@ -323,7 +322,7 @@ TEST_CASE("picks a volume where it absorbs half of the light") {
 }
 
 TEST_CASE("picks nothing of a volume that is not drawn") {
-  qnv::Cloud cloud = layers_of(10, 0.9f);
+  qnv::Volume cloud = layers_of(10, 0.9f);
   VolumeOptions options;
   options.clip = glm::vec4(0, 0, -1, -0.45f);  // keeps z <= -0.45
   CHECK(pick_here(cloud, options, down(0, 0))->distance == Approx(5.5).margin(0.11));
@@ -343,7 +342,7 @@ TEST_CASE("picks nothing of a volume that is not drawn") {
 }
 
 TEST_CASE("picks a volume at the depth of the exact ray caster") {
-  const qnv::Cloud cloud = test::random_volume(4000, 7, 0.05f);
+  const qnv::Volume cloud = test::random_volume(4000, 7, 0.05f);
   const SplatView view = test::view_from({0.3f, 0.5f, 3}, 32, 24);
   VolumeOptions options;
   const RayImage picture = raycast_volume(cloud, view, options);
@@ -367,7 +366,7 @@ TEST_CASE("survives volumes of hostile numbers") {
   const float bad[] = {0, -1, 1, 1e38f, -1e38f, kNaN, kInfinity, -kInfinity, 1e-38f};
   const auto any = [&] { return bad[random() % std::size(bad)]; };
   for (int round = 0; round < 300; ++round) {
-    qnv::Cloud cloud = test::empty_volume(0.5f, any());
+    qnv::Volume cloud = test::empty_volume(0.5f, any());
     for (int i = 0; i < 20; ++i) add(cloud, {any(), any(), any()}, {any(), any(), any()}, any(), 100);
     PickRay ray;
     ray.origin = {any(), any(), any()};
@@ -381,7 +380,7 @@ TEST_CASE("survives volumes of hostile numbers") {
     (void)pick_here(cloud, options, ray, place);
     (void)pick_surface(cloud, place, ray);
   }
-  const qnv::Cloud cloud = layers_of(2, 0.9f);
+  const qnv::Volume cloud = layers_of(2, 0.9f);
   CHECK_FALSE(pick_volume(cloud, {}, {}, kHere, down(0, 0)));
   CHECK_FALSE(pick_here(cloud, {}, down(0, 0), glm::mat4(0.0f)));
 }

@@ -9,8 +9,8 @@ namespace gs::render::surface_mesh_test {
 namespace {
 
 /// Returns two triangles, the second one textured.
-qnv::Cloud half_pictured() {
-  qnv::Cloud cloud;
+qnv::IndexedMesh half_pictured() {
+  qnv::IndexedMesh cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 5}, {1, 1, 5}, {0, 1, 5}};
   cloud.normals.assign(6, glm::vec3(0, 0, 1));
   cloud.weights.assign(6, 1.0f);
@@ -23,7 +23,7 @@ qnv::Cloud half_pictured() {
 }  // namespace
 
 TEST_CASE("makes separate meshes of textured and coloured triangles") {
-  const qnv::Cloud cloud = half_pictured();
+  const qnv::IndexedMesh cloud = half_pictured();
   const auto plain = mesh_of_surface(cloud), pictured = mesh_of_surface(cloud, true);
   REQUIRE(plain->positions.size() == 3);
   CHECK(plain->colors[0].g == Approx(0.4));
@@ -40,8 +40,8 @@ TEST_CASE("makes separate meshes of textured and coloured triangles") {
   CHECK(pictured->bounds.lower.z == 5);
 }
 
-TEST_CASE("makes one mesh of a point set without a texture") {
-  qnv::Cloud cloud = half_pictured();
+TEST_CASE("makes one mesh of a surface without a texture") {
+  qnv::IndexedMesh cloud = half_pictured();
   cloud.texture_coordinates.clear();
   CHECK(mesh_of_surface(cloud)->indices.size() == 6);
   CHECK(mesh_of_surface(cloud, true)->indices.empty());
@@ -66,9 +66,9 @@ TEST_CASE("reads the shininess of a surface from the stream's metadata") {
 TEST_CASE("draws a surface without a Material in the stream's colour and shininess") {
   DrawItem item;
   item.material.lit = false;
-  auto cloud = std::make_shared<qnv::Cloud>(half_pictured());
-  cloud->color = {255, 0, 51};
-  cloud->description.metadata = metadata_of({{0.5f, 0.5f, 0.5f}, 0.75f});
+  auto cloud = std::make_shared<qnv::Geometry>(half_pictured());
+  cloud->base().color = {255, 0, 51};
+  cloud->base().description.metadata = metadata_of({{0.5f, 0.5f, 0.5f}, 0.75f});
   item.surface = cloud;
   dress_surface(item);
   CHECK(item.material.lit);

@@ -12,10 +12,11 @@ using namespace gs::render::testing;
 
 namespace {
 
-RenderList sphere_list(std::shared_ptr<const qnv::Cloud> cloud, const glm::mat4& world_from_node = glm::mat4(1.0f)) {
+RenderList sphere_list(const std::shared_ptr<const qnv::Splats>& cloud,
+                       const glm::mat4& world_from_node = glm::mat4(1.0f)) {
   RenderList list;
   SplatItem item;
-  item.cloud = std::move(cloud);
+  item.geometry = shared_geometry(cloud);
   item.world_from_node = world_from_node;
   item.material.specular = glm::vec3(0.3f);
   for (int i = 0; i < 8; ++i)
@@ -130,7 +131,7 @@ TEST_CASE("keeps the sides of two-sided surfaces apart with OpenGL", "[optimised
   cloud->description.two_sided = true;
   check_same_picture(sphere_list(cloud), camera_at({0, 0, 3.5f}));
   check_same_picture(sphere_list(cloud), camera_at({0, 0, 0}));  // from inside
-  auto cells = std::make_shared<qnv::Cloud>(*octree_sphere(4000));
+  auto cells = std::make_shared<qnv::Splats>(*octree_sphere(4000));
   cells->description.two_sided = true;
   check_same_picture(sphere_list(cells), camera_at({0, 0, 0}));
 }
@@ -202,7 +203,7 @@ TEST_CASE("draws thousands of point sets with a few calls") {
   const auto whole = sphere(40000);
   std::vector<SharedSplatPiece> pieces;
   for (std::size_t first = 0; first < whole->size(); first += 20) {
-    auto part = std::make_shared<qnv::Cloud>();
+    auto part = std::make_shared<qnv::Splats>();
     const auto take = [&](const auto& from, auto& to) {
       to.assign(from.begin() + static_cast<std::ptrdiff_t>(first),
                 from.begin() + static_cast<std::ptrdiff_t>(first) + 20);
@@ -314,7 +315,7 @@ TEST_CASE("survives point sets with NaN, infinite and extreme values") {
   std::mt19937 random(9);
   const auto any = [&] { return numbers[random() % numbers.size()]; };
   for (int round = 0; round < 60; ++round) {
-    auto cloud = std::make_shared<qnv::Cloud>();
+    auto cloud = std::make_shared<qnv::Splats>();
     cloud->description.two_sided = round % 2 == 0;
     cloud->description.box = {{-1, -1, -1}, {1, 1, 1}};
     for (int i = 0; i < 1 + round; ++i) {
@@ -341,5 +342,5 @@ TEST_CASE("survives point sets with NaN, infinite and extreme values") {
   drawing.options.splats = SplatPath::gl;
   (void)drawing.draw(sphere_list(sphere(10), scale({1, 1, 0})));
   (void)drawing.draw(sphere_list(sphere(10), scale(glm::vec3(kNone))));
-  (void)drawing.draw(sphere_list(std::make_shared<qnv::Cloud>()));
+  (void)drawing.draw(sphere_list(std::make_shared<qnv::Splats>()));
 }

@@ -34,7 +34,7 @@ SplatView from(const glm::vec3& eye) {
 /// Returns a ball of radius 1 at `place`.
 SplatItem ball_at(const glm::vec3& place, std::size_t vectors) {
   SplatItem item;
-  item.cloud = sphere(vectors);
+  item.geometry = shared_geometry(sphere(vectors));
   item.world_from_node[3] = glm::vec4(place, 1);
   return item;
 }
@@ -76,11 +76,11 @@ TEST_CASE("makes colour ramps from blue to red, and different colours for neighb
 }
 
 TEST_CASE("draws a prefix of a point set without levels, and cuts it where its colours change") {
-  const auto cloud = sphere(10000);
+  const auto cloud = shared_geometry(sphere(10000));
   CutOptions options;
-  CHECK(total(cut_cloud(cloud, from({0, 0, 3}), options)) == 10000);
+  CHECK(total(cut_splats(cloud, from({0, 0, 3}), options)) == 10000);
   options.budget = 2500;
-  SplatCut cut = cut_cloud(cloud, from({0, 0, 3}), options);
+  SplatCut cut = cut_splats(cloud, from({0, 0, 3}), options);
   REQUIRE(cut.pieces.size() == 1);
   CHECK(cut.pieces[0].count == 2500);
   CHECK(cut.pieces[0].growth == 4);
@@ -91,7 +91,7 @@ TEST_CASE("draws a prefix of a point set without levels, and cuts it where its c
     for (const std::size_t budget : {1u, 64u, 65u, 9999u, 0u}) {
       options.color_by = color_by;
       options.budget = budget;
-      cut = cut_cloud(cloud, from({0, 0, 3}), options);
+      cut = cut_splats(cloud, from({0, 0, 3}), options);
       std::size_t next = 0;
       for (const SharedSplatPiece& piece : cut.pieces) {
         CHECK(piece.first == next);
@@ -104,39 +104,39 @@ TEST_CASE("draws a prefix of a point set without levels, and cuts it where its c
   }
   CHECK(cut.pieces.size() == 64);     // by age
   options.color_by = ColorBy::level;  // 64, 64, 128, ... 4096, 1808
-  cut = cut_cloud(cloud, from({0, 0, 3}), options);
+  cut = cut_splats(cloud, from({0, 0, 3}), options);
   REQUIRE(cut.pieces.size() == 9);
   CHECK(cut.pieces[2].first == 128);
   CHECK(*cut.pieces.front().tint == qnv::Rgb8{0, 0, 255});
   CHECK(*cut.pieces.back().tint == qnv::Rgb8{255, 0, 0});
   options.color_by = ColorBy::age;
-  cut = cut_cloud(cloud, from({0, 0, 3}), options);
+  cut = cut_splats(cloud, from({0, 0, 3}), options);
   CHECK(*cut.pieces.front().tint == qnv::Rgb8{0, 0, 255});
   CHECK(*cut.pieces.back().tint == qnv::Rgb8{255, 0, 0});
   options.color_by = ColorBy::chunk;
-  CHECK(cut_cloud(cloud, from({0, 0, 3}), options).pieces.size() == 3);
-  CHECK(cut_cloud(std::make_shared<qnv::Cloud>(), from({0, 0, 3}), options).pieces.empty());
+  CHECK(cut_splats(cloud, from({0, 0, 3}), options).pieces.size() == 3);
+  CHECK(cut_splats(std::make_shared<qnv::Geometry>(), from({0, 0, 3}), options).pieces.empty());
 }
 
 TEST_CASE("cuts a stream for the view at the requested detail") {
   const auto stream = bumpy_stream(60000);
   CutOptions options;
-  const std::size_t near = total(cut_cloud(stream, from({0, 0, 3}), options)),
-                    far = total(cut_cloud(stream, from({0, 0, 60}), options));
+  const std::size_t near = total(cut_splats(stream, from({0, 0, 3}), options)),
+                    far = total(cut_splats(stream, from({0, 0, 60}), options));
   CHECK(near > 5000);
   CHECK(far < near / 4);
   options.detail = 0.25f;
-  const std::size_t coarse = total(cut_cloud(stream, from({0, 0, 12}), options));
+  const std::size_t coarse = total(cut_splats(stream, from({0, 0, 12}), options));
   options.detail = 4;
-  const std::size_t fine = total(cut_cloud(stream, from({0, 0, 12}), options));
+  const std::size_t fine = total(cut_splats(stream, from({0, 0, 12}), options));
   CHECK(coarse < fine / 2);
   options.detail = 1;
   options.budget = 3000;
-  CHECK(total(cut_cloud(stream, from({0, 0, 3}), options)) <= 3000);
+  CHECK(total(cut_splats(stream, from({0, 0, 3}), options)) <= 3000);
   options.budget = 0;
   for (const ColorBy color_by : {ColorBy::level, ColorBy::chunk, ColorBy::age}) {
     options.color_by = color_by;
-    const SplatCut cut = cut_cloud(stream, from({0, 0, 3}), options);
+    const SplatCut cut = cut_splats(stream, from({0, 0, 3}), options);
     std::set<std::array<int, 3>> colors;
     for (const SharedSplatPiece& piece : cut.pieces) {
       REQUIRE(piece.tint.has_value());
@@ -150,7 +150,7 @@ TEST_CASE("cuts a stream for the view at the requested detail") {
   options.most_decoded = 2000;
   std::size_t frames = 0, last = 0;
   for (bool pending = true; pending && frames < 1000; ++frames) {
-    const SplatCut cut = cut_cloud(again, from({0, 0, 3}), options);
+    const SplatCut cut = cut_splats(again, from({0, 0, 3}), options);
     last = total(cut);
     pending = cut.pending;
   }
@@ -159,7 +159,7 @@ TEST_CASE("cuts a stream for the view at the requested detail") {
   CHECK(last == near);
   SplatView broken = from({0, 0, 3});
   broken.camera_from_node[3].x = std::numeric_limits<float>::quiet_NaN();
-  CHECK(cut_cloud(stream, broken, options).pieces.empty());
+  CHECK(cut_splats(stream, broken, options).pieces.empty());
 }
 
 TEST_CASE("spends the budget in proportion to pixels") {
@@ -212,7 +212,7 @@ TEST_CASE("spends the budget in proportion to pixels") {
   }
   SECTION("Streams that want less than they have leave the rest to others") {
     SplatItem far = ball_at({0, 0, -200}, 0), near = ball_at({0, 0, -4}, 1'000'000);
-    far.cloud = bumpy_stream(60000);
+    far.geometry = bumpy_stream(60000);
     const std::vector<SplatItem> items{far, near};
     const auto shares = share_budget(items, view, 400'000);
     CHECK(shares[0] < 30000);

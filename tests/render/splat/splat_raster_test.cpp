@@ -4,6 +4,7 @@
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/stream_decoder.h"
 #include "render/splat/splat_kernel.h"
+#include "tests/geometries.h"
 #include "tests/render/clouds.h"
 #include "tests/render/rays/raycast.h"
 
@@ -27,7 +28,7 @@ struct Agreement {
   double normals, coverage, colors, depth;
 };
 
-Agreement against_oracle(const qnv::Cloud& cloud, const SplatView& view) {
+Agreement against_oracle(const qnv::Splats& cloud, const SplatView& view) {
   const render::SplatPiece whole{&cloud, 0, cloud.size()};
   const bool smooth = render::measure_surface(std::span(&whole, 1), view, cloud.size()).smooth;
   const SplatLayer layer = render::rasterize_surface(cloud, view);
@@ -49,7 +50,7 @@ Agreement against_oracle(const qnv::Cloud& cloud, const SplatView& view) {
   return {normals.decibels(), coverage.decibels(), colors.decibels(), depth.decibels()};
 }
 
-void check_agreement(const qnv::Cloud& cloud, const SplatView& view) {
+void check_agreement(const qnv::Splats& cloud, const SplatView& view) {
   const Agreement a = against_oracle(cloud, view);
   CHECK(a.normals >= 40);
   CHECK(a.coverage >= 40);
@@ -58,7 +59,7 @@ void check_agreement(const qnv::Cloud& cloud, const SplatView& view) {
 }
 
 /// Returns a unit sphere as an octree with about this many splats.
-qnv::Cloud finely_cut_sphere(std::size_t vectors) {
+qnv::Splats finely_cut_sphere(std::size_t vectors) {
   const qnv::TriangleSource source = [](const qnv::TriangleSink& sink) {
     constexpr int kAround = 128, kDown = 64;
     const auto corner = [](int i, int j) {
@@ -85,14 +86,14 @@ qnv::Cloud finely_cut_sphere(std::size_t vectors) {
   qnv::StreamDecoder decoder;
   REQUIRE(decoder.push(std::get<qnv::EncodedStream>(encoded).bytes));
   decoder.finish();
-  return decoder.cloud();
+  return content_of<qnv::Splats>(decoder.geometry());
 }
 
 /// Returns splats of all sizes, directions, colours and cubes at any position, including the viewer's.
-qnv::Cloud random_discs(std::size_t count) {
+qnv::Splats random_discs(std::size_t count) {
   std::mt19937 random(12);
   std::uniform_real_distribution<float> part(0, 1);
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   for (std::size_t i = 0; i < count; ++i) {
     const glm::vec3 place(part(random) - 0.5f, part(random) - 0.5f, part(random) - 0.5f);
     add(cloud, place * 3.0f, random_direction(random), 1e-6f * std::pow(1e5f, part(random)));
@@ -117,7 +118,7 @@ bool same(const SplatLayer& a, const SplatLayer& b) {
 
 TEST_CASE("splats spheres like the reference ray caster") {
   for (const std::size_t count : {60u, 400u, 2500u}) {
-    const qnv::Cloud cloud = disc_sphere(count, 1);
+    const qnv::Splats cloud = disc_sphere(count, 1);
     for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(2, -2, 1), glm::vec3(-8, 1, 0)}) {
       INFO(count << " discs from " << eye.x << " " << eye.y << " " << eye.z);
       check_agreement(cloud, view_from(eye, 90, 70));
@@ -126,7 +127,7 @@ TEST_CASE("splats spheres like the reference ray caster") {
 }
 
 TEST_CASE("splats octrees, two-sided surfaces and several samples like the reference ray caster") {
-  qnv::Cloud cloud = finely_cut_sphere(800);
+  qnv::Splats cloud = finely_cut_sphere(800);
   REQUIRE(cloud.size() > 300);
   REQUIRE(!cloud.cells.empty());
   SplatView view = view_from({1, 1, 2.5f}, 80, 64);
@@ -153,7 +154,7 @@ TEST_CASE("splats octrees, two-sided surfaces and several samples like the refer
 }
 
 TEST_CASE("splats over many tiles like the reference ray caster") {
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   for (int i = 0; i < 3; ++i) {
     add(cloud, {0.2f * static_cast<float>(i) - 0.3f, 0.1f, -2.0f - 0.1f * static_cast<float>(i)},
         glm::normalize(glm::vec3(0.3f, 0.2f * static_cast<float>(i), 1)), 0.3f + 0.2f * static_cast<float>(i));
@@ -165,7 +166,7 @@ TEST_CASE("splats over many tiles like the reference ray caster") {
 }
 
 TEST_CASE("splats a surface to the same bits on any number of threads") {
-  const qnv::Cloud cloud = disc_sphere(60'000, 1);
+  const qnv::Splats cloud = disc_sphere(60'000, 1);
   SplatView view = view_from({1, 0, 3}, 220, 180);
   view.supersample = 2;
   view.threads = 1;
@@ -181,7 +182,7 @@ TEST_CASE("splats a surface to the same bits in all kernels", "[optimised]") {
   const std::span<const render::SplatKernel> kernels = render::splat_kernels();
   REQUIRE(!kernels.empty());
   CHECK(kernels.front().name == render::splat_instructions());
-  std::vector<qnv::Cloud> clouds{disc_sphere(300, 1), disc_sphere(20'001, 1), finely_cut_sphere(3000)};
+  std::vector<qnv::Splats> clouds{disc_sphere(300, 1), disc_sphere(20'001, 1), finely_cut_sphere(3000)};
   clouds.push_back(random_discs(5000));
   for (std::size_t c = 0; c < clouds.size(); ++c) {
     const render::SplatPiece whole{&clouds[c], 0, clouds[c].size()};
@@ -202,21 +203,21 @@ TEST_CASE("splats a surface to the same bits in all kernels", "[optimised]") {
 }
 
 TEST_CASE("draws tints of pieces and normal colours instead of stored colours") {
-  const qnv::Cloud colored = disc_sphere(2500, 1);
-  qnv::Cloud plain = colored;
+  const qnv::Splats colored = disc_sphere(2500, 1);
+  qnv::Splats plain = colored;
   plain.colors.clear();
   plain.color = {10, 20, 30};
   SplatView view = view_from({3, 0.2f, 0.1f}, 120, 90);
   const qnv::Rgb8 tint{250, 3, 77};
   // Returns the colours of the pixels that a sphere of splats covers.
-  const auto colors_of = [&](const qnv::Cloud& cloud, std::optional<qnv::Rgb8> of) {
+  const auto colors_of = [&](const qnv::Splats& cloud, std::optional<qnv::Rgb8> of) {
     const render::SplatPiece piece{&cloud, 0, cloud.size(), 1, of};
     SplatLayer layer = render::rasterize_surface(std::span(&piece, 1), view);
     REQUIRE(covered_pixels(layer) > 2000);
     return layer;
   };
   CHECK(colors_of(plain, std::nullopt).colors.empty());
-  for (const qnv::Cloud* cloud : std::initializer_list<const qnv::Cloud*>{&plain, &colored}) {
+  for (const qnv::Splats* cloud : std::initializer_list<const qnv::Splats*>{&plain, &colored}) {
     const SplatLayer layer = colors_of(*cloud, tint);
     REQUIRE(layer.colors.size() == 4u * 120 * 90);
     std::size_t wrong = 0;
@@ -260,7 +261,7 @@ TEST_CASE("draws tints of pieces and normal colours instead of stored colours") 
 }
 
 TEST_CASE("thins point sets that cover too much, equally on any number of threads") {
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   constexpr std::size_t kDiscs = 40'000;
   for (std::size_t i = 0; i < kDiscs; ++i) add(cloud, {0, 0, -2 - 1e-5f * static_cast<float>(i)}, {0, 0, 1}, 200);
   SplatView view = straight_view(150, 100);
@@ -285,7 +286,7 @@ TEST_CASE("thins point sets that cover too much, equally on any number of thread
 }
 
 TEST_CASE("draws a plane of splats without holes at any distance", "[optimised]") {
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   std::mt19937 random(1);
   std::uniform_real_distribution<float> shift(-0.05f, 0.05f);
   for (int y = -60; y <= 60; ++y)
@@ -324,7 +325,7 @@ TEST_CASE("draws a plane of splats without holes at any distance", "[optimised]"
 
 TEST_CASE("keeps the silhouette of an octree sphere within half a voxel") {
   for (const std::size_t vectors : {600u, 6000u}) {
-    const qnv::Cloud cloud = finely_cut_sphere(vectors);
+    const qnv::Splats cloud = finely_cut_sphere(vectors);
     float edge = 0;
     for (const qnv::Cell& cell : cloud.cells) edge = std::max(edge, cell.edge);
     REQUIRE(edge > 0);
@@ -359,10 +360,10 @@ TEST_CASE("keeps the silhouette of an octree sphere within half a voxel") {
 }
 
 TEST_CASE("draws or skips hostile surfaces") {
-  const qnv::Cloud sound = disc_sphere(300, 1);
+  const qnv::Splats sound = disc_sphere(300, 1);
   for (const float v : {kNaN, kInfinity, -kInfinity, 0.0f, -1.0f, 1e38f, 1e-38f}) {
     for (int what = 0; what < 5; ++what) {
-      qnv::Cloud cloud = sound;
+      qnv::Splats cloud = sound;
       SplatView view = view_from({0, 0, 3}, 70, 40);
       if (what == 3) cloud.cells.resize(cloud.size());
       for (std::size_t i = 0; i < cloud.size(); i += 3) {

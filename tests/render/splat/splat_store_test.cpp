@@ -7,10 +7,10 @@ using namespace gs::render::testing;
 
 namespace {
 
-bool add_cloud(SplatStore& store, std::shared_ptr<const qnv::Cloud> cloud) { return store.add(std::span(&cloud, 1)); }
+bool add_splats(SplatStore& store, std::shared_ptr<const qnv::Splats> cloud) { return store.add(std::span(&cloud, 1)); }
 
 /// Returns the codes of a point set on the GPU.
-std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store, const qnv::Cloud& cloud) {
+std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store, const qnv::Splats& cloud) {
   const auto get = reinterpret_cast<PFNGLGETBUFFERSUBDATAPROC>(open.context->proc_address("glGetBufferSubData"));
   REQUIRE(get);
   std::vector<SplatCode> codes;
@@ -32,22 +32,22 @@ TEST_CASE("drops a point set with its last owner") {
   OpenContext open;
   SplatStore store(open.gl, 100000, 1000);
   auto first = sphere(1000), second = sphere(3000), third = sphere(5000);
-  REQUIRE(add_cloud(store, first));
+  REQUIRE(add_splats(store, first));
   CHECK(store.bytes() == 16000);
   CHECK(store.reserved_bytes() == 16000);
-  REQUIRE(add_cloud(store, second));
+  REQUIRE(add_splats(store, second));
   CHECK(store.bytes() == 64000);
   CHECK(store.find(second.get())->ranges.size() == 3);
   // Refuses a third one in this frame. Later it replaces the one that was drawn longest ago.
-  CHECK(!add_cloud(store, third));
+  CHECK(!add_splats(store, third));
   CHECK(!store.find(third.get()));
   CHECK(store.bytes() == 64000);
   CHECK(store.reserved_bytes() <= 100000);
   store.forget_unused();
-  REQUIRE(add_cloud(store, first));
+  REQUIRE(add_splats(store, first));
   store.forget_unused();
   CHECK(store.bytes() == 64000);
-  REQUIRE(add_cloud(store, third));
+  REQUIRE(add_splats(store, third));
   CHECK(store.bytes() == 96000);
   third.reset();
   store.forget_unused();
@@ -58,7 +58,7 @@ TEST_CASE("drops a point set with its last owner") {
   CHECK(store.bytes() == 0);
   CHECK(store.reserved_bytes() == 0);
   const auto cells = octree_sphere(1000);
-  REQUIRE(add_cloud(store, cells));
+  REQUIRE(add_splats(store, cells));
   CHECK(store.bytes() == 20 * cells->size());
 }
 
@@ -66,7 +66,7 @@ TEST_CASE("stores small point sets in one buffer and large ones in several") {
   OpenContext open;
   const Gl& gl = open.gl;
   SplatStore store(gl, std::size_t{1} << 20, 2000);
-  std::vector<std::shared_ptr<const qnv::Cloud>> clouds;
+  std::vector<std::shared_ptr<const qnv::Splats>> clouds;
   std::mt19937 random(4);
   for (int i = 0; i < 20; ++i) clouds.push_back(sphere(50 + random() % 200));
   clouds.push_back(sphere(7001, true));
@@ -105,14 +105,14 @@ TEST_CASE("splits a point set if no slab has enough contiguous space") {
   OpenContext open;
   SplatStore store(open.gl, 16 * 8192, 8192);
   // 8 of 1024, of which every other one is dropped.
-  std::vector<std::shared_ptr<const qnv::Cloud>> clouds;
+  std::vector<std::shared_ptr<const qnv::Splats>> clouds;
   for (int i = 0; i < 8; ++i) clouds.push_back(sphere(1024));
   REQUIRE(store.add(clouds));
   for (std::ptrdiff_t i = 3; i >= 0; --i) clouds.erase(clouds.begin() + 2 * i);
   store.forget_unused();
   REQUIRE(store.add(clouds));  // marks them as used in this frame
   const auto large = sphere(4096);
-  REQUIRE(add_cloud(store, large));
+  REQUIRE(add_splats(store, large));
   CHECK(store.find(large.get())->ranges.size() == 4);
   CHECK(store.reserved_bytes() == 16 * 8192);
 }
@@ -120,7 +120,7 @@ TEST_CASE("splits a point set if no slab has enough contiguous space") {
 TEST_CASE("stores position, normal and size of a splat in 16 bytes") {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> any(-1, 1);
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   for (int i = 0; i < 1000; ++i) {
     cloud.positions.push_back(glm::vec3(any(random), any(random), any(random)) * 10.0f);
     cloud.normals.push_back(glm::normalize(glm::vec3(any(random), any(random), any(random))));

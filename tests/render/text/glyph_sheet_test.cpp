@@ -41,13 +41,13 @@ struct World {
   /// Draws text seen from +Z, from the glyph sheet or as outlines.
   RenderList seen_from(double distance, bool pictures) {
     if (!pictures) return collect(scene, images, meshes, {0, 0, distance});
-    RenderScene list(scene, images, clouds, meshes);
+    RenderScene list(scene, images, geometries, meshes);
     list.gather({}, {0, 0, distance});
     return list.list();
   }
   vrml::SceneGraph scene;
   const Images images;
-  const Clouds clouds;
+  const Geometries geometries;
   MeshCache meshes;
 };
 

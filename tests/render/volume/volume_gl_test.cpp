@@ -17,8 +17,8 @@ namespace {
 const glm::vec3 kBlue(0.2f, 0.4f, 0.8f);
 const Pixels kUnderBlue{51, 102, 204, 255};
 
-std::shared_ptr<const qnv::Cloud> shell(std::size_t count = 900, unsigned seed = 5, float spacing = 0.12f) {
-  return std::make_shared<const qnv::Cloud>(random_volume(count, seed, spacing));
+std::shared_ptr<const qnv::Volume> shell(std::size_t count = 900, unsigned seed = 5, float spacing = 0.12f) {
+  return std::make_shared<const qnv::Volume>(random_volume(count, seed, spacing));
 }
 
 /// Compares OpenGL, with both sorts, and the processor, and returns the processor's picture. `least` is in decibels.
@@ -108,7 +108,7 @@ TEST_CASE("draws lights, threshold, clipping plane, transparency and slant with 
 }
 
 TEST_CASE("draws distinguishing and stored colours with OpenGL as on the processor") {
-  auto cloud = std::make_shared<qnv::Cloud>(random_volume(9000, 4, 0.06f));
+  auto cloud = std::make_shared<qnv::Volume>(random_volume(9000, 4, 0.06f));
   DrawOptions look;
   const Pixels own = check_same(volume_list(cloud), look);
   for (const ColorBy by : {ColorBy::normal, ColorBy::level, ColorBy::chunk, ColorBy::age}) {
@@ -124,7 +124,9 @@ TEST_CASE("draws distinguishing and stored colours with OpenGL as on the process
 TEST_CASE("draws nested, transformed volumes with OpenGL as on the processor") {
   RenderList list = volume_list(shell(900, 5));
   list.splats.push_back(volume_list(shell(800, 12), translation({0.4f, 0.2f, 0.5f})).splats[0]);
-  list.splats.push_back(volume_list(list.splats[0].cloud, translation({-0.5f, 0, 0})).splats[0]);
+  SplatItem again = list.splats[0];
+  again.world_from_node = translation({-0.5f, 0, 0});
+  list.splats.push_back(again);
   list.splats.push_back(volume_list(shell(50, 13), scale({0, 1, 1})).splats[0]);  // flat: not drawn
   (void)check_same(list, {});
   for (int i = 0; i < 40; ++i)
@@ -207,7 +209,7 @@ TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
   // One depth, all depths, and many vectors at one depth.
   for (const std::size_t count : {1u, 2u, 255u, 4096u, 4097u, 70'000u}) {
     for (const float deep : {0.0f, 1.0f}) {
-      auto cloud = std::make_shared<qnv::Cloud>(random_volume(count, 3, 0.1f));
+      auto cloud = std::make_shared<qnv::Volume>(random_volume(count, 3, 0.1f));
       for (std::size_t k = 0; k<count; k += deep> 0 ? 3 : 1) cloud->positions[k].z = 0.25f;
       const auto model = std::make_shared<const VolumeModel>(volume_model(*cloud));
       const SharedVolume held{cloud, model};
@@ -254,7 +256,7 @@ TEST_CASE("survives volumes of any numbers with OpenGL") {
   std::mt19937 random(9);
   const auto any = [&] { return numbers[random() % numbers.size()]; };
   for (int round = 0; round < 60; ++round) {
-    qnv::Cloud cloud = random_volume(1 + static_cast<std::size_t>(round), 4, 0.2f);
+    qnv::Volume cloud = random_volume(1 + static_cast<std::size_t>(round), 4, 0.2f);
     for (std::size_t i = 0; i < cloud.size(); i += 2) {
       if (round % 3 != 0) cloud.positions[i] = {any(), any(), any()};
       cloud.normals[i] = {any(), any(), any()};
@@ -262,7 +264,7 @@ TEST_CASE("survives volumes of any numbers with OpenGL") {
     }
     if (round % 4 == 1) cloud.description.transfer[1].value = cloud.description.transfer[2].opacity = any();
     if (round % 5 == 1) cloud.classes.clear();
-    RenderList list = volume_list(std::make_shared<const qnv::Cloud>(cloud));
+    RenderList list = volume_list(std::make_shared<const qnv::Volume>(cloud));
     if (round % 6 == 1) list.splats[0].world_from_node[1][1] = any();
     if (round % 6 == 2) list.splats[0].world_from_node[3][2] = any();
     picture.options.clouds = {};

@@ -25,7 +25,7 @@ TEST_CASE("counts the spacing of a prefix at powers of the square root of two") 
   CHECK(volume_prefix(0, 0) == VolumePrefix{0, 0});
   CHECK(volume_prefix(0, 7) == VolumePrefix{0, 0});
   // Every model has spacings for all its prefixes.
-  const qnv::Cloud cloud = random_volume(300, 1, 0.1f);
+  const qnv::Volume cloud = random_volume(300, 1, 0.1f);
   for (std::size_t budget = 1; budget <= 300; ++budget) {
     const VolumePrefix prefix = volume_prefix(300, budget);
     REQUIRE(prefix.counted <= prefix.shown);
@@ -35,7 +35,7 @@ TEST_CASE("counts the spacing of a prefix at powers of the square root of two") 
 }
 
 TEST_CASE("gives a prefix the spacing of a point set that ends there") {
-  const qnv::Cloud cloud = random_volume(4000, 2, 0.02f);
+  const qnv::Volume cloud = random_volume(4000, 2, 0.02f);
   const VolumeModel all = volume_model(cloud), some = volume_model(cloud, 0, 512);
   CHECK(all.spacing.size() == 4000);
   CHECK(some.spacing.size() == 724);
@@ -53,7 +53,7 @@ TEST_CASE("gives a prefix the spacing of a point set that ends there") {
 }
 
 TEST_CASE("limits a vector to its octree cell, except in a prefix") {
-  qnv::Cloud cloud = random_volume(4000, 2, 0.02f);
+  qnv::Volume cloud = random_volume(4000, 2, 0.02f);
   const VolumeModel free = volume_model(cloud), some = volume_model(cloud, 0, 512);
   cloud.cells.assign(cloud.size(), {});  // each is a voxel of the lattice
   CHECK(volume_model(cloud).spacing == free.spacing);
@@ -93,7 +93,7 @@ TEST_CASE("interpolates a transfer function linearly, and converts its opacity t
 }
 
 TEST_CASE("replaces the model's transfer function by that of the options, for colour and opacity") {
-  const qnv::Cloud cloud = random_volume(100, 3, 0.1f);
+  const qnv::Volume cloud = random_volume(100, 3, 0.1f);
   const VolumeModel model = volume_model(cloud);
   const std::array<qnv::TransferPoint, 1> green{{{0, {0, 255, 0}, 0.5f}}};
   const VolumeTransfer transfer = volume_transfer(cloud.description, green);
@@ -109,7 +109,7 @@ TEST_CASE("replaces the model's transfer function by that of the options, for co
 }
 
 TEST_CASE("makes colours that distinguish the vectors of a volume") {
-  qnv::Cloud cloud = random_volume(9000, 3, 0.1f);
+  qnv::Volume cloud = random_volume(9000, 3, 0.1f);
   cloud.normals[1] = {0, -2, 0};
   cloud.normals[2] = glm::vec3(kNaN);
   CHECK(volume_color_by(cloud, ColorBy::normal, 1) == glm::vec3(0.5f, 0, 0.5f));

@@ -35,7 +35,7 @@ std::array<glm::vec3, 4> rectangle(const Target& target, float depth, float x0, 
   return {corner(x0, y0), corner(x1, y0), corner(x0, y1), corner(x1, y1)};
 }
 
-VolumeItem item_of(const qnv::Cloud& cloud, const VolumeModel& model, const glm::mat4& camera_from_node) {
+VolumeItem item_of(const qnv::Volume& cloud, const VolumeModel& model, const glm::mat4& camera_from_node) {
   return {&cloud, &model, camera_from_node, model.spacing.size(), {}};
 }
 
@@ -43,7 +43,7 @@ VolumeItem item_of(const qnv::Cloud& cloud, const VolumeModel& model, const glm:
 
 TEST_CASE("blends a volume over the picture, pixel by pixel") {
   Target target;
-  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f));
+  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f));
   const Pixels drawn = target.draw(volume_list(cloud), {0.2f, 0.4f, 0.8f}, 9);
   CHECK(target.statistics.vectors == 900);
   CHECK(target.statistics.draw_calls == 1);
@@ -67,7 +67,7 @@ TEST_CASE("blends a volume over the picture, pixel by pixel") {
 
 TEST_CASE("hides a volume behind a polygon, and draws it over one behind it") {
   Target target;
-  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f));
+  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f));
   const glm::vec3 color(0, 0, 1);
   CHECK(plain(target.draw(volume_list(cloud), color, 1), color));
   CHECK(!plain(target.draw(volume_list(cloud), color, 5), color));
@@ -76,14 +76,14 @@ TEST_CASE("hides a volume behind a polygon, and draws it over one behind it") {
 TEST_CASE("ignores surfaces, empty volumes and volumes behind the camera") {
   Target target;
   const glm::vec3 color(0.6f, 0, 0);
-  qnv::Cloud surface = random_volume(50, 1, 0.1f);
-  surface.description.kind = qnv::Kind::surface;
-  CHECK(plain(target.draw(volume_list(std::make_shared<const qnv::Cloud>(surface)), color, 9), color));
+  qnv::Splats surface;
+  static_cast<qnv::VectorArrays&>(surface) = random_volume(50, 1, 0.1f);
+  RenderList splats = volume_list(std::make_shared<const qnv::Volume>());
+  splats.splats[0].geometry = std::make_shared<const qnv::Geometry>(surface);
+  CHECK(plain(target.draw(splats, color, 9), color));
   CHECK(target.statistics.vectors == 0);
-  qnv::Cloud nothing;
-  nothing.description.kind = qnv::Kind::volume;
-  CHECK(plain(target.draw(volume_list(std::make_shared<const qnv::Cloud>(nothing)), color, 9), color));
-  RenderList list = volume_list(std::make_shared<const qnv::Cloud>(random_volume(50, 1, 0.1f)));
+  CHECK(plain(target.draw(volume_list(std::make_shared<const qnv::Volume>()), color, 9), color));
+  RenderList list = volume_list(std::make_shared<const qnv::Volume>(random_volume(50, 1, 0.1f)));
   list.splats[0].world_from_node = testing::translation({0, 0, 30});
   CHECK(plain(target.draw(list, color, 9), color));
 }
@@ -91,7 +91,7 @@ TEST_CASE("ignores surfaces, empty volumes and volumes behind the camera") {
 TEST_CASE("applies transparency, clipping plane and threshold of a volume") {
   Target target;
   const glm::vec3 color(0, 0, 0.5f);
-  RenderList list = volume_list(std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)));
+  RenderList list = volume_list(std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f)));
   list.splats[0].material.transparency = 1;
   CHECK(plain(target.draw(list, color, 9), color));
   list.splats[0].material.transparency = 0;
@@ -110,13 +110,13 @@ TEST_CASE("applies transparency, clipping plane and threshold of a volume") {
 TEST_CASE("draws the nearer of two volumes over the other") {
   Target target;
   const auto of_color = [](qnv::Rgb8 color) {
-    auto cloud = std::make_shared<qnv::Cloud>(random_volume(4000, 3, 0.05f));
+    auto cloud = std::make_shared<qnv::Volume>(random_volume(4000, 3, 0.05f));
     cloud->description.transfer = {{0, color, 0.99f}, {1, color, 0.99f}};
     return cloud;
   };
   RenderList list = volume_list(of_color({255, 0, 0}));
   list.splats.push_back(list.splats[0]);
-  list.splats[0].cloud = of_color({0, 255, 0});
+  list.splats[0].geometry = shared_geometry(of_color({0, 255, 0}));
   list.splats[1].world_from_node = testing::translation({0, 0, -3});
   target.options.headlight = true;
   for (int turn = 0; turn < 2; ++turn) {
@@ -155,8 +155,8 @@ TEST_CASE("lights a volume by its directional lights, the strongest others and t
 }
 
 TEST_CASE("mixes vectors of intersecting volumes by depth, vector by vector", "[optimised]") {
-  const auto first = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)),
-             second = std::make_shared<const qnv::Cloud>(random_volume(700, 6, 0.12f));
+  const auto first = std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f)),
+             second = std::make_shared<const qnv::Volume>(random_volume(700, 6, 0.12f));
   const glm::mat4 place = testing::translation({0.3f, 0.1f, 0.2f}) * testing::scale({1.2f, 0.8f, 1});
   RenderList list = volume_list(first);
   list.splats.push_back(volume_list(second, place).splats[0]);
@@ -187,7 +187,7 @@ TEST_CASE("mixes vectors of intersecting volumes by depth, vector by vector", "[
 }
 
 TEST_CASE("hides the volume behind a polygon, and veils the polygon by the volume before it", "[optimised]") {
-  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(1500, 5, 0.1f));
+  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(1500, 5, 0.1f));
   const VolumeModel model = volume_model(*cloud);
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     Target target;
@@ -220,7 +220,7 @@ TEST_CASE("hides the volume behind a polygon, and veils the polygon by the volum
 }
 
 TEST_CASE("smooths polygon edges before, in and behind a volume with several samples", "[optimised]") {
-  auto cloud = std::make_shared<qnv::Cloud>(random_volume(6000, 5, 0.08f));
+  auto cloud = std::make_shared<qnv::Volume>(random_volume(6000, 5, 0.08f));
   cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
   for (const float depth : {1.0f, 3.0f, 6.0f}) {
     std::array<Pixels, 2> drawn;
@@ -255,7 +255,7 @@ TEST_CASE("smooths polygon edges before, in and behind a volume with several sam
 
 TEST_CASE("shares the budget between volumes, and compensates for omitted vectors") {
   Target target;
-  auto cloud = std::make_shared<qnv::Cloud>(random_volume(20'000, 3, 0.05f));
+  auto cloud = std::make_shared<qnv::Volume>(random_volume(20'000, 3, 0.05f));
   cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
   cloud->description.box = {glm::vec3(-1), glm::vec3(1)};
   RenderList list = volume_list(cloud);
@@ -273,7 +273,7 @@ TEST_CASE("shares the budget between volumes, and compensates for omitted vector
     INFO(budget);
     if (budget >= 2000) CHECK(some == Approx(all).epsilon(0.4));
   }
-  auto small = std::make_shared<qnv::Cloud>(random_volume(50, 4, 0.05f));
+  auto small = std::make_shared<qnv::Volume>(random_volume(50, 4, 0.05f));
   small->description = cloud->description;
   list.splats.push_back(volume_list(small).splats[0]);
   list.splats.push_back(list.splats[0]);
@@ -285,7 +285,7 @@ TEST_CASE("shares the budget between volumes, and compensates for omitted vector
 
 TEST_CASE("applies a chosen transfer function to all volumes, and colours by the source of vectors") {
   Target target;
-  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(2000, 5, 0.1f));
+  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(2000, 5, 0.1f));
   const Pixels own = target.draw(volume_list(cloud), {0, 0, 0}, 25);
   target.options.clouds.transfer = {{0, {0, 255, 0}, 0.5f}, {1, {0, 255, 0}, 0.5f}};
   const Pixels green = target.draw(volume_list(cloud), {0, 0, 0}, 25);
@@ -304,7 +304,7 @@ TEST_CASE("draws a volume inside its viewport only") {
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     Target target(VolumeSort::automatic, kWidth, kHeight), whole(VolumeSort::automatic, 40, 30);
     target.options.splats = whole.options.splats = path;
-    const RenderList list = volume_list(std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)));
+    const RenderList list = volume_list(std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f)));
     const Pixels wanted = whole.draw(list, {0, 0, 0.5f}, 25);
     target.clear({0, 0, 0.5f}, 25);
     target.options.x = 30;
@@ -335,7 +335,7 @@ TEST_CASE("draws a volume inside its viewport only") {
 }
 
 TEST_CASE("combines volumes with polygons for all depth formats, and without a depth buffer", "[optimised]") {
-  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(1500, 5, 0.1f));
+  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(1500, 5, 0.1f));
   for (const int samples : {1, 4}) {
     Pixels wanted;
     for (const GLenum format : {GL_DEPTH_COMPONENT24, GL_DEPTH24_STENCIL8, GL_DEPTH_COMPONENT16, GL_DEPTH_COMPONENT32F,

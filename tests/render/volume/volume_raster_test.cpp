@@ -22,12 +22,13 @@ using render::VolumeOptions;
 
 namespace {
 
-VolumeLayer drawn(const qnv::Cloud& cloud, const SplatView& view, const VolumeOptions& options = {}) {
+VolumeLayer drawn(const qnv::Volume& cloud, const SplatView& view, const VolumeOptions& options = {}) {
   return render::rasterize_volume(cloud, render::volume_model(cloud, view.threads), view, options);
 }
 
 /// Returns the agreement of all four components, and the share of clearly opaque pixels with another depth.
-std::pair<double, double> against_oracle(const qnv::Cloud& cloud, const SplatView& view, const VolumeOptions& options) {
+std::pair<double, double> against_oracle(const qnv::Volume& cloud, const SplatView& view,
+                                         const VolumeOptions& options) {
   const VolumeLayer layer = drawn(cloud, view, options);
   const render::RayImage exact = raycast_volume(cloud, view, options);
   REQUIRE(layer.width == view.width);
@@ -52,7 +53,7 @@ bool same(const VolumeLayer& a, const VolumeLayer& b) {
 }  // namespace
 
 TEST_CASE("draws a volume as equation (1) defines") {
-  const qnv::Cloud cloud = random_volume(900, 5, 0.12f);
+  const qnv::Volume cloud = random_volume(900, 5, 0.12f);
   for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(3, 1, -1), glm::vec3(-2, -2.5f, 0.5f),
                                glm::vec3(0.9f, 0.2f, 0.3f), glm::vec3(0, 12, 0)}) {
     const SplatView view = view_from(eye, 75, 61);
@@ -64,7 +65,7 @@ TEST_CASE("draws a volume as equation (1) defines") {
 }
 
 TEST_CASE("draws lights, threshold, clipping plane, colour and slant as equation (1) defines") {
-  const qnv::Cloud cloud = random_volume(700, 6, 0.15f);
+  const qnv::Volume cloud = random_volume(700, 6, 0.15f);
   SplatView view = view_from({1, 2, 2}, 70, 50);
   const std::array<render::VolumeLight, 2> lights = {
       render::VolumeLight{.place = {0.6f, 0.8f, 0}, .color = {1, 0.5f, 0.2f}},
@@ -83,16 +84,16 @@ TEST_CASE("draws lights, threshold, clipping plane, colour and slant as equation
 }
 
 TEST_CASE("draws many small vectors like the reference ray caster", "[optimised]") {
-  const qnv::Cloud cloud = random_volume(20'000, 7, 0.02f);
+  const qnv::Volume cloud = random_volume(20'000, 7, 0.02f);
   CHECK(against_oracle(cloud, view_from({0, 1, 3}, 64, 64), {}).first >= 40);
 }
 
 TEST_CASE("draws vectors at different depths equally in any order") {
-  const qnv::Cloud cloud = random_volume(600, 8, 0.2f);
+  const qnv::Volume cloud = random_volume(600, 8, 0.2f);
   std::vector<std::size_t> order(cloud.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::shuffle(order.begin(), order.end(), std::mt19937(3));
-  qnv::Cloud other;
+  qnv::Volume other;
   other.description = cloud.description;
   for (const std::size_t i : order)
     add(other, cloud.positions[i], cloud.normals[i], cloud.weights[i], cloud.classes[i]);
@@ -101,7 +102,7 @@ TEST_CASE("draws vectors at different depths equally in any order") {
 }
 
 TEST_CASE("draws the same volume on any number of threads") {
-  const qnv::Cloud cloud = random_volume(60'000, 9, 0.02f);
+  const qnv::Volume cloud = random_volume(60'000, 9, 0.02f);
   SplatView view = view_from({1, 1, 2}, 200, 150);
   view.threads = 1;
   const VolumeLayer one = drawn(cloud, view);
@@ -113,7 +114,7 @@ TEST_CASE("draws the same volume on any number of threads") {
 }
 
 TEST_CASE("draws several volumes with stops to their exact picture on any number of threads", "[optimised]") {
-  const qnv::Cloud first = random_volume(30'000, 9, 0.03f), second = random_volume(600, 4, 0.2f);
+  const qnv::Volume first = random_volume(30'000, 9, 0.03f), second = random_volume(600, 4, 0.2f);
   const render::VolumeModel models[2] = {render::volume_model(first), render::volume_model(second)};
   SplatView view = view_from({1, 1, 2}, 48, 36);
   std::array<render::VolumeItem, 2> items{
@@ -157,7 +158,7 @@ TEST_CASE("draws several volumes with stops to their exact picture on any number
 }
 
 TEST_CASE("draws one of several volumes exactly like the ray caster") {
-  const qnv::Cloud cloud = random_volume(300, 3, 0.2f);
+  const qnv::Volume cloud = random_volume(300, 3, 0.2f);
   const render::VolumeModel model = render::volume_model(cloud);
   const SplatView view = view_from({1, 0.5f, 2.5f}, 30, 20);
   const render::VolumeItem item{&cloud, &model, view.camera_from_node, cloud.size(), {}};
@@ -168,7 +169,7 @@ TEST_CASE("draws one of several volumes exactly like the ray caster") {
 }
 
 TEST_CASE("counts the vectors in view") {
-  const qnv::Cloud cloud = random_volume(5000, 3, 0.05f);
+  const qnv::Volume cloud = random_volume(5000, 3, 0.05f);
   const render::VolumeModel model = render::volume_model(cloud);
   SplatView view = view_from({0, 0, 3}, 80, 60);
   render::VolumeItem item{&cloud, &model, view.camera_from_node, cloud.size(), {}};
@@ -215,7 +216,7 @@ TEST_CASE("splats a volume to the same bits in both kernels") {
 TEST_CASE("draws the boundary of a volume without holes from few received vectors") {
   std::mt19937 random(2);
   for (const double share : {1.0, 0.25, 0.05, 0.01}) {
-    qnv::Cloud cloud = empty_volume(0.95f, 1);
+    qnv::Volume cloud = empty_volume(0.95f, 1);
     cloud.description.box = {glm::vec3(-64, -64, -1), glm::vec3(63, 63, 1)};
     std::uniform_real_distribution<double> part(0, 1);
     for (int z = -1; z < 2; ++z)
@@ -235,7 +236,7 @@ TEST_CASE("draws the boundary of a volume without holes from few received vector
 }
 
 TEST_CASE("shows less through more opaque volumes, and keeps colours premultiplied") {
-  const qnv::Cloud cloud = random_volume(3000, 10, 0.06f);
+  const qnv::Volume cloud = random_volume(3000, 10, 0.06f);
   const SplatView view = view_from({0, 0, 3}, 64, 64);
   double last = 0;
   for (const float opacity : {0.1f, 1.0f, 10.0f}) {
@@ -257,12 +258,12 @@ TEST_CASE("shows less through more opaque volumes, and keeps colours premultipli
 
 TEST_CASE("draws or skips hostile volumes") {
   const SplatView view = view_from({0, 0, 3}, 70, 40);
-  const qnv::Cloud sound = random_volume(300, 11, 0.2f);
+  const qnv::Volume sound = random_volume(300, 11, 0.2f);
   const std::array<float, 9> values = {kNaN, kInfinity, -kInfinity, 0, -1, 1e38f, -1e38f, 1e-38f, 3e9f};
   for (const float v : values) {
     INFO(v);
     for (int what = 0; what < 9; ++what) {
-      qnv::Cloud cloud = sound;
+      qnv::Volume cloud = sound;
       VolumeOptions options;
       SplatView other = view;
       for (std::size_t i = 0; i < cloud.size(); i += 3) {
@@ -281,7 +282,7 @@ TEST_CASE("draws or skips hostile volumes") {
       (void)raycast_volume(cloud, view_from({0, 0, 3}, 7, 4), options);
     }
   }
-  qnv::Cloud cloud = sound;
+  qnv::Volume cloud = sound;
   cloud.description.transfer.clear();
   CHECK(!drawn(cloud, view).empty());
   cloud.classes.clear();
@@ -300,13 +301,13 @@ TEST_CASE("draws or skips hostile volumes") {
 }
 
 TEST_CASE("ends quickly for coincident vectors, and for one vector in a huge box") {
-  qnv::Cloud cloud = empty_volume(0.01f, 100);
+  qnv::Volume cloud = empty_volume(0.01f, 100);
   for (int i = 0; i < 100'000; ++i) add(cloud, {0, 0, 0}, {0, 0, 1}, 1, 0);
   const SplatView view = view_from({0, 0, 3}, 200, 200);
   (void)drawn(cloud, view);
   cloud.description.box = {glm::vec3(-1e30f), glm::vec3(1e30f)};
   (void)drawn(cloud, view);
-  qnv::Cloud one = empty_volume(0.9f, 1e-30f);
+  qnv::Volume one = empty_volume(0.9f, 1e-30f);
   one.description.box = {glm::vec3(-1e30f), glm::vec3(1e30f)};
   add(one, {0, 0, 0}, {0, 0, 1}, 1, 0);
   (void)drawn(one, view);

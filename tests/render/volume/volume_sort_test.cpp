@@ -23,8 +23,8 @@ constexpr std::uint64_t entry(std::uint32_t key, std::uint32_t value) { return s
 /// Returns the depth row of a view from +z, or turned by `angle` about y.
 glm::vec4 row(float angle, float distance = 5) { return {-std::sin(angle), 0, -std::cos(angle), distance}; }
 
-std::shared_ptr<const qnv::Cloud> points(std::size_t count, unsigned seed) {
-  auto cloud = std::make_shared<qnv::Cloud>();
+std::shared_ptr<const qnv::Volume> points(std::size_t count, unsigned seed) {
+  auto cloud = std::make_shared<qnv::Volume>();
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> part(-1, 1);
   for (std::size_t i = 0; i < count; ++i) add(*cloud, {part(random), part(random), part(random)}, {0, 0, 1}, 1);
@@ -32,7 +32,7 @@ std::shared_ptr<const qnv::Cloud> points(std::size_t count, unsigned seed) {
 }
 
 float depth_of(const VolumeSortPart& part, std::size_t k) {
-  return glm::dot(part.row, glm::vec4(part.cloud->positions[k], 1));
+  return glm::dot(part.row, glm::vec4(part.volume->positions[k], 1));
 }
 
 /// Checks that an order is by depth, farthest first, with each vector once.
@@ -81,9 +81,9 @@ TEST_CASE("sorts entries by key, and keeps the order of equal keys") {
 }
 
 TEST_CASE("orders the vectors of several volumes together, at one depth the later volume first") {
-  auto cloud = std::make_shared<qnv::Cloud>();
+  auto cloud = std::make_shared<qnv::Volume>();
   for (const float z : {0.0f, 1.0f, 0.0f, -2.0f}) add(*cloud, {0, 0, z}, {0, 0, 1}, 1);
-  auto other = std::make_shared<qnv::Cloud>();
+  auto other = std::make_shared<qnv::Volume>();
   for (const float z : {1.0f, kNaN, kInfinity}) add(*other, {0, 0, z}, {0, 0, 1}, 1);
   VolumeSorter sorter;
   const std::array<VolumeSortPart, 2> parts{{{cloud, 4, row(0)}, {other, 3, {0, 0, -1, 6}}}};
@@ -143,7 +143,7 @@ TEST_CASE("waits for the order after large turns, other counts and other point s
 
 TEST_CASE("releases point sets, and stops during a sort") {
   auto cloud = points(200'000, 4);
-  const std::weak_ptr<const qnv::Cloud> watched = cloud;
+  const std::weak_ptr<const qnv::Volume> watched = cloud;
   for (int i = 0; i < 5; ++i) {
     VolumeSorter sorter;
     std::array<VolumeSortPart, 1> part{{{cloud, cloud->size(), row(0)}}};

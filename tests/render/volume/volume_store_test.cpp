@@ -13,7 +13,7 @@ using namespace gs::render;
 namespace {
 
 SharedVolume shared(std::size_t count, unsigned seed, std::size_t counted = 1u << 30) {
-  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(count, seed, 0.1f));
+  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(count, seed, 0.1f));
   return {cloud, std::make_shared<const VolumeModel>(volume_model(*cloud, 0, counted))};
 }
 
@@ -46,7 +46,7 @@ VolumeDecoded decode_volume_code(const VolumeCode& code, const VolumeCoding& cod
 }  // namespace
 
 TEST_CASE("stores positions, directions, weights, colours and classes of volumes") {
-  qnv::Cloud cloud = random_volume(3000, 2, 0.1f);
+  qnv::Volume cloud = random_volume(3000, 2, 0.1f);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     cloud.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 3});
   cloud.weights[5] = 0;
@@ -73,7 +73,7 @@ TEST_CASE("stores positions, directions, weights, colours and classes of volumes
 }
 
 TEST_CASE("stores point sets without extent and with equal weights") {
-  qnv::Cloud cloud = empty_volume(0.5f, 1);
+  qnv::Volume cloud = empty_volume(0.5f, 1);
   for (int i = 0; i < 4; ++i) add(cloud, {1, 2, 3}, {0, 0, -1}, 2, 9);
   const VolumeCoding coding = volume_coding(cloud, 4);
   std::vector<VolumeCode> codes(4);

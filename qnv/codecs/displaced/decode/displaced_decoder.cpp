@@ -1,5 +1,7 @@
 #include "qnv/codecs/displaced/decode/displaced_decoder.h"
 
+#include <utility>
+
 namespace gs::qnv {
 
 DisplacedDecoder::DisplacedDecoder(const StreamHeader& header, std::size_t most_vectors)
@@ -25,14 +27,18 @@ std::size_t DisplacedDecoder::vectors() const {
   return without.empty() ? stages_.vectors() : stages_.vectors(without) + exact_.vectors();
 }
 
-void DisplacedDecoder::append(Cloud& cloud) const {
-  if (exact_.whole()) return exact_.append(cloud, colored_);
+Geometry DisplacedDecoder::geometry(GeometryBase base) const {
+  IndexedMesh mesh(std::move(base));
   const std::vector<bool> without = covered();
-  stages_.append(cloud, colored_, without);
-  if (!without.empty()) exact_.append(cloud, colored_);
+  if (!exact_.whole()) stages_.append(mesh, colored_, without);
+  if (exact_.whole() || !without.empty()) exact_.append(mesh, colored_);
+  return mesh;
 }
 
-std::shared_ptr<const SurfacePatches> DisplacedDecoder::patches() { return has_arrays() ? nullptr : stages_.patches(); }
+Geometry DisplacedDecoder::geometry_to_draw(GeometryBase base) {
+  if (exact_.whole() || !covered().empty()) return geometry(std::move(base));
+  return stages_.patches(std::move(base));
+}
 
 std::vector<bool> DisplacedDecoder::covered() const {
   const exact::Cover* cover = exact_.cover();

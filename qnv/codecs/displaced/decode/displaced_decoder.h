@@ -5,7 +5,6 @@
 #include "qnv/codecs/shared/decoder.h"
 
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,9 +18,9 @@ class DisplacedDecoder final : public Decoder {
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override;
   [[nodiscard]] DecodeCount count() const override;
   [[nodiscard]] std::size_t vectors() const override;
-  void append(Cloud& cloud) const override;
-  [[nodiscard]] std::shared_ptr<const SurfacePatches> patches() override;
-  [[nodiscard]] bool has_arrays() const override { return exact_.whole() || !covered().empty(); }
+  [[nodiscard]] Geometry geometry(GeometryBase base) const override;
+  /// Returns patches, unless a part of the exact mesh is shown.
+  [[nodiscard]] Geometry geometry_to_draw(GeometryBase base) override;
   [[nodiscard]] MeshProgress mesh() const override { return exact_.progress(); }
 
  private:

@@ -167,10 +167,10 @@ void SurfaceStages::recount() {
   for (const auto& [number, surface] : all_shown()) vectors_ += slots_shown(*surface);
 }
 
-void SurfaceStages::append(Cloud& cloud, bool colored, const std::vector<bool>& without) const {
+void SurfaceStages::append(IndexedMesh& mesh, bool colored, const std::vector<bool>& without) const {
   bool main = true;
   for (const auto& [number, surface] : all_shown()) {
-    append(*surface, cloud, colored, main ? without : std::vector<bool>());
+    append(*surface, mesh, colored, main ? without : std::vector<bool>());
     main = false;
   }
 }
@@ -189,22 +189,22 @@ SurfaceStages::Shown SurfaceStages::main() const {
   return {number, surface, shown_level(*surface)};
 }
 
-std::shared_ptr<const SurfacePatches> SurfaceStages::patches() {
+SurfacePatches SurfaceStages::patches(GeometryBase base) {
   std::erase_if(evaluators_, [&](const auto& each) { return !stages_.contains(each.first); });
-  auto patches = std::make_shared<SurfacePatches>();
+  SurfacePatches patches{std::move(base), {}};
   for (const auto& [number, surface] : all_shown())
-    patches->parts.push_back(evaluators_[number].state(*surface, shown_level(*surface), box_));
+    patches.parts.push_back(evaluators_[number].state(*surface, shown_level(*surface), box_));
   return patches;
 }
 
-void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool colored,
+void SurfaceStages::append(const displaced::Surface& surface, IndexedMesh& mesh, bool colored,
                            const std::vector<bool>& without) const {
   const int level = shown_level(surface);
   const std::vector<glm::vec3> places = surface.positions(level);
   const std::vector<Rgb8> colors = surface.vertex_colors(level);
   const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
-  const auto start = static_cast<std::uint32_t>(cloud.positions.size());
+  const auto start = static_cast<std::uint32_t>(mesh.positions.size());
   // Omit slots that no remaining patch uses.
   std::vector<std::uint32_t> numbers;  // by slot
   std::uint32_t count = start;
@@ -213,25 +213,25 @@ void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool
   numbers.reserve(vertex_of.size());
   for (std::size_t slot = 0; slot < vertex_of.size(); ++slot)
     numbers.push_back(used.empty() || used[slot] ? count++ : displaced::kNone);
-  cloud.positions.reserve(count);
-  cloud.normals.reserve(count);
-  if (colored) cloud.colors.reserve(count);
+  mesh.positions.reserve(count);
+  mesh.normals.reserve(count);
+  if (colored) mesh.colors.reserve(count);
   const displaced::Frame frame(box_);
   for (std::size_t slot = 0; slot < vertex_of.size(); ++slot) {
     if (numbers[slot] == displaced::kNone) continue;
     const std::uint32_t v = vertex_of[slot];
     const glm::vec3 p = frame.outside(places[v]), n = normals[slot];
-    cloud.positions.push_back(finite(p) ? p : frame.lower);
-    cloud.normals.push_back(n == glm::vec3(0) ? glm::vec3(0, 0, 1) : n);
-    if (colored) cloud.colors.push_back(colors.empty() ? cloud.color : colors[v]);
+    mesh.positions.push_back(finite(p) ? p : frame.lower);
+    mesh.normals.push_back(n == glm::vec3(0) ? glm::vec3(0, 0, 1) : n);
+    if (colored) mesh.colors.push_back(colors.empty() ? mesh.color : colors[v]);
   }
-  const std::size_t first = cloud.triangles.size();
+  const std::size_t first = mesh.triangles.size();
   const std::vector<std::uint32_t> triangles = surface.triangles(level);
   const std::size_t corners = std::size_t{3} << 2 * level;  // per patch
-  cloud.triangles.reserve(first + triangles.size());
+  mesh.triangles.reserve(first + triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i)
-    if (without.empty() || !without[i / corners]) cloud.triangles.push_back(numbers[triangles[i]]);
-  weigh_by_triangles(cloud, start, first);
+    if (without.empty() || !without[i / corners]) mesh.triangles.push_back(numbers[triangles[i]]);
+  weigh_by_triangles(mesh, start, first);
 }
 
 }  // namespace gs::qnv

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/displaced/tessellation/patch_evaluator.h"
 #include "qnv/codecs/shared/decoder.h"
@@ -24,8 +24,8 @@ class SurfaceStages {
   /// Adds the payload of a chunk.
   void add(std::span<const std::byte> payload);
   /// Appends the visible vertices and their triangles. `colored` appends colours; vertices without received colours use
-  /// the point set's colour. `without` marks patches of the main stage to leave out, by number; if empty, none are.
-  void append(Cloud& cloud, bool colored, const std::vector<bool>& without = {}) const;
+  /// the mesh's colour. `without` marks patches of the main stage to leave out, by number; if empty, none are.
+  void append(IndexedMesh& mesh, bool colored, const std::vector<bool>& without = {}) const;
   /// Returns the number of these vertices.
   [[nodiscard]] std::size_t vectors(const std::vector<bool>& without = {}) const;
   /// Stage that replaces the earlier ones: its number, surface and level. `surface` is nullptr if there is none.
@@ -36,7 +36,7 @@ class SurfaceStages {
   };
   [[nodiscard]] Shown main() const;
   /// Returns the visible stages for renderers. Shares unchanged parts with earlier results.
-  [[nodiscard]] std::shared_ptr<const SurfacePatches> patches();
+  [[nodiscard]] SurfacePatches patches(GeometryBase base);
   [[nodiscard]] const DecodeCount& count() const { return count_; }
 
  private:
@@ -49,7 +49,8 @@ class SurfaceStages {
   [[nodiscard]] const displaced::Surface* shown() const;
   /// Returns all stages that are shown together, the main one first.
   [[nodiscard]] std::vector<std::pair<int, const displaced::Surface*>> all_shown() const;
-  void append(const displaced::Surface& surface, Cloud& cloud, bool colored, const std::vector<bool>& without) const;
+  void append(const displaced::Surface& surface, IndexedMesh& mesh, bool colored,
+              const std::vector<bool>& without) const;
 
   Box box_;
   std::size_t most_vectors_ = 0, vectors_ = 0, waiting_bytes_ = 0;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/parallel.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "qnv/codecs/shared/encode_options.h"
 
 #include <glm/vec3.hpp>

@@ -181,12 +181,6 @@ std::size_t PatchSurface::shared_bytes(const PatchSurface& other) const {
   return bytes;
 }
 
-std::size_t SurfacePatches::vertex_count() const {
-  std::size_t count = 0;
-  for (const auto& part : parts) count += part->vertex_count();
-  return count;
-}
-
 std::size_t SurfacePatches::bytes() const {
   std::size_t bytes = 0;
   for (const auto& part : parts) bytes += part->bytes();

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/displaced/tessellation/patch_tables.h"
 
@@ -107,14 +107,6 @@ class PatchSurface {
   std::vector<std::array<std::uint32_t, 3>> patch_edges_;
 
   void measure(std::size_t patch);
-};
-
-/// All stages of a stream that are shown together.
-struct SurfacePatches {
-  std::vector<std::shared_ptr<const PatchSurface>> parts;
-  [[nodiscard]] std::size_t vertex_count() const;
-  [[nodiscard]] std::size_t bytes() const;
-  [[nodiscard]] Box box() const;
 };
 
 }  // namespace gs::qnv

@@ -140,25 +140,25 @@ MeshProgress ExactSurface::progress() const {
   return progress;
 }
 
-const ShadedVertices& ExactSurface::shown() const {
+const IndexedMesh& ExactSurface::shown() const {
   if (shown_) return *shown_;
   exact::ExactMesh mesh = mesh_ ? *mesh_ : reader_->mesh();
   low_bits_.apply(mesh);
   const exact::Shading own{exact::Shading::Rule::edges, mesh.crease_angle};
   if (mesh_ && !own_normals_.empty()) {
-    shown_ = shaded_vertices(mesh, own_normals_, box_);
+    shown_ = shaded_mesh(mesh, own_normals_, box_);
   } else {
-    shown_ = shaded_vertices(mesh, exact::shaded_normals(mesh, shading_.value_or(own)), box_);
+    shown_ = shaded_mesh(mesh, exact::shaded_normals(mesh, shading_.value_or(own)), box_);
   }
   // Without creases, there are at most as many as vertices.
   if (shown_->positions.size() > most_vectors_)
-    shown_ = shaded_vertices(mesh, exact::shaded_normals(mesh, exact::Shading{}), box_);
+    shown_ = shaded_mesh(mesh, exact::shaded_normals(mesh, exact::Shading{}), box_);
   return *shown_;
 }
 
-void ExactSurface::append(Cloud& cloud, bool colored) const {
-  shown().append(cloud, colored);
-  if (textured()) cloud.picture = picture_.picture();
+void ExactSurface::append(IndexedMesh& mesh, bool colored) const {
+  append_mesh(shown(), mesh, colored);
+  if (textured()) mesh.picture = picture_.picture();
 }
 
 }  // namespace gs::qnv

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/geometry.h"
 #include "qnv/codecs/lossless/cover.h"
 #include "qnv/codecs/lossless/decode/shaded_mesh.h"
 #include "qnv/codecs/lossless/decode/tail_reader.h"
@@ -37,8 +37,8 @@ class ExactSurface {
     return mesh_ ? mesh_->triangles.size() : reader_ ? reader_->triangles() : 0;
   }
   /// Appends the received vertices, duplicated at creases, and their triangles. `colored` appends colours; a mesh
-  /// without colours uses the point set's colour.
-  void append(Cloud& cloud, bool colored) const;
+  /// without colours uses the colour of `mesh`.
+  void append(IndexedMesh& mesh, bool colored) const;
   [[nodiscard]] MeshProgress progress() const;
   /// Returns the number of vertices shown.
   [[nodiscard]] std::size_t vectors() const { return triangles() > 0 ? shown().positions.size() : 0; }
@@ -60,7 +60,7 @@ class ExactSurface {
   /// Decodes the mesh's own normals once they and the tail are complete.
   void read_normals();
   /// Returns the shown vertices; recomputes them after changes.
-  [[nodiscard]] const ShadedVertices& shown() const;
+  [[nodiscard]] const IndexedMesh& shown() const;
   [[nodiscard]] bool textured() const { return mesh_ ? mesh_->texture.bits > 0 : reader_ && reader_->textured(); }
   /// Reports whether everything needed to show the received part is available.
   [[nodiscard]] bool dressed() const { return !textured() || picture_.enough(); }
@@ -79,7 +79,7 @@ class ExactSurface {
   std::size_t most_vectors_;
   bool done_ = false;
   DecodeCount count_;
-  mutable std::optional<ShadedVertices> shown_;
+  mutable std::optional<IndexedMesh> shown_;
 };
 
 }  // namespace gs::qnv

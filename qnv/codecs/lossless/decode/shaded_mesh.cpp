@@ -5,14 +5,18 @@
 #include "qnv/codecs/lossless/shading.h"
 #include "qnv/mesh/triangle_weights.h"
 
-#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <vector>
 
 namespace gs::qnv {
 
 using displaced::kNone;
 
-ShadedVertices shaded_vertices(const exact::ExactMesh& mesh, std::span<const glm::vec3> normals, const Box& box) {
-  ShadedVertices out;
+IndexedMesh shaded_mesh(const exact::ExactMesh& mesh, std::span<const glm::vec3> normals, const Box& box) {
+  IndexedMesh out;
   out.triangles.resize(3 * mesh.triangles.size());
   const displaced::Frame frame(box);
   const float step = frame.size / static_cast<float>((1 << mesh.bits) - 1);
@@ -45,18 +49,18 @@ ShadedVertices shaded_vertices(const exact::ExactMesh& mesh, std::span<const glm
   return out;
 }
 
-void ShadedVertices::append(Cloud& cloud, bool with_colors) const {
-  const auto start = static_cast<std::uint32_t>(cloud.positions.size());
-  const std::size_t first = cloud.triangles.size();
-  cloud.positions.insert(cloud.positions.end(), positions.begin(), positions.end());
-  cloud.normals.insert(cloud.normals.end(), normals.begin(), normals.end());
-  if (with_colors && colors.empty()) cloud.colors.resize(cloud.positions.size(), cloud.color);
-  if (with_colors) cloud.colors.insert(cloud.colors.end(), colors.begin(), colors.end());
-  cloud.texture_coordinates.insert(cloud.texture_coordinates.end(), texture_coordinates.begin(),
-                                   texture_coordinates.end());
-  cloud.triangles.reserve(first + triangles.size());
-  for (const std::uint32_t corner : triangles) cloud.triangles.push_back(start + corner);
-  weigh_by_triangles(cloud, start, first);
+void append_mesh(const IndexedMesh& part, IndexedMesh& mesh, bool with_colors) {
+  const auto start = static_cast<std::uint32_t>(mesh.size());
+  const std::size_t first = mesh.triangles.size();
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(mesh.positions, part.positions);
+  append(mesh.normals, part.normals);
+  if (with_colors && part.colors.empty()) mesh.colors.resize(mesh.size(), mesh.color);
+  if (with_colors) append(mesh.colors, part.colors);
+  append(mesh.texture_coordinates, part.texture_coordinates);
+  mesh.triangles.reserve(first + part.triangles.size());
+  for (const std::uint32_t corner : part.triangles) mesh.triangles.push_back(start + corner);
+  weigh_by_triangles(mesh, start, first);
 }
 
 }  // namespace gs::qnv

@@ -1,6 +1,7 @@
 #include "qnv/codecs/octree/decode/octree_decoder.h"
 
 #include <cstdint>
+#include <utility>
 
 namespace gs::qnv {
 namespace {
@@ -31,11 +32,17 @@ DecodeCount OctreeDecoder::count() const {
 
 std::size_t OctreeDecoder::vectors() const { return exact_.whole() ? exact_.vectors() : clusters_.vectors(); }
 
-void OctreeDecoder::append(Cloud& cloud) const {
-  if (exact_.whole()) return exact_.append(cloud, colored_);
+Geometry OctreeDecoder::geometry(GeometryBase base) const {
+  if (exact_.whole()) {
+    IndexedMesh mesh(std::move(base));
+    exact_.append(mesh, colored_);
+    return mesh;
+  }
+  Splats splats(std::move(base));
   clusters_.visit_shown([&](const Cluster& cluster, std::size_t first, std::size_t count) {
-    append_discs(cluster, first, count, cube_, cloud);
+    append_discs(cluster, first, count, cube_, splats);
   });
+  return splats;
 }
 
 }  // namespace gs::qnv

@@ -17,7 +17,7 @@ class OctreeDecoder final : public Decoder {
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override;
   [[nodiscard]] DecodeCount count() const override;
   [[nodiscard]] std::size_t vectors() const override;
-  void append(Cloud& cloud) const override;
+  [[nodiscard]] Geometry geometry(GeometryBase base) const override;
   [[nodiscard]] MeshProgress mesh() const override { return exact_.progress(); }
 
  private:

@@ -191,11 +191,11 @@ std::uint32_t discs_of(const PackedVoxels& voxels, std::size_t first, std::size_
   return discs;
 }
 
-void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, const Cube& cube, Cloud& cloud) {
+void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, const Cube& cube, Splats& splats) {
   const PackedVoxels& voxels = cluster.voxels;
   const float edge = cube.edge / static_cast<float>(1 << cluster.level());
   const bool colored = !voxels.luma.empty();
-  if (colored) cloud.colors.resize(cloud.positions.size(), cloud.color);
+  if (colored) splats.colors.resize(splats.positions.size(), splats.color);
   for (std::size_t i = first; i < first + count; ++i) {
     const auto m = octahedral_normal(voxels.u[i], voxels.v[i]);
     const glm::vec3 l1 =
@@ -209,18 +209,18 @@ void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, 
     // Keep it positive and finite for any cube.
     const float area = std::clamp(plane_section(l1, offset) * edge * edge, std::numeric_limits<float>::min(),
                                   std::numeric_limits<float>::max());
-    Rgb8 color = cloud.color;
+    Rgb8 color = splats.color;
     if (colored) {
       const auto rgb = rgb_of(voxels.luma[i], voxels.co[i], voxels.cg[i]);
       const auto component = [](int c) { return static_cast<std::uint8_t>(std::clamp(c, 0, 255)); };
       color = {component(rgb[0]), component(rgb[1]), component(rgb[2])};
     }
     for (int side = (voxels.state[i] & kDouble) != 0 ? 0 : 1; side < 2; ++side) {
-      cloud.positions.push_back(position);
-      cloud.normals.push_back(side == 1 ? normal : -normal);
-      cloud.weights.push_back(area);
-      cloud.cells.push_back({edge, (side == 1 ? offset : -offset) / length * edge});
-      if (!cloud.colors.empty() || colored) cloud.colors.push_back(color);
+      splats.positions.push_back(position);
+      splats.normals.push_back(side == 1 ? normal : -normal);
+      splats.weights.push_back(area);
+      splats.cells.push_back({edge, (side == 1 ? offset : -offset) / length * edge});
+      if (!splats.colors.empty() || colored) splats.colors.push_back(color);
     }
   }
 }

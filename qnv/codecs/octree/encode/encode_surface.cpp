@@ -3,7 +3,7 @@
 #include "qnv/base/voxels.h"
 #include "qnv/codecs/lossless/encode/surface_tail.h"
 #include "qnv/codecs/octree/packed.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/codecs/shared/stream_writer.h"
 #include "qnv/codecs/shared/surface_header.h"
@@ -44,8 +44,8 @@ int level_for(double vectors, const SurfaceSurvey& s, const Cube& cube) {
 // Converts voxels to vectors at the mean position of the surface inside. A voxel cut only at a corner has a small area.
 // The area of every block of four voxels along an edge is shared evenly. Area is conserved, and splats of equal size
 // leave no gaps.
-Cloud cloud_of(std::span<const Voxel> voxels, const Cube& cube, int level, const SurfaceSurvey& s) {
-  Cloud cloud;
+Splats splats_of(std::span<const Voxel> voxels, const Cube& cube, int level, const SurfaceSurvey& s) {
+  Splats splats;
   const float edge = cube.edge / static_cast<float>(1 << level);
   std::size_t block = 0, block_end = 0;
   float share = 0;
@@ -61,17 +61,17 @@ Cloud cloud_of(std::span<const Voxel> voxels, const Cube& cube, int level, const
     const float length = std::sqrt(glm::dot(m.normal, m.normal));
     if (!(m.area > 0) || !(length > 0)) continue;
     const glm::vec3 inside = m.position / m.area + 0.5f + voxel_cell(voxel.key);
-    cloud.positions.push_back(cube.lower + inside * edge);
-    cloud.normals.push_back(m.normal / length);
-    cloud.weights.push_back(share * edge * edge);
+    splats.positions.push_back(cube.lower + inside * edge);
+    splats.normals.push_back(m.normal / length);
+    splats.weights.push_back(share * edge * edge);
     if (!s.colored) continue;
     const glm::vec3 c = m.color / m.area + 0.5f;
-    cloud.colors.push_back({static_cast<std::uint8_t>(std::clamp(c.x, 0.0f, 255.0f)),
-                            static_cast<std::uint8_t>(std::clamp(c.y, 0.0f, 255.0f)),
-                            static_cast<std::uint8_t>(std::clamp(c.z, 0.0f, 255.0f))});
+    splats.colors.push_back({static_cast<std::uint8_t>(std::clamp(c.x, 0.0f, 255.0f)),
+                             static_cast<std::uint8_t>(std::clamp(c.y, 0.0f, 255.0f)),
+                             static_cast<std::uint8_t>(std::clamp(c.z, 0.0f, 255.0f))});
   }
-  cloud.color = s.mean_color();
-  return cloud;
+  splats.color = s.mean_color();
+  return splats;
 }
 
 std::vector<OutgoingChunk> packed_chunks(std::vector<Voxel> voxels, int level, StreamHeader& header,
@@ -171,11 +171,11 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
     progress->done = progress->total = 0;
   }
   if (options.payload == Payload::records) {
-    Cloud cloud = cloud_of(voxels, header.cube, level, s);
-    cloud.description = header.description;
+    Splats splats = splats_of(voxels, header.cube, level, s);
+    splats.description = header.description;
     EncodeOptions rest = options;
     rest.vectors = vectors;
-    return encode_cloud(cloud, rest, progress);
+    return encode_vectors(splats, rest, progress);
   }
   std::vector<OutgoingChunk> chunks = packed_chunks(std::move(voxels), level, header, options, progress);
   if (cancelled()) return EncodeError{"cancelled"};

@@ -16,7 +16,8 @@ namespace gs::qnv {
 /// Encodes vectors on a surface, such as the points of a scan, as an octree. Each vector counts as a square of its
 /// area, and there are about as many voxels as vectors. Intermediate pictures need fewer bytes than with records, but
 /// the last is less exact: a voxel does not store the positions inside it.
-[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_points(const Cloud& cloud, const EncodeOptions& options,
+[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_points(const VectorView& vectors,
+                                                                     const EncodeOptions& options,
                                                                      Progress* progress = nullptr);
 
 }  // namespace gs::qnv

@@ -13,6 +13,9 @@ constexpr std::size_t kBytesPerRead = std::size_t{1} << 18;
 
 }  // namespace
 
+OctreeSplats::OctreeSplats(std::shared_ptr<LodStream> of)
+    : GeometryBase{of->header().description, of->header().color}, stream(std::move(of)) {}
+
 LodStream::Opened LodStream::make(StreamHeader header, std::size_t cache_bytes, bool grows) {
   if (header.payload != Payload::packed)
     return StreamProblem{11, "a records stream has no levels of detail; expected a packed stream"};
@@ -195,10 +198,8 @@ void LodStream::set_limits(const LodLimits& limits) {
   if (arrived_) arrived_->set_most_bytes(limits.arrived_bytes);
 }
 
-Cloud LodStream::whole() {
-  Cloud all;
-  all.description = header_.description;
-  all.color = header_.color;
+Splats LodStream::whole() {
+  Splats all({header_.description, header_.color});
   (void)visit_whole(most_discs_, [&](const Cluster& cluster, std::size_t first, std::size_t count) {
     append_discs(cluster, first, count, header_.cube, all);
   });

@@ -22,9 +22,9 @@
 
 namespace gs::qnv {
 
-/// Run of a point set's splats.
+/// Run of splats that share arrays.
 struct Piece {
-  std::shared_ptr<const Cloud> cloud;
+  std::shared_ptr<const Splats> splats;
   std::size_t first = 0, count = 0;
   std::uint8_t level = 0;   // in the octree
   std::uint32_t chunk = 0;  // unique number
@@ -92,7 +92,7 @@ class LodStream {
   void forget(std::uint32_t viewport);
 
   /// Returns all vectors at full detail, up to the limit of a cut.
-  [[nodiscard]] Cloud whole();
+  [[nodiscard]] Splats whole();
   /// Reports whether whole() left parts coarse because of the limit.
   [[nodiscard]] bool cut_short() const { return cut_short_; }
   /// Returns the number of vectors at full detail. Decodes the whole stream.

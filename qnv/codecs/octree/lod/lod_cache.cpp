@@ -15,7 +15,7 @@ namespace {
 
 // Minimum number of clusters to start threads for.
 constexpr std::size_t kMinForThreads = 4;
-// Maximum splats of a shared point set; larger sets deserve their own buffer and draw call.
+// Maximum splats of shared arrays; larger arrays deserve their own buffer and draw call.
 constexpr std::size_t kMaxShared = std::size_t{1} << 16;
 
 std::size_t bytes_of(const PackedVoxels& voxels) {
@@ -23,10 +23,10 @@ std::size_t bytes_of(const PackedVoxels& voxels) {
   return voxels.size() * (kAVoxel + (voxels.luma.empty() ? 0 : kColor)) + kArrays;
 }
 
-std::size_t bytes_of(const Cloud& cloud) {
-  return cloud.positions.capacity() * sizeof(glm::vec3) + cloud.normals.capacity() * sizeof(glm::vec3) +
-         cloud.weights.capacity() * sizeof(float) + cloud.cells.capacity() * sizeof(Cell) +
-         cloud.colors.capacity() * sizeof(Rgb8) + sizeof(Cloud);
+std::size_t bytes_of(const Splats& splats) {
+  return splats.positions.capacity() * sizeof(glm::vec3) + splats.normals.capacity() * sizeof(glm::vec3) +
+         splats.weights.capacity() * sizeof(float) + splats.cells.capacity() * sizeof(Cell) +
+         splats.colors.capacity() * sizeof(Rgb8) + sizeof(Splats);
 }
 
 NormalCone cone_of(const PackedVoxels& voxels) {
@@ -219,19 +219,18 @@ void LodCache::decode(const ChunkSource& source, std::vector<std::uint32_t> node
 
 std::unique_ptr<LodCache::Group> LodCache::make_group(const Family& family) const {
   auto group = std::make_unique<Group>();
-  auto cloud = std::make_shared<Cloud>();
-  cloud->description.kind = header_.description.kind;
-  cloud->description.two_sided = header_.description.two_sided;
-  cloud->color = header_.color;
-  cloud->positions.reserve(family.discs);
-  cloud->normals.reserve(family.discs);
-  cloud->weights.reserve(family.discs);
-  cloud->cells.reserve(family.discs);
+  auto splats = std::make_shared<Splats>();
+  splats->description.two_sided = header_.description.two_sided;
+  splats->color = header_.color;
+  splats->positions.reserve(family.discs);
+  splats->normals.reserve(family.discs);
+  splats->weights.reserve(family.discs);
+  splats->cells.reserve(family.discs);
   for (const std::uint32_t node : family.nodes) {
     Entry& entry = *entries_[node];
     const PackedVoxels& voxels = entry.voxels->voxels;
-    if (!voxels.luma.empty()) cloud->colors.reserve(family.discs);
-    entry.first_disc = cloud->size();
+    if (!voxels.luma.empty()) splats->colors.reserve(family.discs);
+    entry.first_disc = splats->size();
     entry.disc_of.clear();
     if (tree_[node].discs != voxels.size()) {
       std::uint32_t next = 0;
@@ -241,11 +240,11 @@ std::unique_ptr<LodCache::Group> LodCache::make_group(const Family& family) cons
       }
       entry.disc_of.push_back(next);
     }
-    append_discs(*entry.voxels, 0, voxels.size(), header_.cube, *cloud);
+    append_discs(*entry.voxels, 0, voxels.size(), header_.cube, *splats);
     group->members.push_back(node);
   }
-  group->bytes = bytes_of(*cloud);
-  group->cloud = std::move(cloud);
+  group->bytes = bytes_of(*splats);
+  group->splats = std::move(splats);
   return group;
 }
 
@@ -270,7 +269,7 @@ void LodCache::make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now) {
     group->order = groups_made_++;
     group->used = now;
     bytes_ += group->bytes;
-    disc_count_ += group->cloud->size();
+    disc_count_ += group->splats->size();
     for (const std::uint32_t node : group->members) {
       entries_[node]->discs = group.get();
       if (tree_[node].first_child == kNoNode && !keep_voxels_) forget_voxels(node);
@@ -282,7 +281,7 @@ void LodCache::make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now) {
 LodCache::Discs LodCache::discs(std::uint32_t node, std::size_t first_voxel, std::size_t last_voxel) const {
   const Entry& e = *entries_[node];
   const auto disc = [&](std::size_t voxel) { return e.first_disc + (e.disc_of.empty() ? voxel : e.disc_of[voxel]); };
-  return {e.discs->order, e.discs->cloud, disc(first_voxel), disc(last_voxel)};
+  return {e.discs->order, e.discs->splats, disc(first_voxel), disc(last_voxel)};
 }
 
 void LodCache::use_voxels(std::uint32_t node, std::uint64_t now) {
@@ -316,7 +315,7 @@ void LodCache::forget_voxels(std::uint32_t node) {
 void LodCache::forget_group(std::size_t index) {
   const std::unique_ptr<Group> group = std::move(groups_[index]);
   bytes_ -= group->bytes;
-  disc_count_ -= group->cloud->size();
+  disc_count_ -= group->splats->size();
   for (const std::uint32_t node : group->members) {
     // A member may have newer splats in another group.
     if (!entries_[node] || entries_[node]->discs != group.get()) continue;

@@ -23,7 +23,7 @@ struct DecodedCluster {
 };
 
 /// Decoded data of a stream's clusters: voxels, which children need, and splats, which are drawn. Clusters of one
-/// parent with splats made at the same time share a point set, which keeps the number of point sets low. Call from one
+/// parent with splats made at the same time share arrays, which keeps the number of arrays low. Call from one
 /// thread; it uses others internally.
 class LodCache {
  public:
@@ -50,10 +50,10 @@ class LodCache {
   /// Makes the splats of clusters that have voxels.
   void make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now);
 
-  /// Splats of some voxels of a cluster, and their point set.
+  /// Splats of some voxels of a cluster, in their shared arrays.
   struct Discs {
-    std::uint64_t order = 0;  // sequence number of the point set
-    std::shared_ptr<const Cloud> cloud;
+    std::uint64_t order = 0;  // sequence number of the arrays
+    std::shared_ptr<const Splats> splats;
     std::size_t first = 0, last = 0;
   };
   /// Returns splats of a node. `node` must have splats.
@@ -74,7 +74,7 @@ class LodCache {
 
  private:
   struct Group {
-    std::shared_ptr<const Cloud> cloud;
+    std::shared_ptr<const Splats> splats;
     std::vector<std::uint32_t> members;
     std::uint64_t order = 0, used = 0, pinned = 0;
     std::size_t bytes = 0;

@@ -303,13 +303,13 @@ std::vector<Piece> LodStream::pieces(const LodView& view, std::span<const Run> d
   std::vector<Piece> out;
   for (const auto& [discs, node] : places) {
     const std::size_t count = discs.last - discs.first;
-    const bool joins = !out.empty() && out.back().cloud == discs.cloud &&
+    const bool joins = !out.empty() && out.back().splats == discs.splats &&
                        out.back().first + out.back().count == discs.first &&
                        (!view.each_chunk || out.back().chunk == node);
     if (joins)
       out.back().count += count;
     else if (count > 0)
-      out.push_back({discs.cloud, discs.first, count, tree_[node].level, node, tree_.age(node)});
+      out.push_back({discs.splats, discs.first, count, tree_[node].level, node, tree_.age(node)});
   }
   return out;
 }

@@ -1,7 +1,7 @@
 #include "qnv/codecs/outlines/grouping/outline_groups.h"
 
 #include "base/finite.h"
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "qnv/codecs/outlines/grouping/outline_parts.h"
 
 #include <glm/geometric.hpp>

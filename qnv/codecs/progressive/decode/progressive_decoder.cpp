@@ -2,6 +2,8 @@
 
 #include "qnv/codecs/lossless/own_normals.h"
 
+#include <utility>
+
 namespace gs::qnv {
 
 ProgressiveDecoder::ProgressiveDecoder(const StreamHeader& header, std::size_t most_vectors)
@@ -21,11 +23,13 @@ void ProgressiveDecoder::add(ChunkType type, std::span<const std::byte> payload,
   shown_.reset();
 }
 
-void ProgressiveDecoder::append(Cloud& cloud) const {
+Geometry ProgressiveDecoder::geometry(GeometryBase base) const {
+  IndexedMesh mesh(std::move(base));
   if (exact_.whole())
-    exact_.append(cloud, colored_);
+    exact_.append(mesh, colored_);
   else if (mesh_.begun())
-    shown().append(cloud, colored_);
+    append_mesh(shown(), mesh, colored_);
+  return mesh;
 }
 
 DecodeCount ProgressiveDecoder::count() const {
@@ -47,10 +51,10 @@ MeshProgress ProgressiveDecoder::mesh() const {
   return progress;
 }
 
-const ShadedVertices& ProgressiveDecoder::shown() const {
+const IndexedMesh& ProgressiveDecoder::shown() const {
   if (!shown_) {
     const exact::ExactMesh mesh = mesh_.mesh();
-    shown_ = shaded_vertices(mesh, exact::shaded_normals(mesh, mesh.shading), box_);
+    shown_ = shaded_mesh(mesh, exact::shaded_normals(mesh, mesh.shading), box_);
   }
   return *shown_;
 }

@@ -19,18 +19,18 @@ class ProgressiveDecoder final : public Decoder {
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override;
   [[nodiscard]] DecodeCount count() const override;
   [[nodiscard]] std::size_t vectors() const override;
-  void append(Cloud& cloud) const override;
+  [[nodiscard]] Geometry geometry(GeometryBase base) const override;
   [[nodiscard]] MeshProgress mesh() const override;
 
  private:
   /// Returns the mesh received so far; recomputes it after changes.
-  [[nodiscard]] const ShadedVertices& shown() const;
+  [[nodiscard]] const IndexedMesh& shown() const;
 
   bool colored_;
   Box box_;
   progressive::ProgressiveMesh mesh_;
   DecodeCount count_;
-  mutable std::optional<ShadedVertices> shown_;
+  mutable std::optional<IndexedMesh> shown_;
   ExactSurface exact_;  // replaces the growing mesh once received
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/base/cloud.h"
+#include "qnv/base/description.h"
 #include "qnv/codecs/records/records_payload.h"
 
 #include <array>

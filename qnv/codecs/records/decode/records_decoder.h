@@ -17,9 +17,11 @@ class RecordsDecoder final : public Decoder {
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override;
   [[nodiscard]] DecodeCount count() const override { return count_; }
   [[nodiscard]] std::size_t vectors() const override { return assembly_.size(); }
-  void append(Cloud& cloud) const override;
+  [[nodiscard]] Geometry geometry(GeometryBase base) const override;
 
  private:
+  void fill(VectorArrays& vectors) const;
+
   Kind kind_;
   std::vector<Rgb8> palette_;
   std::size_t most_vectors_;

@@ -92,8 +92,8 @@ class Divider {
 
 class RecordsEncoder {
  public:
-  RecordsEncoder(const Cloud& cloud, const RecordsOptions& options)
-      : cloud_(cloud), options_(options), cube_(cloud.description.box) {}
+  RecordsEncoder(const VectorView& vectors, const RecordsOptions& options)
+      : vectors_(vectors), options_(options), cube_(vectors.description.box) {}
 
   std::vector<RecordsChunk> run() {
     list_vectors();
@@ -115,18 +115,18 @@ class RecordsEncoder {
   // Fills order_: indices of all vectors that can be sent, in progressive order.
   void list_vectors() {
     std::vector<std::uint32_t> sendable;
-    for (std::size_t i = 0; i < cloud_.size(); ++i)
-      if (can_be_sent(cloud_.positions[i], cloud_.weights[i])) sendable.push_back(static_cast<std::uint32_t>(i));
-    const OrderOptions options{options_.seed, cloud_.description.kind, options_.threads, options_.progress};
-    if (sendable.size() == cloud_.size()) {
-      order_ = progressive_order(cloud_.positions, cloud_.normals, cloud_.weights, options);
+    for (std::size_t i = 0; i < vectors_.size(); ++i)
+      if (can_be_sent(vectors_.positions[i], vectors_.weights[i])) sendable.push_back(static_cast<std::uint32_t>(i));
+    const OrderOptions options{options_.seed, vectors_.kind, options_.threads, options_.progress};
+    if (sendable.size() == vectors_.size()) {
+      order_ = progressive_order(vectors_.positions, vectors_.normals, vectors_.weights, options);
       return;
     }
-    Cloud part;
+    VectorArrays part;
     for (const std::uint32_t i : sendable) {
-      part.positions.push_back(cloud_.positions[i]);
-      part.normals.push_back(cloud_.normals[i]);
-      part.weights.push_back(cloud_.weights[i]);
+      part.positions.push_back(vectors_.positions[i]);
+      part.normals.push_back(vectors_.normals[i]);
+      part.weights.push_back(vectors_.weights[i]);
     }
     for (const std::uint32_t i : progressive_order(part.positions, part.normals, part.weights, options))
       order_.push_back(sendable[i]);
@@ -137,7 +137,7 @@ class RecordsEncoder {
     keys_.resize(order_.size());
     in_blocks(order_.size(), options_.threads, [&](std::size_t first, std::size_t last) {
       for (std::size_t rank = first; rank < last; ++rank)
-        keys_[rank] = key_of(cube_.cell_of(cloud_.positions[order_[rank]]));
+        keys_[rank] = key_of(cube_.cell_of(vectors_.positions[order_[rank]]));
     });
   }
 
@@ -171,13 +171,13 @@ class RecordsEncoder {
     float largest = 0;
     for (std::size_t k = 0; k < count; ++k) {
       const std::uint32_t from = order_[group.ranks[k]];
-      box.add(positions[k] = cloud_.positions[from]);
-      normals[k] = cloud_.normals[from];
-      largest = std::max(largest, weights[k] = cloud_.weights[from]);
-      if (!cloud_.classes.empty())
-        colors.push_back(cloud_.classes[from]);
-      else if (!options_.palette.empty() && !cloud_.colors.empty())
-        rgb.push_back(cloud_.colors[from]);
+      box.add(positions[k] = vectors_.positions[from]);
+      normals[k] = vectors_.normals[from];
+      largest = std::max(largest, weights[k] = vectors_.weights[from]);
+      if (!vectors_.classes.empty())
+        colors.push_back(vectors_.classes[from]);
+      else if (!options_.palette.empty() && !vectors_.colors.empty())
+        rgb.push_back(vectors_.colors[from]);
     }
     if (!rgb.empty()) colors = palette_indices(rgb, options_.palette, 1);
     RecordsChunk& chunk = chunks_[i];
@@ -198,7 +198,7 @@ class RecordsEncoder {
     order::sort_by_key(sorted, kKeyBits, options_.threads);
     std::vector<double> sums{0};
     sums.reserve(sorted.size() + 1);
-    for (const order::KeyedIndex& v : sorted) sums.push_back(sums.back() + cloud_.weights[order_[v.index]]);
+    for (const order::KeyedIndex& v : sorted) sums.push_back(sums.back() + vectors_.weights[order_[v.index]]);
     const auto sum_before = [&](std::uint64_t key) {
       const auto at =
           std::partition_point(sorted.begin(), sorted.end(), [&](const order::KeyedIndex& v) { return v.key < key; });
@@ -227,7 +227,7 @@ class RecordsEncoder {
     std::copy(bytes.begin(), bytes.end(), payload.begin());
   }
 
-  const Cloud& cloud_;
+  const VectorView vectors_;
   const RecordsOptions& options_;
   const RecordsCube cube_;
   std::vector<std::uint32_t> order_;
@@ -238,8 +238,8 @@ class RecordsEncoder {
 
 }  // namespace
 
-std::vector<RecordsChunk> encode_records(const Cloud& cloud, const RecordsOptions& options) {
-  return RecordsEncoder(cloud, options).run();
+std::vector<RecordsChunk> encode_records(const VectorView& vectors, const RecordsOptions& options) {
+  return RecordsEncoder(vectors, options).run();
 }
 
 }  // namespace gs::qnv

@@ -198,7 +198,7 @@ std::variant<VolumeCluster, PackedError> decode_volume_cluster(std::span<const s
 }
 
 void append_vectors(const VolumeCluster& cluster, std::size_t first, std::size_t count, const VoxelLattice& lattice,
-                    Cloud& cloud) {
+                    Volume& volume) {
   const auto world = lattice.world_from_axes();
   if (!world) return;
   const VolumeVoxels& voxels = cluster.voxels;
@@ -210,11 +210,11 @@ void append_vectors(const VolumeCluster& cluster, std::size_t first, std::size_t
     const std::array<int, 3> d = octahedral_normal(voxels.u[i], voxels.v[i]);
     const glm::vec3 gradient = (*world)[0] * static_cast<float>(d[0]) + (*world)[1] * static_cast<float>(d[1]) +
                                (*world)[2] * static_cast<float>(d[2]);
-    cloud.positions.push_back(lattice.position(level, voxels.x[i], voxels.y[i], voxels.z[i]));
-    cloud.normals.push_back(glm::normalize(gradient));
-    cloud.weights.push_back(magnitudes[voxels.magnitude[i]]);
-    cloud.classes.push_back(voxels.value[i]);
-    cloud.cells.push_back({reach, 0});
+    volume.positions.push_back(lattice.position(level, voxels.x[i], voxels.y[i], voxels.z[i]));
+    volume.normals.push_back(glm::normalize(gradient));
+    volume.weights.push_back(magnitudes[voxels.magnitude[i]]);
+    volume.classes.push_back(voxels.value[i]);
+    volume.cells.push_back({reach, 0});
   }
 }
 

@@ -28,18 +28,18 @@ void permute(std::span<const std::uint32_t> order, std::vector<T>& values) {
 
 // Permutes vectors, which are stored in spatial order, by bit-reversed indices. Then every prefix covers all of them
 // evenly.
-void spread(Cloud& cloud) {
-  const std::size_t size = cloud.size();
+void spread(Volume& volume) {
+  const std::size_t size = volume.size();
   const auto bits = static_cast<int>(std::bit_width(size));
   std::vector<std::uint32_t> order;
   order.reserve(size);
   for (std::uint64_t i = 0; order.size() < size; ++i)
     if (const std::uint64_t at = reversed(i, bits); at < size) order.push_back(static_cast<std::uint32_t>(at));
-  permute(order, cloud.positions);
-  permute(order, cloud.normals);
-  permute(order, cloud.weights);
-  permute(order, cloud.classes);
-  permute(order, cloud.cells);
+  permute(order, volume.positions);
+  permute(order, volume.normals);
+  permute(order, volume.weights);
+  permute(order, volume.classes);
+  permute(order, volume.cells);
 }
 
 }  // namespace
@@ -53,11 +53,13 @@ void VoxelsDecoder::add(ChunkType, std::span<const std::byte> payload, std::span
   });
 }
 
-void VoxelsDecoder::append(Cloud& cloud) const {
+Geometry VoxelsDecoder::geometry(GeometryBase base) const {
+  Volume volume(std::move(base));
   clusters_.visit_shown([&](const VolumeCluster& cluster, std::size_t first, std::size_t count) {
-    append_vectors(cluster, first, count, lattice_, cloud);
+    append_vectors(cluster, first, count, lattice_, volume);
   });
-  spread(cloud);
+  spread(volume);
+  return volume;
 }
 
 }  // namespace gs::qnv

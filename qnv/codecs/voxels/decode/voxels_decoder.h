@@ -9,7 +9,7 @@
 
 namespace gs::qnv {
 
-/// Decoder of the volume payload. The first vectors of its point set cover the volume evenly.
+/// Decoder of the volume payload. The first vectors of its geometry cover the volume evenly.
 class VoxelsDecoder final : public Decoder {
  public:
   VoxelsDecoder(const StreamHeader& header, std::size_t most_vectors);
@@ -17,7 +17,7 @@ class VoxelsDecoder final : public Decoder {
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) override;
   [[nodiscard]] DecodeCount count() const override { return clusters_.count(); }
   [[nodiscard]] std::size_t vectors() const override { return clusters_.vectors(); }
-  void append(Cloud& cloud) const override;
+  [[nodiscard]] Geometry geometry(GeometryBase base) const override;
 
  private:
   VoxelLattice lattice_;

@@ -28,10 +28,10 @@ constexpr float kShownOpacity = 2;
 // Steps without visible differences at first sight, and those of `compact`.
 constexpr VoxelSteps kFine{20, 16, 6, {10, 10, 12}}, kCompact{28, 24, 8, {28, 28, 28}};
 
-float middle_weight(const Cloud& cloud) {
+float middle_weight(const Volume& volume) {
   std::vector<float> weights;
-  weights.reserve(cloud.size());
-  for (const float weight : cloud.weights)
+  weights.reserve(volume.size());
+  for (const float weight : volume.weights)
     if (weight > 0 && std::isfinite(weight)) weights.push_back(weight);
   if (weights.empty()) return 0;
   const auto middle = weights.begin() + static_cast<std::ptrdiff_t>(weights.size() / 2);
@@ -45,7 +45,7 @@ VoxelLattice lattice_of(const VolumeVectors& volume) {
   lattice.origin = glm::vec3(layout.origin);
   lattice.axes = layout.axes;
   lattice.dimensions = layout.dimensions;
-  lattice.unit = middle_weight(volume.cloud);
+  lattice.unit = middle_weight(volume.vectors);
   const std::uint32_t most = *std::max_element(layout.dimensions.begin(), layout.dimensions.end());
   while (lattice.depth < kDeepestLevel && std::uint32_t{1} << lattice.depth < most) ++lattice.depth;
   float longest = 0;
@@ -63,13 +63,13 @@ std::vector<LatticeVector> on_lattice(const VolumeVectors& volume, const VoxelLa
   std::array<glm::vec3, 3> unit_axes;
   for (std::size_t i = 0; i < 3; ++i) unit_axes[i] = glm::normalize(lattice.axes[i]);
   std::vector<LatticeVector> out;
-  out.reserve(volume.cloud.size());
-  for (std::size_t i = 0; i < volume.cloud.size(); ++i) {
-    const float weight = volume.cloud.weights[i];
-    if (!finite(volume.cloud.positions[i]) || !finite(volume.cloud.normals[i]) || !(weight > 0) ||
+  out.reserve(volume.vectors.size());
+  for (std::size_t i = 0; i < volume.vectors.size(); ++i) {
+    const float weight = volume.vectors.weights[i];
+    if (!finite(volume.vectors.positions[i]) || !finite(volume.vectors.normals[i]) || !(weight > 0) ||
         !std::isfinite(weight))
       continue;
-    const glm::dvec3 at = to_index * (glm::dvec3(volume.cloud.positions[i]) - glm::dvec3(lattice.origin));
+    const glm::dvec3 at = to_index * (glm::dvec3(volume.vectors.positions[i]) - glm::dvec3(lattice.origin));
     std::array<std::uint32_t, 3> cell{};
     for (unsigned a = 0; a < 3; ++a) {
       const double whole = std::round(at[static_cast<int>(a)]);
@@ -81,9 +81,9 @@ std::vector<LatticeVector> on_lattice(const VolumeVectors& volume, const VoxelLa
     LatticeVector vector;
     vector.key = morton_encode(cell[0], cell[1], cell[2]);
     for (int a = 0; a < 3; ++a)
-      vector.gradient[a] = glm::dot(volume.cloud.normals[i], unit_axes[static_cast<unsigned>(a)]) * weight;
+      vector.gradient[a] = glm::dot(volume.vectors.normals[i], unit_axes[static_cast<unsigned>(a)]) * weight;
     vector.magnitude = weight;
-    vector.value = volume.cloud.classes[i];
+    vector.value = volume.vectors.classes[i];
     out.push_back(vector);
   }
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
@@ -122,12 +122,12 @@ void add_metadata(const EncodeOptions& options, Description& about) {
 
 std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volume, const EncodeOptions& options,
                                                        Progress* progress) {
-  const Cloud& cloud = volume.cloud;
-  const std::size_t size = cloud.size();
-  if (cloud.normals.size() != size || cloud.weights.size() != size || cloud.classes.size() != size ||
-      cloud.description.kind != Kind::volume)
+  const Volume& given = volume.vectors;
+  const std::size_t size = given.size();
+  if (given.normals.size() != size || given.weights.size() != size || given.classes.size() != size)
     return EncodeError{"the vectors are not from a volume; expected a normal, a magnitude and a class for each"};
   StreamHeader header;
+  header.kind = Kind::volume;
   header.payload = Payload::voxels;
   header.lattice = lattice_of(volume);
   if (!sound(header.lattice))
@@ -136,12 +136,12 @@ std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volu
                            : "the voxels are too many, too large or too far apart; expected at most 65536 per axis"};
   std::vector<LatticeVector> vectors = on_lattice(volume, header.lattice);
   if (vectors.empty()) return EncodeError{"the vectors are not at the centres of voxels"};
-  header.description = cloud.description;
+  header.description = given.description;
   add_metadata(options, header.description);
   header.description.total = 0;
   header.description.box = voxel_box(volume.layout);
   for (const LatticeVector& vector : vectors) header.description.total += static_cast<double>(vector.magnitude);
-  header.color = cloud.color;
+  header.color = given.color;
   header.cube = Cube::around(header.description.box);
   VoxelsOptions voxels;
   voxels.steps = options.compact ? kCompact : kFine;

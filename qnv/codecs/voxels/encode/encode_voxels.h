@@ -9,7 +9,7 @@ namespace gs::qnv {
 
 /// Gradient vectors of a volume, and the layout of the voxels that they come from (gradient_vectors).
 struct VolumeVectors {
-  const Cloud& cloud;
+  const Volume& vectors;
   const VolumeLayout& layout;
 };
 

@@ -14,8 +14,8 @@ namespace gs::app::export_glb_mesh_test {
 namespace {
 
 /// A square seen from above; its second half may have a texture of four colours.
-qnv::Cloud square(bool pictured) {
-  qnv::Cloud cloud;
+qnv::IndexedMesh square(bool pictured) {
+  qnv::IndexedMesh cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 1, 1}};
   cloud.normals.assign(6, glm::vec3(0, 0, 1));
   cloud.weights.assign(6, 1.0f);
@@ -36,7 +36,7 @@ qnv::Cloud square(bool pictured) {
   return cloud;
 }
 
-LoadedWorld loaded(const ScratchFolder& folder, const qnv::Cloud& cloud) {
+LoadedWorld loaded(const ScratchFolder& folder, const qnv::Geometry& cloud) {
   const Exported glb = export_glb(cloud, {"square", {}});
   REQUIRE(std::holds_alternative<std::vector<std::byte>>(glb));
   const auto& bytes = std::get<std::vector<std::byte>>(glb);
@@ -88,19 +88,19 @@ TEST_CASE("exports a texture to GLB pixel by pixel, beside coloured triangles") 
 }
 
 TEST_CASE("exports vertex colours if textures are not shown") {
-  qnv::Cloud cloud = square(true);
+  qnv::IndexedMesh cloud = square(true);
   color_by_picture(cloud, own_budget());
   CHECK(cloud.colors[0] == qnv::Rgb8{255, 0, 0});
   CHECK(cloud.colors[3] == qnv::Rgb8{70, 80, 90});
   CHECK(cloud.colors[4] == qnv::Rgb8{40, 50, 60});
   CHECK(cloud.colors[5] == qnv::Rgb8{10, 20, 30});
-  qnv::Cloud plain = square(false);
+  qnv::IndexedMesh plain = square(false);
   color_by_picture(plain, own_budget());
   CHECK(plain.colors[5] == qnv::Rgb8{255, 0, 0});
 }
 
 TEST_CASE("refuses to export an empty mesh, and exports splats of a mesh on request") {
-  qnv::Cloud cloud = square(false);
+  qnv::IndexedMesh cloud = square(false);
   const Exported splats = export_glb_splats(cloud);
   REQUIRE(std::holds_alternative<std::vector<std::byte>>(splats));
   const auto& bytes = std::get<std::vector<std::byte>>(splats);

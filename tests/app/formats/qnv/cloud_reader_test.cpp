@@ -8,6 +8,7 @@
 #include "tests/app/clouds.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/geometries.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -25,8 +26,7 @@ namespace {
 
 qnv::LodStream& levels_of(const LoadedWorld& world) {
   REQUIRE(world.clouds.size() == 1);
-  REQUIRE(world.clouds.begin()->second->levels);
-  return *world.clouds.begin()->second->levels;
+  return *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
 }
 
 std::size_t discs(qnv::LodStream& stream, float error_pixels) {
@@ -93,21 +93,21 @@ TEST_CASE("copies a stream to memory that cannot be read in place") {
   const std::string other = folder.write("other.qnv", "another file that has come to lie there");
   for (const std::string& path : {std::string("nowhere/at/all.qnv"), other}) {
     const CloudFile file{path, {first, large_stream().size()}};
-    const auto cloud = read_cloud(content_type_of("x.qnv", first_bytes(file.bytes)), file, diagnostics,
-                                  std::chrono::steady_clock::now() + std::chrono::hours(1));
+    const auto cloud = read_geometry(content_type_of("x.qnv", first_bytes(file.bytes)), file, diagnostics,
+                                     std::chrono::steady_clock::now() + std::chrono::hours(1));
     REQUIRE(cloud);
-    REQUIRE(cloud->levels);
-    CHECK(discs(*cloud->levels, 0) >= cloud->levels->header().vectors);
+    const auto octree = content_of<qnv::OctreeSplats>(*cloud);
+    CHECK(discs(*octree.stream, 0) >= octree.stream->header().vectors);
   }
   CHECK(diagnostics.errors() + diagnostics.warnings() == 0);
 }
 
 TEST_CASE("gives the scene of a stream its one colour, and the meaning of its colours") {
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   cloud.color = {51, 102, 204};
   cloud.description.metadata = {{"title", "a part"}, {"color key", "0 10 #000000 #ffffff heat (K)"}};
   vrml::SceneGraph scene("stream.qnv");
-  const vrml::NodeId node = add_cloud_shape(scene, cloud, "stream.qnv");
+  const vrml::NodeId node = add_geometry_shape(scene, cloud, "stream.qnv");
   REQUIRE(node);
   const vrml::NodeId appearance = scene.get<vrml::NodeId>(scene.roots().back(), "appearance");
   const vrml::NodeId material = scene.get<vrml::NodeId>(appearance, "material");

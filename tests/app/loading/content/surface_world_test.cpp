@@ -38,27 +38,26 @@ TEST_CASE("loads a displaced surface as patches for drawing, and as triangles fo
   LoadedWorld world = load_world(path);
   INFO(said(world));
   REQUIRE(world.clouds.size() == 1);
-  const qnv::Cloud& cloud = *world.clouds.begin()->second;
-  REQUIRE(cloud.patches);
-  CHECK(cloud.positions.empty());
+  const auto* patches = world.clouds.begin()->second->as<qnv::SurfacePatches>();
+  REQUIRE(patches);
   LoadOptions whole;
   whole.whole_surfaces = true;
   const LoadedWorld other = load_world(path, whole);
-  const qnv::Cloud& arrays = *other.clouds.begin()->second;
-  CHECK(!arrays.patches);
-  CHECK(arrays.positions.size() == cloud.patches->vertex_count());
+  const auto* mesh = other.clouds.begin()->second->as<qnv::IndexedMesh>();
+  REQUIRE(mesh);
+  CHECK(mesh->size() == patches->parts[0]->vertex_count());
   LoadOptions cut;
   cut.max_bytes = ball_stream().size() * 9 / 10;
   const LoadedWorld part = load_world(path, cut);
   INFO(said(part));
   REQUIRE(part.clouds.size() == 1);
-  CHECK(part.clouds.begin()->second->patches);
+  CHECK(part.clouds.begin()->second->as<qnv::SurfacePatches>());
 
   render::MeshCache meshes;
   const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
   REQUIRE(list.items.size() == 1);
   CHECK(list.splats.empty());
-  CHECK(list.items[0].surface->patches == cloud.patches);
+  CHECK(list.items[0].patches() == patches);
   CHECK(list.items[0].mesh->indices.size() / 3 <= 16384);
   CHECK(list.bounds.upper.x == Approx(1).margin(0.05));
 }

@@ -96,7 +96,8 @@ TEST_CASE("shows a textured surface with the received part of mesh and texture")
       REQUIRE(list.items[0].mesh->texture_coordinates.empty());
       REQUIRE(!list.items[0].texture.image);
       for (const std::uint32_t i : list.items[0].mesh->indices) REQUIRE_EACH(i < list.items[0].mesh->positions.size());
-      REQUIRE(list.items[0].mesh->indices.size() + item.mesh->indices.size() == cloud->triangles.size());
+      REQUIRE(list.items[0].mesh->indices.size() + item.mesh->indices.size() ==
+              cloud->as<qnv::IndexedMesh>()->triangles.size());
     } else {
       ++whole;
       REQUIRE(item.mesh->indices.size() == 3u * 2 * 70 * 40);

@@ -55,7 +55,7 @@ TEST_CASE("keeps the received part when a cell server stops") {
   CHECK(tells(world.diagnostics, "the server is stopping"));
   REQUIRE(world.scene);
   CHECK(world.truncated);
-  CHECK(cloud_of_world(world).size() > 1000);
+  CHECK(geometry_of_world(world).size() > 1000);
 }
 
 TEST_CASE("asks a killed cell server again, and detects a changed file") {
@@ -71,7 +71,7 @@ TEST_CASE("asks a killed cell server again, and detects a changed file") {
       server = std::make_unique<ServerProgram>(site, "20000000");
     });
     CHECK(world.diagnostics.errors() == 0);
-    CHECK(cloud_of_world(world).size() > 500'000);
+    CHECK(geometry_of_world(world).size() > 500'000);
   }
   SECTION("another one") {
     const LoadedWorld world = interrupted(site, options, [&] {
@@ -82,6 +82,6 @@ TEST_CASE("asks a killed cell server again, and detects a changed file") {
     CHECK(tells(world.diagnostics, "changed on the server"));
     REQUIRE(world.scene);
     CHECK(world.truncated);
-    CHECK(cloud_of_world(world).size() > 1000);
+    CHECK(geometry_of_world(world).size() > 1000);
   }
 }

@@ -7,7 +7,7 @@
 #include "app/streams/stream_feed.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
 #include "qnv/codecs/octree/lod/lod.h"
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "tests/app/clouds.h"
 #include "tests/app/large_stream.h"
@@ -41,7 +41,7 @@ inline const std::string& records_stream() {
   static const std::string bytes = [] {
     qnv::EncodeOptions options;
     options.payload = qnv::Payload::records;
-    const auto encoded = qnv::encode_cloud(test::sphere(30'000), options);
+    const auto encoded = qnv::encode_vectors(test::sphere(30'000), options);
     REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
     return string_of(std::get<qnv::EncodedStream>(encoded).bytes);
   }();
@@ -87,14 +87,15 @@ struct CellSite {
   }
 };
 
-inline qnv::Cloud cloud_of_world(const LoadedWorld& world) {
+inline qnv::Geometry geometry_of_world(const LoadedWorld& world) {
   REQUIRE(world.clouds.size() == 1);
-  const auto& cloud = *world.clouds.begin()->second;
-  return cloud.levels ? cloud.levels->whole() : cloud;
+  const auto& geometry = *world.clouds.begin()->second;
+  const auto* octree = geometry.as<qnv::OctreeSplats>();
+  return octree ? octree->stream->whole() : geometry;
 }
 
 /// Returns position and weight of each splat, sorted.
-inline std::vector<std::array<float, 4>> discs_of(const qnv::Cloud& cloud) {
+inline std::vector<std::array<float, 4>> discs_of(const qnv::VectorView& cloud) {
   std::vector<std::array<float, 4>> all;
   for (std::size_t i = 0; i < cloud.size(); ++i)
     all.push_back({cloud.positions[i].x, cloud.positions[i].y, cloud.positions[i].z, cloud.weights[i]});
@@ -102,7 +103,7 @@ inline std::vector<std::array<float, 4>> discs_of(const qnv::Cloud& cloud) {
   return all;
 }
 
-inline double total_of(const qnv::Cloud& cloud) {
+inline double total_of(const qnv::VectorView& cloud) {
   double total = 0;
   for (const float weight : cloud.weights) total += weight;
   return total;

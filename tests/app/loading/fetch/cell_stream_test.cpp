@@ -1,5 +1,6 @@
 // Tests of streams that come as cells over UDP on this machine.
 #include "tests/app/loading/fetch/cell_site.h"
+#include "tests/geometries.h"
 
 #include <catch2/catch.hpp>
 
@@ -17,7 +18,7 @@ TEST_CASE("restores the stream of the file from cells", "[optimised]") {
     REQUIRE(world.scene);
     CHECK(world.diagnostics.entries().empty());
     CHECK_FALSE(world.truncated);
-    CHECK(discs_of(cloud_of_world(world)) == discs_of(cloud_of_world(load_world(site.folder.path(name)))));
+    CHECK(discs_of(geometry_of_world(world)) == discs_of(geometry_of_world(load_world(site.folder.path(name)))));
   }
 }
 
@@ -26,7 +27,7 @@ TEST_CASE("restores a distant mesh over HTTP and from cells") {
   site.options.http_port = 0;
   site.start();
   REQUIRE(exact_stream()[8] == 2);  // version
-  const qnv::Cloud wanted = cloud_of_world(load_world(site.folder.path("exact.qnv")));
+  const auto wanted = content_of<qnv::IndexedMesh>(geometry_of_world(load_world(site.folder.path("exact.qnv"))));
   REQUIRE(wanted.triangles.size() == 3 * (4 * 40 * 40 - 4 * 40));
   CHECK(wanted.description.origin == glm::dvec3(6e6, 2e6, -3e6));
   const std::string http = "http://127.0.0.1:" + std::to_string(*site.archive->http_port()) + "/exact.qnv";
@@ -37,7 +38,7 @@ TEST_CASE("restores a distant mesh over HTTP and from cells") {
     const LoadedWorld world = load_world(url, options);
     REQUIRE(world.scene);
     CHECK(world.diagnostics.entries().empty());
-    const qnv::Cloud cloud = cloud_of_world(world);
+    const auto cloud = content_of<qnv::IndexedMesh>(geometry_of_world(world));
     CHECK(cloud.description.origin == wanted.description.origin);
     CHECK(cloud.positions == wanted.positions);
     CHECK(cloud.normals == wanted.normals);
@@ -50,14 +51,14 @@ TEST_CASE("loses only detail with lost cells", "[optimised]") {
   site.start();
   for (const char* name : {"packed.qnv", "records.qnv"}) {
     INFO(name);
-    const qnv::Cloud whole = cloud_of_world(load_world(site.folder.path(name)));
+    const qnv::Geometry whole = geometry_of_world(load_world(site.folder.path(name)));
     LoadOptions options;
     options.timeout_seconds = 120;
     options.loss = 0.3;
     const LoadedWorld world = load_world(site.url(name), options);
     REQUIRE(world.scene);
     CHECK(world.diagnostics.errors() == 0);
-    const qnv::Cloud cloud = cloud_of_world(world);
+    const qnv::Geometry cloud = geometry_of_world(world);
     CHECK(cloud.size() > whole.size() / 20);
     // The area is that of the whole, whatever is missing.
     CHECK(total_of(cloud) == Approx(total_of(whole)).epsilon(0.05));
@@ -75,7 +76,7 @@ TEST_CASE("loads the first url of a QNV node that has a stream") {
   const LoadedWorld world = load_world(site.folder.path("two.wrl"), options);
   REQUIRE(world.scene);
   CHECK(world.diagnostics.entries().empty());
-  CHECK(cloud_of_world(world).size() == 30'000);
+  CHECK(geometry_of_world(world).size() == 30'000);
   options.offline = true;
   const LoadedWorld offline = load_world(site.folder.path("two.wrl"), options);
   CHECK(offline.clouds.empty());
@@ -114,7 +115,7 @@ TEST_CASE("requests and receives only a part of a stream") {
   CHECK(loading.state().received > 100'000);
   const LoadedWorld world = loading.take();
   for (const auto& feed : world.feeds) (void)feed->apply();
-  const std::size_t part = cloud_of_world(world).size();
+  const std::size_t part = geometry_of_world(world).size();
   CHECK(part > 10'000);
-  CHECK(part < cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
+  CHECK(part < geometry_of_world(load_world(site.folder.path("packed.qnv"))).size());
 }

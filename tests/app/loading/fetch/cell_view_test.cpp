@@ -1,5 +1,6 @@
 // Tests of the requests of views for streams that come as cells over UDP.
 #include "tests/app/loading/fetch/cell_site.h"
+#include "tests/geometries.h"
 
 #include <catch2/catch.hpp>
 
@@ -54,7 +55,7 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
   REQUIRE(world.feeds.size() == 1);
   StreamFeed& feed = *world.feeds.front();
   (void)feed.apply();
-  auto& levels = *world.clouds.begin()->second->levels;
+  auto& levels = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
   REQUIRE(levels.clusters() > 0);
   // A close view of the right side.
   qnv::LodView view;
@@ -92,5 +93,5 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
     (void)feed.apply();
   }
   CHECK_FALSE(loading.streaming());
-  CHECK(levels.count() == cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
+  CHECK(levels.count() == geometry_of_world(load_world(site.folder.path("packed.qnv"))).size());
 }

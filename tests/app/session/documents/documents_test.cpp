@@ -20,13 +20,13 @@ std::shared_ptr<Document> empty_document(const std::string& path) {
 }
 
 /// Returns a world of one QNV node with this point set.
-LoadedWorld world_of(qnv::Cloud cloud) {
+LoadedWorld world_of(qnv::Geometry geometry) {
   LoadedWorld world = world_with({});
   const auto make = [&](const char* type) { return world.scene->create(*vrml::built_in_node_type(type)); };
   const vrml::NodeId shape = make("Shape"), qnv = make("QNV");
   world.scene->set<vrml::SFNode>(shape, "geometry", qnv);
   world.scene->add_root(shape);
-  world.clouds[&world.scene->node(qnv)] = std::make_shared<const qnv::Cloud>(std::move(cloud));
+  world.clouds[&world.scene->node(qnv)] = std::make_shared<const qnv::Geometry>(std::move(geometry));
   return world;
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("chooses navigation and Viewpoint at the entry of a world") {
 }
 
 TEST_CASE("reports the point sets of a document") {
-  qnv::Cloud cloud;
+  qnv::Splats cloud;
   cloud.positions = {{0, 0, 0}, {1, 1, 1}};
   cloud.normals = {{0, 0, 1}, {0, 1, 0}};
   cloud.weights = {3, 8};
@@ -158,11 +158,12 @@ TEST_CASE("reports the point sets of a document") {
     CHECK(document->has_clouds());
   }
   SECTION("a volume") {
-    cloud.description.kind = qnv::Kind::volume;
-    cloud.description.value_range = {-1000, 3000};
-    cloud.description.metadata = {{"title", "head"}};
-    cloud.classes = {1, 2};
-    const auto document = make_document(world_of(cloud));
+    qnv::Volume volume;
+    static_cast<qnv::VectorArrays&>(volume) = cloud;
+    volume.description.value_range = {-1000, 3000};
+    volume.description.metadata = {{"title", "head"}};
+    volume.classes = {1, 2};
+    const auto document = make_document(world_of(volume));
     CHECK_FALSE(document->has_surface_clouds);
     CHECK(document->has_volumes);
   }

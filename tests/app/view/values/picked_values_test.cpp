@@ -7,9 +7,8 @@
 namespace gs::app::picked_values_test {
 
 TEST_CASE("returns the value of the nearest vector in a volume stream") {
-  qnv::Cloud cloud;
+  qnv::Volume cloud;
   CHECK_FALSE(value_near(cloud, {0, 0, 0}));
-  cloud.description.kind = qnv::Kind::volume;
   cloud.description.value_range = {-100, 155};
   cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
   cloud.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};

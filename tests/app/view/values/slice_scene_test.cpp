@@ -94,10 +94,8 @@ TEST_CASE("draws a slice with a pixel per voxel, black to white over the window,
 TEST_CASE("places slices at their voxels, beside the volume or alone") {
   const auto grid = grid_of();
   render::RenderList list;
-  qnv::Cloud cloud;
-  cloud.description.kind = qnv::Kind::volume;
   render::SplatItem item;
-  item.cloud = std::make_shared<const qnv::Cloud>(cloud);
+  item.geometry = std::make_shared<const qnv::Geometry>(qnv::Volume());
   item.world_from_node[3] = {100, 0, 0, 1};
   list.splats.push_back(item);
   SliceScene scene;

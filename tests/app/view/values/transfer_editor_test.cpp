@@ -180,14 +180,14 @@ TEST_CASE("offers valid presets in any range, and in Hounsfield units") {
 }
 
 TEST_CASE("summarises volumes by class and magnitude") {
-  auto first = std::make_shared<qnv::Cloud>(), second = std::make_shared<qnv::Cloud>();
+  auto first = std::make_shared<qnv::Volume>(), second = std::make_shared<qnv::Volume>();
   for (const float weight : {4.0f, 3.0f, 2.0f, kNaN, 0.0f}) {
     first->weights.push_back(weight);
     first->classes.push_back(weight == 4 ? 10 : 20);
   }
   second->weights = {1};
   second->classes = {30};
-  const std::vector<std::shared_ptr<const qnv::Cloud>> volumes{first, nullptr, second};
+  const std::vector<std::shared_ptr<const qnv::Volume>> volumes{first, nullptr, second};
   const VolumeSummary summary = summarize(volumes);
   CHECK(summary.classes[20] == 1);  // 3 + 2
   CHECK(summary.classes[10] == Approx(0.8));
@@ -202,9 +202,9 @@ TEST_CASE("summarises volumes by class and magnitude") {
 }
 
 TEST_CASE("estimates the magnitudes of many vectors from a sample of all") {
-  auto cloud = std::make_shared<qnv::Cloud>();
+  auto cloud = std::make_shared<qnv::Volume>();
   for (int i = 0; i < 300000; ++i) cloud->weights.push_back(static_cast<float>(i + 1));
-  const std::vector<std::shared_ptr<const qnv::Cloud>> volumes{cloud};
+  const std::vector<std::shared_ptr<const qnv::Volume>> volumes{cloud};
   const VolumeSummary summary = summarize(volumes);
   CHECK(summary.magnitudes.size() <= 65536);
   CHECK(share_left(summary, 100000) == Approx(2 / 3.0).margin(0.001));

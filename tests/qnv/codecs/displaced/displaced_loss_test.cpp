@@ -1,5 +1,6 @@
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"
 #include "tests/qnv/pinned_vectors.h"
 #include "tests/watched.h"
@@ -61,7 +62,7 @@ TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives l
   for (const auto& [type, payload] : parts.chunks) CHECK(payload.size() <= 1300);
   const StreamDecoder all = decoded(parts, 0, 1);
   CHECK(all.mesh().final);
-  const Cloud cloud = all.cloud();
+  const IndexedMesh cloud = content_of<IndexedMesh>(all.geometry());
   CHECK(cloud.triangles.size() == 3 * source.size());
   CHECK(all.vectors() == cloud.size());
   std::size_t whole = 0;
@@ -72,7 +73,7 @@ TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives l
   for (std::size_t n = 1000; n <= stream.size(); n += watched_step(7) * 500) {
     StreamDecoder decoder;
     REQUIRE(decoder.push(std::span(stream).first(n)));
-    const std::size_t triangles = decoder.cloud().triangles.size();
+    const std::size_t triangles = content_of<IndexedMesh>(decoder.geometry()).triangles.size();
     REQUIRE_EACH(triangles >= std::max<std::size_t>(before, 300));
     before = triangles;
   }
@@ -83,17 +84,20 @@ TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives l
   const Bytes& part = std::get<EncodedStream>(smaller).bytes;
   CHECK(part.size() <= options.max_bytes);
   CHECK(!decoded(parts_of(part), 0, 1).mesh().final);
-  CHECK(decoded(parts_of(part), 0, 1).cloud().triangles.size() >= 300);
+  CHECK(content_of<IndexedMesh>(decoded(parts_of(part), 0, 1).geometry()).triangles.size() >= 300);
 }
 
 TEST_CASE("shows the last stage after the loss of a third of its pieces") {
   // tests/qnv/vectors/v1/displaced_pieces.qnv has two stages.
   const Parts parts = parts_of(read_bytes("displaced_pieces.qnv"));
   REQUIRE(std::ranges::count(parts.chunks, ChunkType::piece, &std::pair<ChunkType, Bytes>::first) > 5);
-  const auto shown = [&](double lost, unsigned seed) { return decoded(parts, lost, seed).cloud().triangles.size(); };
+  const auto shown = [&](double lost, unsigned seed) {
+    return content_of<IndexedMesh>(decoded(parts, lost, seed).geometry()).triangles.size();
+  };
   Parts first = parts;
   std::erase_if(first.chunks, [](const auto& chunk) { return chunk.first == ChunkType::piece; });
-  const std::size_t of_all = shown(0, 1), of_first = decoded(first, 0, 1).cloud().triangles.size();
+  const std::size_t of_all = shown(0, 1),
+                    of_first = content_of<IndexedMesh>(decoded(first, 0, 1).geometry()).triangles.size();
   REQUIRE(of_first != of_all);
   std::size_t last = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) last += shown(0.3, seed) != of_first ? 1 : 0;

@@ -2,6 +2,7 @@
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/container/piece_group.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"
 #include "tests/qnv/pinned_vectors.h"
 
@@ -53,7 +54,7 @@ StreamDecoder decoded(const Parts& parts, const std::vector<Bytes>& chunks) {
   return decoder;
 }
 
-bool same(const Cloud& a, const Cloud& b) {
+bool same(const IndexedMesh& a, const IndexedMesh& b) {
   return a.positions == b.positions && a.normals == b.normals && a.weights == b.weights && a.colors == b.colors &&
          a.triangles == b.triangles;
 }
@@ -61,7 +62,7 @@ bool same(const Cloud& a, const Cloud& b) {
 int kind_of(const Bytes& chunk) { return std::to_integer<int>(chunk[0]) & 15; }
 int stage_of(const Bytes& chunk) { return std::to_integer<int>(chunk[0]) >> 4; }
 
-std::vector<Corners> welded(const Cloud& cloud) {
+std::vector<Corners> welded(const IndexedMesh& cloud) {
   Triangles triangles;
   for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
     triangles.push_back(triangle_of(cloud.positions[cloud.triangles[i]], cloud.positions[cloud.triangles[i + 1]],
@@ -73,18 +74,18 @@ std::vector<Corners> welded(const Cloud& cloud) {
 
 TEST_CASE("switches to a later stage whatever the order of its chunks is") {
   const Parts parts = parts_of(read_bytes("displaced_stages.qnv"));
-  const Cloud wanted = decoded(parts, parts.chunks).cloud();
+  const IndexedMesh wanted = content_of<IndexedMesh>(decoded(parts, parts.chunks).geometry());
   std::mt19937 random(2);
   std::vector<Bytes> chunks = parts.chunks;
   for (int round = 0; round < 12; ++round) {
     std::shuffle(chunks.begin(), chunks.end(), random);
     const StreamDecoder decoder = decoded(parts, chunks);
-    CHECK(same(decoder.cloud(), wanted));
+    CHECK(same(content_of<IndexedMesh>(decoder.geometry()), wanted));
     CHECK(decoder.refused_chunks() == 0);
   }
   // Moves the second stage's base after all others.
   std::stable_partition(chunks.begin(), chunks.end(), [](const Bytes& chunk) { return kind_of(chunk) != 0; });
-  CHECK(same(decoded(parts, chunks).cloud(), wanted));
+  CHECK(same(content_of<IndexedMesh>(decoded(parts, chunks).geometry()), wanted));
 }
 
 TEST_CASE("keeps the previous stage if the base mesh of a stage is lost") {
@@ -95,9 +96,9 @@ TEST_CASE("keeps the previous stage if the base mesh of a stage is lost") {
     if (stage_of(chunk) == 0) first.push_back(chunk);
   }
   REQUIRE(without.size() + 1 == parts.chunks.size());
-  const Cloud cloud = decoded(parts, without).cloud();
-  CHECK(same(cloud, decoded(parts, first).cloud()));
-  CHECK(!same(cloud, decoded(parts, parts.chunks).cloud()));
+  const IndexedMesh cloud = content_of<IndexedMesh>(decoded(parts, without).geometry());
+  CHECK(same(cloud, content_of<IndexedMesh>(decoded(parts, first).geometry())));
+  CHECK(!same(cloud, content_of<IndexedMesh>(decoded(parts, parts.chunks).geometry())));
   // A stream with a damaged first stage is shown from its second one on.
   StreamReader reader;
   (void)reader.push(parts.head, [](ChunkType, std::span<const std::byte>, std::uint64_t) {});
@@ -107,9 +108,10 @@ TEST_CASE("keeps the previous stage if the base mesh of a stage is lost") {
   REQUIRE(decoder.push(encode_header(header)));
   CHECK(decoder.refused_chunks() == 1);
   CHECK(decoder.vectors() == 0);
-  CHECK(decoder.cloud().size() == 0);
+  CHECK(decoder.geometry().size() == 0);
   for (const Bytes& chunk : parts.chunks) decoder.add(ChunkType::displaced, chunk);
-  CHECK(same(decoder.cloud(), decoded(parts, parts.chunks).cloud()));
+  CHECK(same(content_of<IndexedMesh>(decoder.geometry()),
+             content_of<IndexedMesh>(decoded(parts, parts.chunks).geometry())));
 }
 
 TEST_CASE("shows small parts beside the others as soon as their chunk is received") {
@@ -122,16 +124,16 @@ TEST_CASE("shows small parts beside the others as soon as their chunk is receive
   const auto made = encode_displaced(source_of(all), {});
   REQUIRE(std::holds_alternative<EncodedStream>(made));
   const Parts parts = parts_of(std::get<EncodedStream>(made).bytes);
-  CHECK(components_of(welded(decoded(parts, {}).cloud())) == 1);
+  CHECK(components_of(welded(content_of<IndexedMesh>(decoded(parts, {}).geometry()))) == 1);
   const StreamDecoder whole = decoded(parts, parts.chunks);
-  const Cloud cloud = whole.cloud();
+  const IndexedMesh cloud = content_of<IndexedMesh>(whole.geometry());
   CHECK(whole.vectors() == cloud.size());
   const std::vector<Corners> triangles = welded(cloud);
   CHECK(components_of(triangles) == 4);
   CHECK(rims_of(triangles) == 0);
   CHECK(euler_characteristic(triangles) == 8);
   std::vector<Bytes> turned(parts.chunks.rbegin(), parts.chunks.rend());
-  CHECK(same(decoded(parts, turned).cloud(), cloud));
+  CHECK(same(content_of<IndexedMesh>(decoded(parts, turned).geometry()), cloud));
 }
 
 TEST_CASE("limits memory however many stages a stream claims") {
@@ -160,7 +162,7 @@ TEST_CASE("limits memory however many stages a stream claims") {
     }
     CHECK(decoder.full());
     CHECK(decoder.vectors() <= kMax);
-    CHECK(decoder.cloud().size() == decoder.vectors());
+    CHECK(decoder.geometry().size() == decoder.vectors());
   }
 }
 

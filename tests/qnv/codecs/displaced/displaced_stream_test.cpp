@@ -4,6 +4,7 @@
 #include "qnv/mesh/triangle_tree.h"
 #include "qnv/reader/loss.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"
 #include "tests/watched.h"
 
@@ -73,7 +74,7 @@ StreamDecoder decoded(std::span<const std::byte> bytes) {
 }
 
 /// Returns the distance of both surfaces, relative to the longest edge of the box.
-double error_of(const Cloud& cloud, const Triangles& source) {
+double error_of(const IndexedMesh& cloud, const Triangles& source) {
   SurfaceMesh made;
   made.positions = cloud.positions;
   for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
@@ -95,7 +96,7 @@ double error_of(const Cloud& cloud, const Triangles& source) {
   return std::sqrt(sum / static_cast<double>(count)) / static_cast<double>(std::max({size.x, size.y, size.z}));
 }
 
-void check_sound(const Cloud& cloud) {
+void check_sound(const IndexedMesh& cloud) {
   REQUIRE_EACH(cloud.normals.size() == cloud.size());
   REQUIRE_EACH(cloud.weights.size() == cloud.size());
   REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
@@ -105,7 +106,7 @@ void check_sound(const Cloud& cloud) {
   for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
 }
 
-bool same(const Cloud& a, const Cloud& b) {
+bool same(const IndexedMesh& a, const IndexedMesh& b) {
   return a.positions == b.positions && a.normals == b.normals && a.weights == b.weights && a.colors == b.colors &&
          a.triangles == b.triangles;
 }
@@ -137,7 +138,7 @@ TEST_CASE("approaches the surface as more of a displaced stream is received") {
       const auto bytes = head + static_cast<std::size_t>(part * static_cast<double>(s.stream.size() - head));
       const StreamDecoder decoder = decoded(std::span(s.stream).first(bytes));
       CHECK(decoder.refused_chunks() == 0);
-      const Cloud cloud = decoder.cloud();
+      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
       check_sound(cloud);
       const double error = error_of(cloud, s.triangles);
       INFO(part << " " << bytes << " bytes: " << error);
@@ -147,7 +148,7 @@ TEST_CASE("approaches the surface as more of a displaced stream is received") {
     }
     const StreamDecoder decoder = decoded(s.stream);
     CHECK(decoder.problems().empty());
-    const Cloud cloud = decoder.cloud();
+    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
     CHECK(decoder.vectors() == cloud.size());
     // The sum of weights is the shown area.
     CHECK(total_weight(cloud) == Approx(area_of(s.triangles)).epsilon(0.01));
@@ -160,7 +161,7 @@ TEST_CASE("keeps closed surfaces closed and boundaries in place") {
     for (const double part : {0.3, 1.0}) {
       const auto bytes =
           std::max(header_bytes(s.stream), static_cast<std::size_t>(part * static_cast<double>(s.stream.size())));
-      const Cloud cloud = decoded(std::span(s.stream).first(bytes)).cloud();
+      const IndexedMesh cloud = content_of<IndexedMesh>(decoded(std::span(s.stream).first(bytes)).geometry());
       // Slots at one position are one vertex.
       Triangles triangles;
       for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
@@ -175,7 +176,7 @@ TEST_CASE("keeps closed surfaces closed and boundaries in place") {
 }
 
 TEST_CASE("keeps sharp edges as creases with the normals of their sides") {
-  const Cloud cloud = decoded(samples()[3].stream).cloud();
+  const IndexedMesh cloud = content_of<IndexedMesh>(decoded(samples()[3].stream).geometry());
   std::size_t straight = 0;
   for (const glm::vec3& n : cloud.normals) straight += std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 0.98f;
   CHECK(straight > cloud.size() * 97 / 100);
@@ -183,7 +184,7 @@ TEST_CASE("keeps sharp edges as creases with the normals of their sides") {
 
 TEST_CASE("restores colours within their quantisation steps") {
   const Sample& s = samples()[4];
-  const Cloud cloud = decoded(s.stream).cloud();
+  const IndexedMesh cloud = content_of<IndexedMesh>(decoded(s.stream).geometry());
   REQUIRE(cloud.colors.size() == cloud.size());
   double sum = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -193,7 +194,7 @@ TEST_CASE("restores colours within their quantisation steps") {
   }
   // Steps of 6 and 12 in luma and chroma.
   CHECK(std::sqrt(sum / (3.0 * static_cast<double>(cloud.size()))) < 8);
-  CHECK(decoded(samples()[0].stream).cloud().colors.empty());
+  CHECK(content_of<IndexedMesh>(decoded(samples()[0].stream).geometry()).colors.empty());
 }
 
 TEST_CASE("shows a picture for every prefix that holds the header of a displaced stream") {
@@ -208,23 +209,23 @@ TEST_CASE("shows a picture for every prefix that holds the header of a displaced
       if (decoder.revision() == revision) continue;
       revision = decoder.revision();
       if (++drawn % watched_step(5) != 0) continue;
-      const Cloud cloud = decoder.cloud();
+      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
       check_sound(cloud);
       REQUIRE_EACH(cloud.size() == decoder.vectors());
     }
-    CHECK(same(decoder.cloud(), decoded(s.stream).cloud()));
+    CHECK(same(content_of<IndexedMesh>(decoder.geometry()), content_of<IndexedMesh>(decoded(s.stream).geometry())));
   }
 }
 
 TEST_CASE("decodes a displaced stream to the same surface in any pieces") {
   const Sample& s = samples()[0];
-  const Cloud wanted = decoded(s.stream).cloud();
+  const IndexedMesh wanted = content_of<IndexedMesh>(decoded(s.stream).geometry());
   for (std::size_t at = 0; at <= s.stream.size(); at += 1 + 16 * watched_step(20)) {
     StreamDecoder decoder;
     REQUIRE(decoder.push(std::span(s.stream).first(at)));
     REQUIRE(decoder.push(std::span(s.stream).subspan(at)));
     decoder.finish();
-    REQUIRE_EACH(same(decoder.cloud(), wanted));
+    REQUIRE_EACH(same(content_of<IndexedMesh>(decoder.geometry()), wanted));
   }
 }
 
@@ -232,7 +233,7 @@ TEST_CASE("decodes a displaced stream to the same surface in any order, and with
   std::mt19937 random(6);
   for (const Sample& s : samples()) {
     INFO(s.name);
-    const Cloud wanted = decoded(s.stream).cloud();
+    const IndexedMesh wanted = content_of<IndexedMesh>(decoded(s.stream).geometry());
     StreamReader reader;
     auto chunks = chunks_of(s.stream, reader);
     for (int round = 0; round < 4; ++round) {
@@ -243,7 +244,7 @@ TEST_CASE("decodes a displaced stream to the same surface in any order, and with
         decoder.add(type, payload);
         if (round == 3) decoder.add(type, payload);
       }
-      CHECK(same(decoder.cloud(), wanted));
+      CHECK(same(content_of<IndexedMesh>(decoder.geometry()), wanted));
     }
   }
 }
@@ -254,8 +255,9 @@ TEST_CASE("makes a displaced surface only rougher when chunks are lost", "[optim
   StreamReader reader;
   const auto chunks = chunks_of(stream, reader);
   REQUIRE(chunks.size() >= 6);
-  const double base = error_of(decoded(std::span(stream).first(header_bytes(stream))).cloud(), rough);
-  const double whole = error_of(decoded(stream).cloud(), rough);
+  const double base =
+      error_of(content_of<IndexedMesh>(decoded(std::span(stream).first(header_bytes(stream))).geometry()), rough);
+  const double whole = error_of(content_of<IndexedMesh>(decoded(stream).geometry()), rough);
   for (const auto& [share, factor] : {std::pair{0.1, 0.5}, {0.3, 0.8}}) {
     double sum = 0;
     constexpr int kRounds = 6;
@@ -266,7 +268,7 @@ TEST_CASE("makes a displaced surface only rougher when chunks are lost", "[optim
       for (const auto& [type, payload] : chunks)
         if (random() % 1000 >= share * 1000) decoder.add(type, payload);
       CHECK(decoder.refused_chunks() == 0);
-      const Cloud cloud = decoder.cloud();
+      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
       check_sound(cloud);
       sum += error_of(cloud, rough);
     }
@@ -279,13 +281,14 @@ TEST_CASE("makes a displaced surface only rougher when chunks are lost", "[optim
     INFO(s.name);
     StreamReader of;
     const auto few = chunks_of(s.stream, of);
-    const double alone = error_of(decoded(std::span(s.stream).first(header_bytes(s.stream))).cloud(), s.triangles);
+    const double alone = error_of(
+        content_of<IndexedMesh>(decoded(std::span(s.stream).first(header_bytes(s.stream))).geometry()), s.triangles);
     for (std::size_t lost = 0; lost < few.size(); lost += watched_step(3)) {
       StreamDecoder decoder;
       REQUIRE(decoder.push(std::span(s.stream).first(header_bytes(s.stream))));
       for (std::size_t i = 0; i < few.size(); ++i)
         if (i != lost) decoder.add(few[i].first, few[i].second);
-      CHECK(error_of(decoder.cloud(), s.triangles) < 1.5 * alone);
+      CHECK(error_of(content_of<IndexedMesh>(decoder.geometry()), s.triangles) < 1.5 * alone);
     }
   }
 }
@@ -323,7 +326,7 @@ TEST_CASE("decodes mutated chunks of a displaced stream to finite numbers or rej
         decoder.add(type, mutated);
         ++done;
       }
-      if (round % 8 == 0) check_sound(decoder.cloud());
+      if (round % 8 == 0) check_sound(content_of<IndexedMesh>(decoder.geometry()));
     }
   }
 }
@@ -337,7 +340,7 @@ TEST_CASE("decodes at most the maximum number of vectors of a displaced stream")
     CHECK(decoder.full());
     CHECK(decoder.vectors() <= most);
     CHECK(decoder.vectors() > most / 8);
-    CHECK(decoder.cloud().size() == decoder.vectors());
+    CHECK(decoder.geometry().size() == decoder.vectors());
     CHECK(decoder.refused_chunks() == 0);
   }
 }
@@ -361,17 +364,17 @@ TEST_CASE("allocates little memory for a few hostile bytes") {
   }
   CHECK(decoder.vectors() > 0);
   CHECK(decoder.vectors() <= 65536 + 8 * 1024 * 220);
-  check_sound(decoder.cloud());
+  check_sound(content_of<IndexedMesh>(decoder.geometry()));
 }
 
 TEST_CASE("encodes small and distant surfaces as precisely as others") {
   const Triangles wanted = ball(16);
-  const double error = error_of(decoded(encode(wanted)).cloud(), wanted);
+  const double error = error_of(content_of<IndexedMesh>(decoded(encode(wanted)).geometry()), wanted);
   for (const auto& [scale, away] : {std::pair{1e-12f, 0.0f}, {1e15f, 0.0f}, {1.0f, 512.0f}}) {
     Triangles other = wanted;
     for (Triangle& t : other)
       for (glm::vec3& p : t.positions) p = p * scale + away;
-    Cloud cloud = decoded(encode(other)).cloud();
+    IndexedMesh cloud = content_of<IndexedMesh>(decoded(encode(other)).geometry());
     check_sound(cloud);
     for (glm::vec3& p : cloud.positions) p = (p - away) / scale;
     CHECK(error_of(cloud, wanted) < error * 1.5 + 3e-5);
@@ -384,7 +387,7 @@ TEST_CASE("keeps the colours of a few triangles") {
     for (Triangle& t : small)
       for (std::size_t k = 0; k < 3; ++k)
         t.colors[k] = striped && t.positions[k].z > 0 ? Rgb8{20, 220, 40} : Rgb8{230, 20, static_cast<std::uint8_t>(k)};
-    const Cloud cloud = decoded(encode(small)).cloud();
+    const IndexedMesh cloud = content_of<IndexedMesh>(decoded(encode(small)).geometry());
     REQUIRE(cloud.colors.size() == cloud.size());
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       if (std::abs(cloud.positions[i].z) < 0.5f) continue;

@@ -1,6 +1,7 @@
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/container/piece_group.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/pinned_vectors.h"
 #include "tests/watched.h"
 
@@ -172,7 +173,7 @@ TEST_CASE("decodes displaced streams of version 1 to their pinned numbers") {
     decoder.finish();
     CHECK(decoder.problems().empty());
     CHECK(decoder.refused_chunks() == 0);
-    const Cloud cloud = decoder.cloud();
+    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
     const std::vector<std::uint32_t> vertex_of = shown.vertices_of_slots(depth);
     REQUIRE(cloud.size() == vertex_of.size());
     CHECK(cloud.size() >= places.size());

@@ -5,6 +5,7 @@
 #include "qnv/codecs/lossless/encode/surface_tail.h"
 #include "qnv/codecs/lossless/picture.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/lossless/exact_shapes.h"
 #include "tests/watched.h"
 
@@ -270,7 +271,7 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
       (void)decoder.push(std::span(stream->bytes).subspan(at, std::min<std::size_t>(97, stream->bytes.size() - at)));
       if (decoder.revision() == revision) continue;
       revision = decoder.revision();
-      const Cloud cloud = decoder.cloud();
+      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
       REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.positions.size()));
       REQUIRE_EACH(cloud.texture_coordinates.size() <= cloud.positions.size());
       if (cloud.texture_coordinates.empty()) continue;
@@ -288,7 +289,7 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
     decoder.finish();
     CHECK(decoder.mesh().final);
     CHECK(decoder.refused_chunks() == 0);
-    const Cloud cloud = decoder.cloud();
+    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
     CHECK(cloud.first_textured() == 0);
     CHECK(cloud.triangles.size() == 3 * torus.size());
     REQUIRE(cloud.picture);
@@ -333,11 +334,11 @@ TEST_CASE("hides a textured mesh until its texture is received") {
   });
   REQUIRE(!pictures.empty());
   CHECK(!decoder.mesh().final);
-  CHECK(decoder.cloud().texture_coordinates.empty());
-  CHECK(!decoder.cloud().empty());
+  CHECK(content_of<IndexedMesh>(decoder.geometry()).texture_coordinates.empty());
+  CHECK(decoder.geometry().size() > 0);
   for (const Bytes& payload : pictures) decoder.add(ChunkType::picture, payload);
   CHECK(decoder.mesh().final);
-  CHECK(decoder.cloud().first_textured() == 0);
+  CHECK(content_of<IndexedMesh>(decoder.geometry()).first_textured() == 0);
 }
 
 }  // namespace gs::qnv::exact::corner_test

@@ -4,6 +4,7 @@
 #include "qnv/codecs/progressive/progressive.h"
 #include "qnv/container/piece_group.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/lossless/exact_shapes.h"
 #include "tests/qnv/pinned_vectors.h"
 #include "tests/watched.h"
@@ -87,7 +88,7 @@ TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
     CHECK(normals.size() > 100);
     StreamDecoder decoder;
     REQUIRE(decoder.push(stream));
-    const Cloud cloud = decoder.cloud();
+    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
     for (const auto& [corner, n] : normals)
       REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 1e-4f);
   }
@@ -231,7 +232,7 @@ TEST_CASE("decodes a textured tail to its pinned corners, normals and texture fi
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream));
   CHECK(decoder.mesh().final);
-  const Cloud cloud = decoder.cloud();
+  const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
   REQUIRE(cloud.triangles.size() == 3 * faces.size());
   REQUIRE(cloud.texture_coordinates.size() == cloud.size());
   for (std::size_t corner = 0; corner < cloud.triangles.size(); ++corner)

@@ -4,6 +4,7 @@
 #include "qnv/codecs/lossless/encode/surface_tail.h"
 #include "qnv/container/piece_group.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/lossless/exact_shapes.h"
 #include "tests/watched.h"
 
@@ -117,7 +118,7 @@ TEST_CASE("encodes the normals of a source only if no shading rule gives them") 
       REQUIRE(decoder.push(bytes));
       CHECK(decoder.refused_chunks() == 0);
       REQUIRE(decoder.mesh().final);
-      const Cloud cloud = decoder.cloud();
+      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
       if (!bent_ones) continue;
       // The vertex nearest to the first corner of every eleventh triangle.
       double sum = 0, count = 0;

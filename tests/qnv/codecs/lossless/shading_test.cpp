@@ -1,6 +1,7 @@
 #include "qnv/codecs/lossless/shading.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/lossless/exact_shapes.h"
 #include "tests/watched.h"
 
@@ -97,21 +98,21 @@ ShadedStream stream_of(const Triangles& triangles) {
   return stream;
 }
 
-Cloud shown(const ShadedStream& stream, bool with_shading) {
+IndexedMesh shown(const ShadedStream& stream, bool with_shading) {
   StreamDecoder decoder;
   (void)decoder.push(stream.head);
   for (const auto& [type, payload] : stream.chunks)
     if (with_shading || type != ChunkType::shading) decoder.add(type, payload);
   CHECK(decoder.refused_chunks() == 0);
   CHECK(decoder.mesh().whole);
-  Cloud cloud = decoder.cloud();
+  IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
   CHECK(cloud.size() == decoder.vectors());
   return cloud;
 }
 
 /// Returns the mean angle in degrees between a point set's normals and those of the source's corners at that position
 /// and face.
-double off(const Cloud& cloud, const Triangles& source) {
+double off(const IndexedMesh& cloud, const Triangles& source) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < cloud.triangles.size(); ++i) {
@@ -195,14 +196,14 @@ TEST_CASE("shades an exact stream as its source, whenever the shading chunk is r
   const Triangles source = rough({Shading::Rule::faces, 60});
   ShadedStream stream = stream_of(source);
   REQUIRE(stream.shadings == 1);
-  const Cloud wanted = shown(stream, true);
-  const Cloud without = shown(stream, false);
+  const IndexedMesh wanted = shown(stream, true);
+  const IndexedMesh without = shown(stream, false);
   CHECK(off(wanted, source) < 1.5);
   CHECK(off(without, source) > 2 * off(wanted, source));
   CHECK(wanted.triangles.size() == without.triangles.size());
   std::stable_partition(stream.chunks.begin(), stream.chunks.end(),
                         [](const auto& chunk) { return chunk.first != ChunkType::shading; });
-  const Cloud late = shown(stream, true);
+  const IndexedMesh late = shown(stream, true);
   CHECK(late.positions == wanted.positions);
   CHECK(late.normals == wanted.normals);
   CHECK(late.triangles == wanted.triangles);
@@ -220,10 +221,10 @@ TEST_CASE("refuses an invalid shading chunk") {
   StreamDecoder decoder;
   (void)decoder.push(stream.head);
   for (const auto& [type, payload] : stream.chunks) decoder.add(type, payload);
-  const Cloud before = decoder.cloud();
+  const IndexedMesh before = content_of<IndexedMesh>(decoder.geometry());
   decoder.add(ChunkType::shading, encode_shading({Shading::Rule::faces, 5}));  // contradicts the first
   CHECK(decoder.refused_chunks() == 1);
-  CHECK(decoder.cloud().normals == before.normals);
+  CHECK(content_of<IndexedMesh>(decoder.geometry()).normals == before.normals);
 }
 
 }  // namespace gs::qnv::exact::shading_test

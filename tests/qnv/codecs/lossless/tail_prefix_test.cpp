@@ -5,6 +5,7 @@
 #include "qnv/container/piece_group.h"
 #include "qnv/reader/loss.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/lossless/exact_shapes.h"
 #include "tests/watched.h"
 
@@ -84,7 +85,7 @@ std::size_t header_bytes() {
 }
 
 /// Reports whether the segment between two points meets a triangle.
-bool meets(const Cloud& cloud, const glm::vec3& from, const glm::vec3& to) {
+bool meets(const IndexedMesh& cloud, const glm::vec3& from, const glm::vec3& to) {
   const glm::vec3 d = to - from;
   for (std::size_t i = 0; i < cloud.triangles.size(); i += 3) {
     const glm::vec3 a = cloud.positions[cloud.triangles[i]], ab = cloud.positions[cloud.triangles[i + 1]] - a,
@@ -210,9 +211,8 @@ TEST_CASE("replaces patches by the received part of the mesh without holes while
     REQUIRE(decoder.push(bytes.subspan(at, std::min(step, bytes.size() - at))));
     if (!decoder.mesh().partly) continue;
     ++mixed;
-    const Cloud cloud = decoder.cloud();
-    CHECK(!decoder.cloud_to_draw().patches);
-    CHECK(decoder.has_arrays());
+    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
+    CHECK(decoder.geometry_to_draw().as<IndexedMesh>());
     REQUIRE(cloud.size() == decoder.vectors());
     REQUIRE(cloud.normals.size() == cloud.size());
     for (const float w : cloud.weights) REQUIRE_EACH(w > 0);
@@ -228,7 +228,7 @@ TEST_CASE("replaces patches by the received part of the mesh without holes while
     }
   }
   CHECK(mixed > 5);
-  CHECK(last < decoder.cloud().triangles.size() / 3);
+  CHECK(last < content_of<IndexedMesh>(decoder.geometry()).triangles.size() / 3);
   CHECK(decoder.mesh().whole);
 }
 
@@ -253,11 +253,10 @@ TEST_CASE("hides a partial tail without its table, or beside another stage than 
     }
     REQUIRE(pieces > 5);
     CHECK(decoder.mesh().triangles > 100);
-    CHECK(!decoder.has_arrays());
-    const Cloud cloud = decoder.cloud();
+    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
     CHECK(cloud.size() == decoder.vectors());
     CHECK(cloud.triangles.size() % 3 == 0);
-    CHECK(decoder.cloud_to_draw().patches);
+    CHECK(decoder.geometry_to_draw().as<SurfacePatches>());
   }
 }
 

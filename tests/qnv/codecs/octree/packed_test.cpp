@@ -50,8 +50,8 @@ struct Packed {
   }
 
   /// Returns the splats of all voxels of one level.
-  [[nodiscard]] Cloud discs(int at) const {
-    Cloud cloud;
+  [[nodiscard]] Splats discs(int at) const {
+    Splats cloud;
     for (const Cluster& cluster : clusters)
       if (cluster.level() == at) append_discs(cluster, 0, cluster.voxels.size(), cube, cloud);
     return cloud;
@@ -108,7 +108,7 @@ TEST_CASE("decodes an octree sphere within the promised errors on every level") 
     const Packed packed(ball, 7, options);
     check_promises(packed);
     for (int level = packed.clusters.front().level(); level <= 7; ++level) {
-      const Cloud cloud = packed.discs(level);
+      const Splats cloud = packed.discs(level);
       const float edge = packed.cube.edge / static_cast<float>(1 << level);
       INFO("level " << level << ", " << cloud.size() << " discs, compact " << compact);
       CHECK(total_weight(cloud) == Approx(area_of(ball)).epsilon(0.05));
@@ -135,7 +135,7 @@ TEST_CASE("keeps the faces of an octree cube, and both faces at its edges") {
   const Triangles cube = box_shape({-1, -1, -1}, {1, 1, 1}, 3);
   const Packed packed(cube, 7);
   check_promises(packed);
-  const Cloud cloud = packed.discs(7);
+  const Splats cloud = packed.discs(7);
   CHECK(total_weight(cloud) == Approx(24).epsilon(0.05));
   std::size_t flat = 0;
   for (const glm::vec3& n : cloud.normals) flat += std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 0.999f;
@@ -146,7 +146,7 @@ TEST_CASE("keeps both sides of a thin sheet") {
   const Triangles sheet = two_sided_sheet();
   const Packed packed(sheet, 6);
   check_promises(packed);
-  const Cloud cloud = packed.discs(6);
+  const Splats cloud = packed.discs(6);
   CHECK(total_weight(cloud) == Approx(area_of(sheet)).epsilon(0.1));
   glm::dvec3 sum(0);
   std::size_t up = 0;
@@ -179,7 +179,7 @@ TEST_CASE("shows a thin plate as a sheet on coarse levels and as two faces on fi
     INFO("level " << level << ": " << doubles << " of " << voxels);
     CHECK((level == 4 ? doubles * 10 > voxels * 6 : doubles * 10 < voxels));
     double up = 0, down = 0;
-    const Cloud cloud = packed.discs(level);
+    const Splats cloud = packed.discs(level);
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       (cloud.normals[i].z > 0 ? up : down) += cloud.weights[i];
     }
@@ -205,7 +205,7 @@ TEST_CASE("restores colours within half a step") {
       REQUIRE_EACH(std::abs(want[2] - v.cg[i]) <= 8);
     }
   }
-  const Cloud cloud = packed.discs(6);
+  const Splats cloud = packed.discs(6);
   REQUIRE(cloud.colors.size() == cloud.size());
   for (int r = 0; r < 256; r += 5)
     for (int g = 0; g < 256; g += 5)
@@ -344,7 +344,7 @@ TEST_CASE("survives every flipped bit of a cluster, and detects nearly all") {
       if (const auto* cluster = std::get_if<Cluster>(&result)) {
         ++unnoticed;
         REQUIRE(cluster->voxels.size() <= 64 * payload.size());
-        Cloud cloud;
+        Splats cloud;
         append_discs(*cluster, 0, cluster->voxels.size(), packed.cube, cloud);
         for (std::size_t i = 0; i < cloud.size(); ++i) {
           REQUIRE_EACH(cloud.weights[i] > 0);

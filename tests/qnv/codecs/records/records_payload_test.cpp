@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -28,9 +29,9 @@ namespace gs::qnv {
 namespace {
 
 // Returns a dented ball with colours and different weights.
-Cloud ball(std::size_t count, Kind kind = Kind::surface) {
-  Cloud cloud;
-  cloud.description.kind = kind;
+template <class T = Splats>
+T ball(std::size_t count) {
+  T cloud;
   for (std::size_t i = 0; i < count; ++i) {
     const double z = 1 - 2 * (static_cast<double>(i) + 0.5) / static_cast<double>(count), r = std::sqrt(1 - z * z);
     const double a = static_cast<double>(i) * std::numbers::pi * (3 - std::sqrt(5));
@@ -39,7 +40,7 @@ Cloud ball(std::size_t count, Kind kind = Kind::surface) {
     cloud.positions.push_back(n * size + glm::vec3(10, 20, -5));
     cloud.normals.push_back(n);
     cloud.weights.push_back(1e-4f * (1.5f + std::sin(static_cast<float>(i % 100))));
-    if (kind == Kind::surface) {
+    if constexpr (std::same_as<T, Splats>) {
       cloud.colors.push_back(
           {static_cast<std::uint8_t>(100 + 99 * n.x), static_cast<std::uint8_t>(n.y > 0 ? 200 : 0), 7});
     } else {
@@ -85,8 +86,7 @@ unsigned octant(const Box& box, const glm::vec3& p) {
   return (p.x >= box.lower.x + half) | (p.y >= box.lower.y + half) << 1 | (p.z >= box.lower.z + half) << 2;
 }
 
-std::array<double, 8> by_octant(const Box& box, std::span<const glm::vec3> positions,
-                                const std::vector<float>& weights) {
+std::array<double, 8> by_octant(const Box& box, std::span<const glm::vec3> positions, std::span<const float> weights) {
   std::array<double, 8> sums{};
   for (std::size_t i = 0; i < positions.size(); ++i) sums[octant(box, positions[i])] += weights[i];
   return sums;
@@ -118,12 +118,11 @@ TEST_CASE("decodes a pinned chunk to its vectors") {
 }
 
 TEST_CASE("pins the encoding of one vector") {
-  Cloud cloud;
+  Volume cloud;
   cloud.positions = {{1, 2, 3}};
   cloud.normals = {{0, 0, 1}};
   cloud.weights = {0.5f};
   cloud.classes = {9};
-  cloud.description.kind = Kind::volume;
   cloud.description.box.add({0, 0, 0});
   cloud.description.box.add({4, 4, 4});
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
@@ -148,7 +147,7 @@ TEST_CASE("pins the encoding of one vector") {
 }
 
 TEST_CASE("encodes each vector in one chunk, within half a step of its position") {
-  const Cloud cloud = ball(30'000);
+  const Splats cloud = ball(30'000);
   const std::vector<Rgb8> palette = make_palette(cloud.colors);
   const std::vector<std::uint8_t> indices = palette_indices(cloud.colors, palette);
   RecordsOptions options;
@@ -215,7 +214,7 @@ TEST_CASE("encodes each vector in one chunk, within half a step of its position"
 }
 
 TEST_CASE("makes chunks of useful size that resolve more than the whole box does") {
-  const Cloud cloud = ball(60'000);
+  const Splats cloud = ball(60'000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   REQUIRE(chunks.size() > 30);
   CHECK(chunks[0].header.count == 768);
@@ -232,7 +231,7 @@ TEST_CASE("makes chunks of useful size that resolve more than the whole box does
 }
 
 TEST_CASE("makes chunks that do not depend on threads, within seeds and limits") {
-  const Cloud cloud = ball(40'000);
+  const Splats cloud = ball(40'000);
   const auto bytes = [&](const RecordsOptions& options) {
     std::vector<std::byte> all;
     for (const RecordsChunk& chunk : encode_records(cloud, options))
@@ -257,8 +256,8 @@ TEST_CASE("makes chunks that do not depend on threads, within seeds and limits")
 }
 
 TEST_CASE("encodes point sets with invalid or coincident vectors") {
-  CHECK(encode_records({}, {}).empty());
-  Cloud cloud = ball(500, Kind::volume);
+  CHECK(encode_records(Splats(), {}).empty());
+  auto cloud = ball<Volume>(500);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   cloud.positions[3].y = nan;
   cloud.weights[5] = 0;
@@ -267,7 +266,7 @@ TEST_CASE("encodes point sets with invalid or coincident vectors") {
   std::size_t count = 0;
   for (const RecordsChunk& chunk : encode_records(cloud, {})) count += decoded(chunk).size();
   CHECK(count == 496);
-  Cloud same;  // all coincident
+  Splats same;  // all coincident
   for (int i = 0; i < 3000; ++i) {
     same.positions.push_back({1, 2, 3});
     same.normals.push_back({0, 1, 0});
@@ -293,7 +292,7 @@ TEST_CASE("encodes point sets with invalid or coincident vectors") {
 }
 
 TEST_CASE("decodes every prefix of a chunk to its complete records") {
-  const Cloud cloud = ball(200);
+  const Splats cloud = ball(200);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   REQUIRE(chunks.size() == 1);
   const RecordsPatch whole = decoded(chunks[0]);
@@ -333,7 +332,7 @@ TEST_CASE("drops records in lost ranges") {
 }
 
 TEST_CASE("rejects damaged chunks or decodes them to finite vectors") {
-  const Cloud cloud = ball(60);
+  const Splats cloud = ball(60);
   const std::vector<std::byte> good = encode_records(cloud, {}).at(0).payload;
   std::mt19937 random(1);
   RecordsAssembly assembly(cloud.description);
@@ -366,8 +365,9 @@ TEST_CASE("rejects damaged chunks or decodes them to finite vectors") {
 }
 
 TEST_CASE("keeps the weight of the whole and of its octants in every prefix of the chunks") {
-  for (const Kind kind : {Kind::surface, Kind::volume}) {
-    const Cloud cloud = ball(25'000, kind);
+  const Splats surface = ball(25'000);
+  const auto volume = ball<Volume>(25'000);
+  for (const VectorView& cloud : {VectorView(surface), VectorView(volume)}) {
     const Box& box = cloud.description.box;
     const std::array<double, 8> source = by_octant(box, cloud.positions, cloud.weights);
     RecordsAssembly assembly(cloud.description);
@@ -390,7 +390,7 @@ TEST_CASE("keeps the weight of the whole and of its octants in every prefix of t
 }
 
 TEST_CASE("keeps the weight of every cell, whichever records are lost") {
-  const Cloud cloud = ball(30'000);
+  const Splats cloud = ball(30'000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   std::mt19937 random(2);
   for (const unsigned loss : {10u, 30u, 50u, 90u, 99u}) {
@@ -426,7 +426,7 @@ TEST_CASE("keeps the weight of every cell, whichever records are lost") {
 }
 
 TEST_CASE("limits the size of a vector to twice its cell") {
-  const Cloud cloud = ball(30'000);
+  const Splats cloud = ball(30'000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   // Five tiny records of one deep chunk, out of everything.
   RecordsAssembly assembly(cloud.description);
@@ -458,7 +458,7 @@ TEST_CASE("limits the size of a vector to twice its cell") {
 }
 
 TEST_CASE("counts repeated vectors once and adds up parts") {
-  const Cloud cloud = ball(5000);
+  const Splats cloud = ball(5000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
   RecordsAssembly whole(cloud.description), pieces(cloud.description);
   for (const RecordsChunk& chunk : chunks) {

@@ -73,7 +73,7 @@ TEST_CASE("restores a volume's vectors at their voxels, with small errors") {
   double turned = 0;
   for (const VolumeCluster& cluster : all.clusters) {
     if (cluster.level() != all.lattice.depth) continue;
-    Cloud cloud;
+    Volume cloud;
     append_vectors(cluster, 0, cluster.voxels.size(), all.lattice, cloud);
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const auto found = truth.find(key_of(cluster.voxels, i));
@@ -169,7 +169,7 @@ TEST_CASE("fits volume clusters into a datagram, equally on any number of thread
 
 void check_sound(const VolumeCluster& cluster, std::size_t bytes, const VoxelLattice& lattice) {
   REQUIRE(cluster.voxels.size() <= 64 * bytes);
-  Cloud cloud;
+  Volume cloud;
   append_vectors(cluster, 0, cluster.voxels.size(), lattice, cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     REQUIRE_EACH((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));

@@ -25,10 +25,10 @@ using gs::test::volume_of;
 
 namespace {
 
-Cloud encoded(const VolumeSource& source, GradientOptions options = {.fraction = 1}) {
+Volume encoded(const VolumeSource& source, GradientOptions options = {.fraction = 1}) {
   auto result = gradient_vectors(source, options);
   if (const auto* problem = std::get_if<VolumeError>(&result)) FAIL(problem->message);
-  return std::get<Cloud>(std::move(result));
+  return std::get<Volume>(std::move(result));
 }
 
 std::string problem_of(const VolumeSource& source, const GradientOptions& options = {}) {
@@ -45,7 +45,7 @@ VolumeSource noise(std::uint32_t n, unsigned gap_percent, int levels) {
   });
 }
 
-bool same_vectors(const Cloud& a, const Cloud& b) {
+bool same_vectors(const Volume& a, const Volume& b) {
   return a.positions == b.positions && a.normals == b.normals && a.weights == b.weights && a.classes == b.classes &&
          a.description == b.description;
 }
@@ -58,14 +58,13 @@ TEST_CASE("computes the same gradient of a linear ramp everywhere, for any axes"
   const VolumeSource source = volume_of(layout, [&](auto x, auto y, auto z) {
     return glm::dot(slope, place_of(layout, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)));
   });
-  const Cloud cloud = encoded(source);
+  const Volume cloud = encoded(source);
   REQUIRE(cloud.size() == 7 * 6 * 5);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     CHECK(cloud.weights[i] == Approx(glm::length(slope)).epsilon(1e-4));
     CHECK(glm::distance(cloud.normals[i], glm::normalize(slope)) < 1e-4f);
   }
   CHECK(cloud.description.total == Approx(210 * glm::length(slope)).epsilon(1e-4));
-  CHECK(cloud.description.kind == Kind::volume);
   CHECK(cloud.description.spacing == Approx(glm::length(layout.axes[0])));
 }
 
@@ -74,7 +73,7 @@ TEST_CASE("computes the vectors around a single voxel as differences by hand do"
   layout.dimensions = {5, 1, 1};
   layout.axes[0].x = 2;
   layout.metadata = {{"title", "row"}};
-  const Cloud cloud = encoded(volume_of<std::uint8_t>(layout, {0, 0, 8, 4, 4}));
+  const Volume cloud = encoded(volume_of<std::uint8_t>(layout, {0, 0, 8, 4, 4}));
   // Differences: (0-0)/2, (8-0)/4, (4-0)/4, (4-8)/4, (4-4)/2.
   REQUIRE(cloud.size() == 3);
   CHECK(cloud.weights == std::vector<float>{2, 1, 1});
@@ -95,7 +94,7 @@ TEST_CASE("omits vectors at missing voxels, and takes one-sided differences besi
     f32.type = VoxelType::f32;
     return encoded(volume_of(f32, std::move(values)));
   };
-  const Cloud cloud = along_x({1, 3, kNaN, 5, kNaN, 8, 9});
+  const Volume cloud = along_x({1, 3, kNaN, 5, kNaN, 8, 9});
   // 1: 3-1 at the border; 3: 3-1; 5: no neighbour at all; 8: 9-8; 9: 9-8.
   REQUIRE(cloud.size() == 4);
   CHECK(cloud.weights == std::vector<float>{2, 2, 1, 1});
@@ -105,7 +104,7 @@ TEST_CASE("omits vectors at missing voxels, and takes one-sided differences besi
   CHECK(cloud.description.value_range == std::pair<float, float>{1, 9});
 
   layout.missing = 255;
-  const Cloud masked = encoded(volume_of<std::uint8_t>(layout, {1, 1, 255, 1, 1, 2, 255}));
+  const Volume masked = encoded(volume_of<std::uint8_t>(layout, {1, 1, 255, 1, 1, 2, 255}));
   REQUIRE(masked.size() == 2);
   CHECK(masked.weights == std::vector<float>{1, 0.5f});
   CHECK(masked.description.value_range.second == 2);
@@ -118,7 +117,7 @@ TEST_CASE("points the gradients of a ball to its centre, for any axes") {
     return 100 -
            glm::distance(centre, place_of(layout, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)));
   });
-  const Cloud cloud = encoded(source);
+  const Volume cloud = encoded(source);
   REQUIRE(cloud.size() == 40 * 30 * 20);
   std::size_t far_away = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -132,7 +131,7 @@ TEST_CASE("points the gradients of a ball to its centre, for any axes") {
 }
 
 TEST_CASE("sorts vectors by length, equal ones by voxel") {
-  const Cloud cloud = encoded(noise(20, 0, 3));
+  const Volume cloud = encoded(noise(20, 0, 3));
   const VolumeLayout layout = oblique(20, 23, 18);
   std::map<std::tuple<float, float, float>, std::size_t> voxels;
   std::size_t index = 0;
@@ -165,13 +164,13 @@ TEST_CASE("sorts vectors by length, equal ones by voxel") {
 
 TEST_CASE("encodes fewer vectors as the beginning of more") {
   const VolumeSource source = noise(24, 5, 100);
-  const Cloud all = encoded(source);
+  const Volume all = encoded(source);
   const std::uint64_t voxels = 24 * 27 * 22;
   for (const GradientOptions& options :
        {GradientOptions{.fraction = 0.09}, GradientOptions{.fraction = 0.5},
         GradientOptions{.fraction = 1, .vectors = 77}, GradientOptions{.fraction = 1, .vectors = 0},
         GradientOptions{.fraction = 0}}) {
-    const Cloud some = encoded(source, options);
+    const Volume some = encoded(source, options);
     const auto expected = std::min<std::uint64_t>(
         {options.vectors, static_cast<std::uint64_t>(std::lround(options.fraction * static_cast<double>(voxels))),
          all.size()});
@@ -194,7 +193,7 @@ TEST_CASE("cuts more equal lengths than one sort holds at the right voxel") {
       values.push_back(static_cast<std::uint16_t>(z * 4 + (z >= 40 ? 4 : 0)));
   layout.type = VoxelType::u16;
   const VolumeSource source = volume_of(layout, std::move(values));
-  const Cloud cloud = encoded(source, {.fraction = 1, .vectors = 40000, .threads = 3});
+  const Volume cloud = encoded(source, {.fraction = 1, .vectors = 40000, .threads = 3});
   REQUIRE(cloud.size() == 40000);
   const std::size_t steep = 2 * 128 * 128;  // slices 39 and 40: (z + 1) * 4 + 4 - (z - 1) * 4, halved
   CHECK(cloud.weights[steep - 1] == 6);
@@ -210,7 +209,7 @@ TEST_CASE("cuts more equal lengths than one sort holds at the right voxel") {
 TEST_CASE("encodes a volume to the same bits on any number of threads") {
   for (const unsigned gaps : {0u, 20u}) {
     const VolumeSource source = noise(70, gaps, 50);
-    const Cloud one = encoded(source, {.fraction = 0.3, .threads = 1});
+    const Volume one = encoded(source, {.fraction = 0.3, .threads = 1});
     for (const unsigned threads : {2u, 3u, 8u})
       CHECK(same_vectors(one, encoded(source, {.fraction = 0.3, .threads = threads})));
   }
@@ -253,7 +252,7 @@ TEST_CASE("encodes values at the limits of floats as finite vectors") {
     const VolumeSource source = volume_of(layout, [&](auto x, auto y, auto z) {
       return (x + y + z) % 2 == 0 ? scale : -scale / 2 * static_cast<float>(x);
     });
-    const Cloud cloud = encoded(source);
+    const Volume cloud = encoded(source);
     REQUIRE_FALSE(cloud.empty());
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       REQUIRE((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
@@ -288,7 +287,7 @@ TEST_CASE("reports why a volume cannot be encoded") {
 TEST_CASE("encodes a volume of one value as a description without vectors") {
   VolumeLayout layout;
   layout.dimensions = {3, 2, 2};
-  const Cloud cloud = encoded(volume_of<std::uint8_t>(layout, std::vector<std::uint8_t>(12, 9)));
+  const Volume cloud = encoded(volume_of<std::uint8_t>(layout, std::vector<std::uint8_t>(12, 9)));
   CHECK(cloud.empty());
   CHECK(cloud.description.total == 0);
   CHECK(cloud.description.value_range == std::pair<float, float>{9, 9});
@@ -317,7 +316,7 @@ TEST_CASE("reports progress up to its end") {
   std::vector<std::uint8_t> voxels(144);
   for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<std::uint8_t>(i);
   const auto result = gradient_vectors(volume_of(layout, voxels), {}, &progress);
-  CHECK(std::holds_alternative<Cloud>(result));
+  CHECK(std::holds_alternative<Volume>(result));
   CHECK(progress.total == 9);
   CHECK(std::string(progress.stage.load()) == "sorting");
 }

@@ -47,7 +47,7 @@ inline displaced::Surface rough_surface(const displaced::SurfaceMesh& mesh, int 
 }
 
 inline SurfacePatches patches_of(const displaced::Surface& surface, int level) {
-  return {{PatchSurface::make(surface, level, Box{glm::vec3(-1), glm::vec3(1)})}};
+  return {{}, {PatchSurface::make(surface, level, Box{glm::vec3(-1), glm::vec3(1)})}};
 }
 
 }  // namespace gs::qnv

@@ -4,6 +4,7 @@
 #include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/codecs/displaced/tessellation/patch_shapes.h"
 
 #include <glm/geometric.hpp>
@@ -202,16 +203,16 @@ TEST_CASE("draws every prefix of a stream as it is decoded") {
   REQUIRE(std::holds_alternative<EncodedStream>(made));
   const std::vector<std::byte>& bytes = std::get<EncodedStream>(made).bytes;
   StreamDecoder decoder;
-  Cloud former;
+  SurfacePatches former;
   bool shares = false;
   std::size_t states = 0;
   for (std::size_t at = 0; at < bytes.size(); at += 300) {
     REQUIRE(decoder.push(std::span(bytes).subspan(at, std::min<std::size_t>(300, bytes.size() - at))));
     if (!decoder.header()) continue;
-    const Cloud now = decoder.cloud_to_draw(), whole = decoder.cloud();
-    REQUIRE(now.patches);
-    CHECK(now.patches->vertex_count() == whole.size());
-    const Drawn drawn(*now.patches, even_cut(*now.patches, 1u << 30));
+    const auto now = content_of<SurfacePatches>(decoder.geometry_to_draw());
+    const auto whole = content_of<IndexedMesh>(decoder.geometry());
+    CHECK(now.parts[0]->vertex_count() == whole.size());
+    const Drawn drawn(now, even_cut(now, 1u << 30));
     CHECK(drawn.triangles.size() == whole.triangles.size() / 3);
     std::size_t found = 0;
     for (const glm::vec3& p : whole.positions) found += drawn.numbers.contains(Place(p.x, p.y, p.z)) ? 1 : 0;
@@ -224,8 +225,8 @@ TEST_CASE("draws every prefix of a stream as it is decoded") {
         close = close || glm::length(drawn.places[it->second] - whole.positions[i]) < 1e-5f;
       REQUIRE(close);
     }
-    if (former.patches && former.patches->parts[0]->level() == now.patches->parts[0]->level())
-      shares = shares || now.patches->parts[0]->shared_bytes(*former.patches->parts[0]) > 0;
+    if (!former.parts.empty() && former.parts[0]->level() == now.parts[0]->level())
+      shares = shares || now.parts[0]->shared_bytes(*former.parts[0]) > 0;
     former = now;
     ++states;
   }

@@ -1,5 +1,6 @@
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/surface_shapes.h"
 #include "tests/watched.h"
 
@@ -19,8 +20,8 @@ using namespace gs::qnv;
 namespace {
 
 /// Returns points of a ball with equal areas.
-Cloud ball_of_points(std::size_t count) {
-  Cloud cloud;
+Splats ball_of_points(std::size_t count) {
+  Splats cloud;
   cloud.description.two_sided = true;
   cloud.description.origin = {6e6, 0, 0};
   cloud.description.metadata = {{"up", "z"}};
@@ -36,18 +37,18 @@ Cloud ball_of_points(std::size_t count) {
   return cloud;
 }
 
-Cloud decoded_points(const EncodedStream& stream) {
+Splats decoded_points(const EncodedStream& stream) {
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
   decoder.finish();
   REQUIRE(decoder.problems().empty());
-  return decoder.cloud();
+  return content_of<Splats>(decoder.geometry());
 }
 
 }  // namespace
 
 TEST_CASE("packs points of a surface at their positions, with their normals and without gaps") {
-  Cloud points = ball_of_points(8000);
+  Splats points = ball_of_points(8000);
   EncodeOptions options;
   options.metadata = {{"title", "ball"}};
   const auto result = encode_points(points, options);
@@ -59,7 +60,7 @@ TEST_CASE("packs points of a surface at their positions, with their normals and 
         std::vector<std::pair<std::string, std::string>>{{"title", "ball"}, {"up", "z"}});
   CHECK(stream.header.description.total == Approx(4 * std::numbers::pi * 9).epsilon(0.001));
   CHECK(stream.bytes.size() < 8000 * 3);  // records would need 8000 * 8
-  const Cloud cloud = decoded_points(stream);
+  const Splats cloud = decoded_points(stream);
   CHECK(cloud.size() > 4000);
   CHECK(cloud.size() < 20'000);
   CHECK(total_weight(cloud) == Approx(4 * std::numbers::pi * 9).epsilon(0.05));
@@ -72,16 +73,17 @@ TEST_CASE("packs points of a surface at their positions, with their normals and 
 }
 
 TEST_CASE("skips invalid points, and refuses points that form no surface") {
-  Cloud points = ball_of_points(500);
+  Splats points = ball_of_points(500);
   points.positions[7].x = std::numeric_limits<float>::quiet_NaN();
   points.normals[8] = glm::vec3(0);
   points.weights[9] = -1;
   CHECK(std::holds_alternative<EncodedStream>(encode_points(points, {})));
-  Cloud none = points;
+  Splats none = points;
   none.weights.assign(none.size(), 0);
   CHECK(std::holds_alternative<EncodeError>(encode_points(none, {})));
   none.weights.pop_back();
   CHECK(std::holds_alternative<EncodeError>(encode_points(none, {})));
-  points.description.kind = Kind::volume;
-  CHECK(std::holds_alternative<EncodeError>(encode_points(points, {})));
+  Volume volume;
+  static_cast<VectorArrays&>(volume) = points;
+  CHECK(std::holds_alternative<EncodeError>(encode_points(volume, {})));
 }

@@ -3,6 +3,7 @@
 #include "qnv/codecs/shared/encode_options.h"
 
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/surface_shapes.h"
 
 #include <catch2/catch.hpp>
@@ -19,14 +20,14 @@
 namespace gs::qnv {
 namespace {
 
-Cloud decoded(const EncodedStream& stream) {
+Splats decoded(const EncodedStream& stream) {
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
   decoder.finish();
   CHECK(decoder.problems().empty());
   CHECK(decoder.refused_chunks() == 0);
-  CHECK(decoder.vectors() == decoder.cloud().size());
-  return decoder.cloud();
+  CHECK(decoder.vectors() == decoder.geometry().size());
+  return content_of<Splats>(decoder.geometry());
 }
 
 std::string error_of(const TriangleSource& source, const EncodeOptions& options = {}, Progress* progress = nullptr) {
@@ -43,7 +44,7 @@ TEST_CASE("describes its surface in the header of a stream") {
   options.metadata = {{"title", "Ball"}};
   const EncodedStream stream = encoded(ball, options);
   const Description& d = stream.header.description;
-  CHECK(d.kind == Kind::surface);
+  CHECK(stream.header.kind == Kind::surface);
   CHECK(d.box == box_of(ball));
   CHECK(d.total == Approx(area_of(ball)));
   CHECK_FALSE(d.two_sided);  // it is closed, so its inside is invisible
@@ -64,7 +65,7 @@ TEST_CASE("encodes about the requested number of vectors, with the area of the s
   for (const std::size_t vectors : {500u, 2000u, 10000u, 40000u}) {
     EncodeOptions options;
     options.vectors = vectors;
-    const Cloud cloud = decoded(encoded(ball, options));
+    const Splats cloud = decoded(encoded(ball, options));
     INFO(vectors << " asked for, " << cloud.size() << " came");
     CHECK(cloud.size() >= vectors * 9 / 10);
     CHECK(cloud.size() <= vectors + 5000);
@@ -99,7 +100,7 @@ TEST_CASE("never exceeds the requested length of a stream", "[optimised]") {
     INFO(most << " asked for, " << stream.bytes.size() << " came");
     CHECK(stream.bytes.size() <= most);
     if (most >= 3000) CHECK(stream.bytes.size() > most * 6 / 10);
-    const Cloud cloud = decoded(stream);
+    const Splats cloud = decoded(stream);
     CHECK(static_cast<double>(cloud.size()) >= last);
     CHECK(total_weight(cloud) == Approx(area_of(ball)).epsilon(most < 900 ? 0.5 : 0.2));
     StreamDecoder decoder;
@@ -136,7 +137,7 @@ TEST_CASE("encodes one colour for all vectors, or one per vector") {
   CHECK(decoded(plain).colors.empty());
   for (Triangle& t : red)
     if (t.positions[0].z > 0) t.colors.fill({10, 10, 200});
-  const Cloud two = decoded(encoded(red, options));
+  const Splats two = decoded(encoded(red, options));
   REQUIRE(two.colors.size() == two.size());
   for (std::size_t i = 0; i < two.size(); ++i)
     if (std::abs(two.positions[i].z) > 0.3f) REQUIRE((two.colors[i].b > two.colors[i].r) == (two.positions[i].z > 0));
@@ -192,7 +193,7 @@ TEST_CASE("encodes surfaces of extreme size as vectors that can be drawn") {
       const Triangles ball = sphere(12, size);
       const auto result = encode_surface(source_of(ball), options);
       if (std::holds_alternative<EncodeError>(result)) continue;  // reports it
-      const Cloud cloud = decoded(std::get<EncodedStream>(result));
+      const Splats cloud = decoded(std::get<EncodedStream>(result));
       REQUIRE_FALSE(cloud.empty());
       for (std::size_t i = 0; i < cloud.size(); ++i) {
         REQUIRE(cloud.weights[i] > 0);

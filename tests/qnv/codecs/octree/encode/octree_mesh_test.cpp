@@ -4,6 +4,7 @@
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/loss.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/surface_shapes.h"
 #include "tests/watched.h"
 
@@ -59,8 +60,8 @@ TEST_CASE("ends an octree with the mesh if its colours have borders") {
       if (!decoder.header()) continue;
       const bool is_mesh = decoder.mesh().whole;
       REQUIRE_EACH((is_mesh || !mesh));
-      const Cloud cloud = decoder.cloud();
-      REQUIRE_EACH(cloud.triangles.empty() != is_mesh);
+      const Geometry cloud = decoder.geometry();
+      REQUIRE_EACH((cloud.as<IndexedMesh>() != nullptr) == is_mesh);
       REQUIRE_EACH(cloud.size() == decoder.vectors());
       if (!is_mesh) {
         REQUIRE_EACH(cloud.size() >= discs);
@@ -72,7 +73,7 @@ TEST_CASE("ends an octree with the mesh if its colours have borders") {
     CHECK(discs > 100);
     CHECK(decoder.mesh().final);
     CHECK(decoder.refused_chunks() == 0);
-    const Cloud cloud = decoder.cloud();
+    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
     CHECK(cloud.triangles.size() == 3 * triangles_with_area(all));
     std::set<std::array<int, 3>> colors;
     for (const Rgb8& c : cloud.colors) colors.insert({c.r, c.g, c.b});
@@ -113,7 +114,7 @@ TEST_CASE("usually restores the mesh of an octree after the loss of a third of i
     StreamDecoder decoder;
     REQUIRE(decoder.push(drop_packets(stream.bytes, 0.3, seed)));
     whole += decoder.mesh().final ? 1 : 0;
-    CHECK(!decoder.cloud().empty());
+    CHECK(decoder.geometry().size() > 0);
   }
   CHECK(whole >= kSeeds / 2);
 }

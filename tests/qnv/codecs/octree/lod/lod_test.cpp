@@ -3,6 +3,7 @@
 
 #include "qnv/reader/loss.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/lod_streams.h"
 
 #include <catch2/catch.hpp>
@@ -19,7 +20,7 @@ TEST_CASE("returns all vectors of the decoder for a cut without limits") {
   const EncodedStream& stream = sphere_stream(60'000);
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
-  const Cloud all = decoder.cloud();
+  const Splats all = content_of<Splats>(decoder.geometry());
   std::vector<std::array<float, 3>> expected;
   for (const glm::vec3& p : all.positions) expected.push_back({p.x, p.y, p.z});
   std::sort(expected.begin(), expected.end());
@@ -67,7 +68,7 @@ TEST_CASE("neither refines nor draws clusters outside of the view") {
   double inside = 0;
   for (const Piece& piece : pieces)
     for (std::size_t i = piece.first; i < piece.first + piece.count; ++i)
-      if (piece.cloud->positions[i].x > 0.5f) inside += piece.cloud->weights[i];
+      if (piece.splats->positions[i].x > 0.5f) inside += piece.splats->weights[i];
   CHECK(inside == Approx(kSphereArea / 4).epsilon(0.06));
 }
 
@@ -149,7 +150,7 @@ TEST_CASE("keeps the other records and the area after lost packets") {
   StreamDecoder decoder;
   REQUIRE(decoder.push(drop_packets(stream.bytes, 0.3, 3)));
   decoder.finish();
-  const Cloud cloud = decoder.cloud();
+  const Splats cloud = content_of<Splats>(decoder.geometry());
   CHECK(cloud.size() > 12'000);
   CHECK(cloud.size() < 16'500);
   double sum = 0;

@@ -1,4 +1,5 @@
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/lod_streams.h"
 
 #include <glm/geometric.hpp>
@@ -13,15 +14,15 @@ std::set<std::array<float, 3>> facing(const std::vector<Piece>& pieces, const gl
   std::set<std::array<float, 3>> out;
   for (const Piece& piece : pieces)
     for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) {
-      const glm::vec3& p = piece.cloud->positions[i];
-      if (glm::dot(piece.cloud->normals[i], p - eye) <= 0) out.insert({p.x, p.y, p.z});
+      const glm::vec3& p = piece.splats->positions[i];
+      if (glm::dot(piece.splats->normals[i], p - eye) <= 0) out.insert({p.x, p.y, p.z});
     }
   return out;
 }
 
 float finest_edge(const std::vector<Piece>& pieces) {
   float finest = 1e9f;
-  for (const Piece& piece : pieces) finest = std::min(finest, piece.cloud->cells[piece.first].edge);
+  for (const Piece& piece : pieces) finest = std::min(finest, piece.splats->cells[piece.first].edge);
   return finest;
 }
 
@@ -31,9 +32,9 @@ TEST_CASE("returns all vectors of the decoder") {
   const EncodedStream stream = stream_of(bumpy_sphere(60), 20'000);
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
-  const Cloud expected = decoder.cloud();
+  const Splats expected = content_of<Splats>(decoder.geometry());
   const auto lod = opened_there(stream.bytes);
-  const Cloud all = lod->whole();
+  const Splats all = lod->whole();
   CHECK(all.description == stream.header.description);
   CHECK(places(all.positions) == places(expected.positions));
   CHECK(total_weight(all) == Approx(total_weight(expected)));
@@ -54,10 +55,10 @@ TEST_CASE("reports level, chunk and age of each piece of a cut") {
     chunks.insert(piece.chunk);
     levels.insert(piece.level);
     REQUIRE(piece.count > 0);
-    REQUIRE(piece.first + piece.count <= piece.cloud->size());
+    REQUIRE(piece.first + piece.count <= piece.splats->size());
     const float edge = stream.header.cube.edge / static_cast<float>(1 << piece.level);
     for (std::size_t i = piece.first; i < piece.first + piece.count; ++i)
-      REQUIRE(piece.cloud->cells[i].edge == Approx(edge));
+      REQUIRE(piece.splats->cells[i].edge == Approx(edge));
     // The encoder numbers chunks in order.
     CHECK(piece.age == Approx(static_cast<double>(piece.chunk) / (stream.header.chunks - 1)));
     CHECK(piece.chunk < stream.header.chunks);

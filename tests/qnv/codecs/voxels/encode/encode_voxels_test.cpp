@@ -4,6 +4,7 @@
 #include "qnv/reader/decode_stream.h"
 #include "qnv/reader/loss.h"
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 #include "tests/qnv/voxel_volumes.h"
 #include "tests/watched.h"
 
@@ -51,7 +52,7 @@ class Cells {
     return lattice_.depth;
   }
   /// Checks that every source vector is in one shown cell, and that no cell is inside another.
-  void check_cover(const Cloud& shown, const Cloud& source) const {
+  void check_cover(const Volume& shown, const Volume& source) const {
     std::set<std::pair<int, std::uint64_t>> cells;
     for (std::size_t i = 0; i < shown.size(); ++i) {
       const int level = level_of(shown.cells[i]);
@@ -70,15 +71,15 @@ class Cells {
   glm::dmat3 inverse_;
 };
 
-bool same(const Cloud& a, const Cloud& b) {
+bool same(const Volume& a, const Volume& b) {
   return a.description == b.description && a.positions == b.positions && a.normals == b.normals &&
          a.weights == b.weights && a.classes == b.classes;
 }
 
-Cloud cloud_of(std::span<const std::byte> bytes) {
+Volume cloud_of(std::span<const std::byte> bytes) {
   StreamDecoder decoder;
   (void)decoder.push(bytes);
-  return decoder.cloud();
+  return content_of<Volume>(decoder.geometry());
 }
 
 TEST_CASE("decodes every prefix of a volume stream to a complete picture") {
@@ -93,7 +94,7 @@ TEST_CASE("decodes every prefix of a volume stream to a complete picture") {
     if (decoder.revision() == last) continue;
     last = decoder.revision();
     ++pictures;
-    const Cloud cloud = decoder.cloud();
+    const Volume cloud = content_of<Volume>(decoder.geometry());
     REQUIRE(cloud.size() == decoder.vectors());
     cells.check_cover(cloud, ball.cloud);
   }
@@ -108,12 +109,12 @@ TEST_CASE("decodes every prefix of a volume stream to a complete picture") {
 
 TEST_CASE("decodes a volume stream to the same vectors wherever it is split") {
   const EncodedStream stream = SoftBall(16).stream();
-  const Cloud whole = cloud_of(stream.bytes);
+  const Volume whole = cloud_of(stream.bytes);
   for (std::size_t split = 0; split <= stream.bytes.size(); split += watched_step(7)) {
     StreamDecoder decoder;
     (void)decoder.push(std::span(stream.bytes).first(split));
     (void)decoder.push(std::span(stream.bytes).subspan(split));
-    REQUIRE(same(decoder.cloud(), whole));
+    REQUIRE(same(content_of<Volume>(decoder.geometry()), whole));
   }
 }
 
@@ -122,7 +123,7 @@ TEST_CASE("leaves no hole with voxel clusters in any order and with any losses")
   const EncodedStream stream = ball.stream();
   const Cells cells(stream.header.lattice);
   const std::vector<Bytes> payloads = clusters_of(stream.bytes);
-  const Cloud whole = cloud_of(stream.bytes);
+  const Volume whole = cloud_of(stream.bytes);
   std::mt19937 random(5);
   for (std::size_t round = 0; round < 60; round += watched_step(7)) {
     std::vector<std::size_t> order(payloads.size());
@@ -136,8 +137,8 @@ TEST_CASE("leaves no hole with voxel clusters in any order and with any losses")
     REQUIRE(decoder.push(encode_header(stream.header)));
     for (const std::size_t i : order) decoder.add(ChunkType::voxels, payloads[i]);
     decoder.add(ChunkType::voxels, payloads[order.front()]);  // repeated: refused, or waits for ever
-    cells.check_cover(decoder.cloud(), ball.cloud);
-    if (round % 2 == 0) REQUIRE(same(decoder.cloud(), whole));
+    cells.check_cover(content_of<Volume>(decoder.geometry()), ball.cloud);
+    if (round % 2 == 0) REQUIRE(same(content_of<Volume>(decoder.geometry()), whole));
   }
   // Lost packets.
   const EncodedStream large = SoftBall(40, 0.3).stream();
@@ -145,12 +146,12 @@ TEST_CASE("leaves no hole with voxel clusters in any order and with any losses")
   CHECK(lossy.size() < large.bytes.size());
   const DecodedStream some = decode_stream(lossy, 1 << 20);
   CHECK(some.problems.empty());
-  CHECK(std::get<Cloud>(some.content).size() > 0);
+  CHECK(std::get<Geometry>(some.content).size() > 0);
 }
 
 TEST_CASE("covers the whole volume with the first vectors of a volume stream") {
   const SoftBall ball(32);
-  const Cloud cloud = cloud_of(ball.stream().bytes);
+  const Volume cloud = cloud_of(ball.stream().bytes);
   REQUIRE(cloud.size() == ball.cloud.size());
   std::map<std::array<int, 3>, std::array<int, 2>> blocks;  // of all, and of the first eighth
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -189,20 +190,19 @@ TEST_CASE("keeps the byte budget of a volume stream, or reports that it cannot")
 TEST_CASE("refuses vectors that are not at the voxels of a volume") {
   const SoftBall ball(12);
   const auto refused = [&](auto change) {
-    Cloud cloud = ball.cloud;
+    Volume cloud = ball.cloud;
     VolumeLayout layout = ball.source.layout;
     change(cloud, layout);
     return std::holds_alternative<EncodeError>(encode_voxels(VolumeVectors{cloud, layout}, {}));
   };
-  CHECK(!refused([](Cloud&, VolumeLayout&) {}));
-  CHECK(refused([](Cloud& c, VolumeLayout&) { c.positions[3] += 0.2f; }));
-  CHECK(refused([](Cloud& c, VolumeLayout&) { c.positions[3] = c.positions[4]; }));
-  CHECK(refused([](Cloud&, VolumeLayout& l) { l.dimensions = {3, 3, 3}; }));
-  CHECK(refused([](Cloud&, VolumeLayout& l) { l.dimensions = {65537, 3, 3}; }));
-  CHECK(refused([](Cloud& c, VolumeLayout&) { c.classes.clear(); }));
-  CHECK(refused([](Cloud& c, VolumeLayout&) { c.description.kind = Kind::surface; }));
-  CHECK(refused([](Cloud& c, VolumeLayout&) {
-    Cloud empty;
+  CHECK(!refused([](Volume&, VolumeLayout&) {}));
+  CHECK(refused([](Volume& c, VolumeLayout&) { c.positions[3] += 0.2f; }));
+  CHECK(refused([](Volume& c, VolumeLayout&) { c.positions[3] = c.positions[4]; }));
+  CHECK(refused([](Volume&, VolumeLayout& l) { l.dimensions = {3, 3, 3}; }));
+  CHECK(refused([](Volume&, VolumeLayout& l) { l.dimensions = {65537, 3, 3}; }));
+  CHECK(refused([](Volume& c, VolumeLayout&) { c.classes.clear(); }));
+  CHECK(refused([](Volume& c, VolumeLayout&) {
+    Volume empty;
     empty.description = c.description;
     c = empty;
   }));
@@ -211,7 +211,7 @@ TEST_CASE("refuses vectors that are not at the voxels of a volume") {
 TEST_CASE("rejects volume clusters of a surface and unknown payloads, by name") {
   EncodedStream stream = SoftBall(12).stream();
   StreamHeader header = stream.header;
-  header.description.kind = Kind::surface;
+  header.kind = Kind::surface;
   const auto problem = [](const Bytes& bytes) {
     StreamDecoder decoder;
     CHECK(!decoder.push(bytes));
@@ -240,7 +240,7 @@ TEST_CASE("survives random changes of volume streams") {
       decoder.add(ChunkType::voxels, changed);
       if (round % 16 != 0) break;  // mostly the first only
     }
-    const Cloud cloud = decoder.cloud();
+    const Volume cloud = content_of<Volume>(decoder.geometry());
     REQUIRE_EACH(cloud.size() == decoder.vectors());
     for (const float weight : cloud.weights) REQUIRE_EACH((weight > 0 && std::isfinite(weight)));
     taken += cloud.empty() ? 0 : 1;

@@ -1,7 +1,8 @@
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/shared/encode_options.h"
 
 #include "qnv/reader/stream_decoder.h"
+#include "tests/geometries.h"
 
 #include <glm/geometric.hpp>
 
@@ -20,8 +21,8 @@ using namespace gs::qnv;
 namespace {
 
 // Returns points spread evenly over a unit sphere.
-Cloud sphere_cloud(std::size_t count, bool colored) {
-  Cloud cloud;
+Splats sphere_cloud(std::size_t count, bool colored) {
+  Splats cloud;
   const auto all = static_cast<float>(count);
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);
@@ -36,28 +37,29 @@ Cloud sphere_cloud(std::size_t count, bool colored) {
   return cloud;
 }
 
-EncodedStream encoded(const Cloud& cloud, const EncodeOptions& options = {}) {
-  auto result = encode_cloud(cloud, options);
+EncodedStream encoded(const VectorView& cloud, const EncodeOptions& options = {}) {
+  auto result = encode_vectors(cloud, options);
   if (const auto* problem = std::get_if<EncodeError>(&result)) FAIL(problem->message);
   return std::get<EncodedStream>(result);
 }
 
-std::string problem_of(const Cloud& cloud, const EncodeOptions& options = {}) {
-  const auto result = encode_cloud(cloud, options);
+std::string problem_of(const VectorView& cloud, const EncodeOptions& options = {}) {
+  const auto result = encode_vectors(cloud, options);
   const auto* problem = std::get_if<EncodeError>(&result);
   return problem ? problem->message : std::string();
 }
 
-Cloud decoded(std::span<const std::byte> bytes) {
+template <class T = Splats>
+T decoded(std::span<const std::byte> bytes) {
   StreamDecoder decoder;
   CHECK(decoder.push(bytes));
   CHECK(decoder.problems().empty());
   CHECK(decoder.refused_chunks() == 0);
-  CHECK(decoder.cloud().size() == decoder.vectors());
-  return decoder.cloud();
+  CHECK(decoder.geometry().size() == decoder.vectors());
+  return content_of<T>(decoder.geometry());
 }
 
-double sum(const Cloud& cloud) {
+double sum(const VectorArrays& cloud) {
   double all = 0;
   for (const float weight : cloud.weights) all += weight;
   return all;
@@ -68,7 +70,7 @@ double sum(const Cloud& cloud) {
 TEST_CASE("restores positions, directions, weights and colours of a point set from its stream") {
   EncodeOptions options;
   options.metadata = {{"title", "ball"}};
-  Cloud cloud = sphere_cloud(5000, true);
+  Splats cloud = sphere_cloud(5000, true);
   cloud.description.two_sided = true;
   cloud.description.metadata = {{"title", "other"}, {"author", "someone"}};
   const EncodedStream stream = encoded(cloud, options);
@@ -76,7 +78,7 @@ TEST_CASE("restores positions, directions, weights and colours of a point set fr
   CHECK(stream.header.vectors == 5000);
   CHECK(stream.header.colored);
   CHECK(stream.header.palette.size() == 2);
-  const Cloud back = decoded(stream.bytes);
+  const Splats back = decoded(stream.bytes);
   REQUIRE(back.size() == 5000);
   CHECK(back.description.two_sided);
   CHECK(back.description.metadata == decltype(options.metadata){{"title", "ball"}, {"author", "someone"}});
@@ -96,11 +98,11 @@ TEST_CASE("restores positions, directions, weights and colours of a point set fr
 }
 
 TEST_CASE("keeps the whole area at every cut of a stream of records, within its budget") {
-  const Cloud cloud = sphere_cloud(4000, false);
+  const Splats cloud = sphere_cloud(4000, false);
   const EncodedStream stream = encoded(cloud);
   std::size_t before = 0;
   for (std::size_t size = 2000; size < stream.bytes.size(); size += 777) {
-    const Cloud part = decoded(std::span(stream.bytes).first(size));
+    const Splats part = decoded(std::span(stream.bytes).first(size));
     REQUIRE(part.size() >= before);
     REQUIRE(sum(part) == Approx(4 * std::numbers::pi).epsilon(1e-3));
     before = part.size();
@@ -109,7 +111,7 @@ TEST_CASE("keeps the whole area at every cut of a stream of records, within its 
   for (options.max_bytes = 250; options.max_bytes < 40000; options.max_bytes += options.max_bytes / 3) {
     const EncodedStream small = encoded(cloud, options);
     REQUIRE(small.bytes.size() <= options.max_bytes);
-    const Cloud back = decoded(small.bytes);
+    const Splats back = decoded(small.bytes);
     REQUIRE(back.size() == small.header.vectors);
     REQUIRE(static_cast<double>(back.size()) >= 0.9 * static_cast<double>(options.max_bytes - 250) / 8.5);
   }
@@ -121,14 +123,14 @@ TEST_CASE("keeps the whole area at every cut of a stream of records, within its 
 }
 
 TEST_CASE("encodes a volume's classes and transfer function, with the total of the sent vectors") {
-  Cloud cloud = sphere_cloud(500, false);
-  cloud.description.kind = Kind::volume;
+  Volume cloud;
+  static_cast<VectorArrays&>(cloud) = sphere_cloud(500, false);
   cloud.description.total = 1e9;  // includes vectors that were left out
   cloud.description.spacing = 0.5f;
   cloud.description.value_range = {-3, 7};
   cloud.description.transfer = {{0, {0, 0, 0}, 0}, {1, {255, 255, 255}, 1}};
   for (std::size_t i = 0; i < cloud.size(); ++i) cloud.classes.push_back(static_cast<std::uint8_t>(i % 7));
-  const Cloud back = decoded(encoded(cloud).bytes);
+  const auto back = decoded<Volume>(encoded(cloud).bytes);
   REQUIRE(back.classes.size() == 500);
   CHECK(back.colors.empty());
   CHECK(*std::max_element(back.classes.begin(), back.classes.end()) == 6);
@@ -139,20 +141,20 @@ TEST_CASE("encodes a volume's classes and transfer function, with the total of t
 
 TEST_CASE("leaves out invalid vectors and refuses an empty point set") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
-  Cloud cloud = sphere_cloud(50, false);
+  Splats cloud = sphere_cloud(50, false);
   cloud.weights[3] = 0;
   cloud.weights[4] = kNan;
   cloud.positions[5].x = kInfinity;
   cloud.positions[6].y = kNan;
   CHECK(decoded(encoded(cloud).bytes).size() == 46);
-  CHECK_FALSE(problem_of(Cloud{}).empty());
+  CHECK_FALSE(problem_of(Splats{}).empty());
   std::fill(cloud.weights.begin(), cloud.weights.end(), 0.0f);
   CHECK_FALSE(problem_of(cloud).empty());
   cloud.weights.pop_back();
   CHECK_FALSE(problem_of(cloud).empty());
   Progress progress;
   progress.cancelled = true;
-  CHECK(std::get<EncodeError>(encode_cloud(sphere_cloud(50, false), {}, &progress)).message == "cancelled");
+  CHECK(std::get<EncodeError>(encode_vectors(sphere_cloud(50, false), {}, &progress)).message == "cancelled");
 }
 
 TEST_CASE("rejects chunks of the other payload and nonsense") {

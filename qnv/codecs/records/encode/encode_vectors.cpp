@@ -1,4 +1,4 @@
-#include "qnv/codecs/records/encode/encode_cloud.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
 
 #include "base/finite.h"
 #include "qnv/base/palette.h"
@@ -20,14 +20,15 @@ constexpr std::size_t kFirstLayer = 160;
 // Bytes of a record, and its share of the chunk headers.
 constexpr double kBytesPerVector = 8.35;
 
-StreamHeader header_of(const Cloud& cloud, const EncodeOptions& options) {
+StreamHeader header_of(const VectorView& vectors, const EncodeOptions& options) {
   StreamHeader header;
+  header.kind = vectors.kind;
   header.payload = Payload::records;
-  header.description = describe_vectors(cloud, options.metadata);
-  header.color = cloud.color;
+  header.description = describe_vectors(vectors, options.metadata);
+  header.color = vectors.color;
   header.cube = Cube::around(header.description.box);
-  if (header.description.kind == Kind::surface && cloud.colors.size() == cloud.size())
-    header.palette = make_palette(cloud.colors, options.threads);
+  if (vectors.kind == Kind::surface && vectors.colors.size() == vectors.size())
+    header.palette = make_palette(vectors.colors, options.threads);
   if (header.palette.size() == 1) {
     header.color = header.palette.front();
     header.palette.clear();
@@ -72,13 +73,13 @@ std::vector<OutgoingChunk> fitting(std::vector<RecordsChunk> encoded, const Stre
 
 }  // namespace
 
-std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const EncodeOptions& options,
-                                                      Progress* progress) {
+std::variant<EncodedStream, EncodeError> encode_vectors(const VectorView& vectors, const EncodeOptions& options,
+                                                        Progress* progress) {
   const auto cancelled = [&] { return progress && progress->cancelled.load(); };
-  if (cloud.normals.size() != cloud.size() || cloud.weights.size() != cloud.size() ||
-      cloud.size() > std::numeric_limits<std::uint32_t>::max())
+  if (vectors.normals.size() != vectors.size() || vectors.weights.size() != vectors.size() ||
+      vectors.size() > std::numeric_limits<std::uint32_t>::max())
     return EncodeError{"the vectors cannot be encoded; expected fewer than 2^32, each with a normal and a weight"};
-  StreamHeader header = header_of(cloud, options);
+  StreamHeader header = header_of(vectors, options);
   if (!(header.description.total > 0)) return EncodeError{"no vectors to encode"};
   if (!std::isfinite(header.description.total) || !finite(header.description.box.size()))
     return EncodeError{"the vectors are too large or too far apart"};
@@ -103,7 +104,7 @@ std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const 
     progress->stage = "ordering";
     progress->done = progress->total = 0;
   }
-  std::vector<RecordsChunk> encoded = encode_records(cloud, records);
+  std::vector<RecordsChunk> encoded = encode_records(vectors, records);
   if (cancelled()) return EncodeError{"cancelled"};
   std::vector<OutgoingChunk> chunks = fitting(std::move(encoded), header, options.max_bytes);
   for (const OutgoingChunk& chunk : chunks) header.vectors += chunk.entry.vectors;

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "base/box.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Returns the origin from which positions in `box`, in source coordinates, are stored, so that float32 keeps their
+/// precision. On each axis it is the box's middle, rounded to float32, if the box lies far from 0 for its size; else 0.
+/// Subtracting the origin from float32 coordinates near it is exact.
+[[nodiscard]] glm::dvec3 local_origin(const WideBox& box);
+
+/// Display-referred sRGB colour, 8 bits per component.
+struct Rgb8 {
+  std::uint8_t r = 204, g = 204, b = 204;  // VRML97 6.27: diffuseColor 0.8
+  friend bool operator==(const Rgb8&, const Rgb8&) = default;
+};
+
+/// Meaning of the vectors of a stream (paper, section 2.1).
+enum class Kind : std::uint8_t {
+  surface = 0,  // weight = area, direction = outward normal
+  volume = 1,   // voxels: weight = gradient magnitude, direction = gradient, towards higher values
+};
+
+/// Control point of a volume's transfer function, which is piecewise linear in the value (0..1 over
+/// Description::value_range).
+struct TransferPoint {
+  float value = 0;
+  Rgb8 color;
+  float opacity = 0;  // 0..1
+  friend bool operator==(const TransferPoint&, const TransferPoint&) = default;
+};
+
+/// Properties that all vectors of a stream share.
+struct Description {
+  bool two_sided = false;  // surface: visible from behind too (VRML97 `solid FALSE`)
+  /// Source coordinates of the point 0 of all positions, boxes and lattices of the stream. Keeps float32 precise far
+  /// from the source's own 0. Source coordinates are origin + position, computed in double.
+  glm::dvec3 origin{0};
+  Box box;                                    // of the source, relative to `origin`; contains every position
+  double total = 0;                           // surface: total area (units^2); volume: sum of all magnitudes
+  float spacing = 0;                          // volume: smallest distance between two voxels; surface: 0
+  std::pair<float, float> value_range{0, 1};  // volume: values of classes 0 and 255
+  std::vector<TransferPoint> transfer;        // volume; sorted by value
+  std::vector<std::pair<std::string, std::string>> metadata;  // UTF-8: "title", "author", "units", "source", ...
+  friend bool operator==(const Description&, const Description&) = default;
+};
+
+}  // namespace gs::qnv

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "qnv/codecs/shared/encode_options.h"
+
+#include <variant>
+
+namespace gs::qnv {
+
+/// Encodes existing vectors (a volume's gradients, imported splats) as records.
+[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_vectors(const VectorView& vectors,
+                                                                      const EncodeOptions& options,
+                                                                      Progress* progress = nullptr);
+
+}  // namespace gs::qnv
