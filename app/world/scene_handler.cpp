@@ -1,5 +1,5 @@
 #include "app/world/scene_handler.h"
-#include "app/formats/mesh_import.h"
+#include "app/formats/common/asset.h"
 #include "base/text.h"
 #include "vrml/scene/prototype.h"
 
@@ -9,10 +9,7 @@
 
 // Decoding of scenes to nodes. scene_references.cpp handles the references of the nodes.
 namespace gs::app {
-namespace {
-
-
-}  // namespace
+namespace {}  // namespace
 
 SceneHandler::SceneHandler(World& world, Role given_role, SceneHandler* given_outer)
     : role(given_role), outer(given_outer), world_(world), waiting_share_(world.budget, Resource::files) {}
@@ -154,8 +151,8 @@ void SceneHandler::outlines_changed(vrml::NodeId id) {
 
 void SceneHandler::read_mesh(std::span<const std::byte> bytes) {
   const PhaseScope phase(world_.options.phases, Phase::parse);
-  auto read =
-      import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin), world_.budget);
+  auto read = import_scene(
+      *type_, {bytes, found_.path, world_.reader_of(found_.origin), world_.budget, world_.world.diagnostics});
   if (!read) content = Content::refused;
   if (!read) return;
   own_ = std::move(read);
