@@ -99,7 +99,7 @@ int encode_outlines(const EncodeCommand& options) {
   if (const auto refusal =
           refuse_to_replace(out, in, stream ? std::span<const std::byte>(first) : std::as_bytes(std::span(kWorld))))
     return fail(*refusal);
-  const auto input = open_input(options, in);
+  const auto input = open_input(options, in, MeshForm::world);
   if (!input) return kFailed;
   ProgressBar progress;
   auto built = model_of(options, *input, progress);

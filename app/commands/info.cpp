@@ -296,7 +296,7 @@ int run_info(const InfoCommand& options) {
       return kFailed;
     if (const auto changed = std::get<net::MappedFile>(mapped).changed()) return fail(local + ": " + *changed);
   } else {
-    const auto input = open_input(options, path);
+    const auto input = open_input(options, path, MeshForm::world);
     if (!input) return kFailed;
     facts.put("type", input->type);
     if (const auto* volume = std::get_if<qnv::VolumeSource>(&input->content)) {

@@ -1,6 +1,6 @@
 #include "app/encode/mesh_stream.h"
 
-#include "app/encode/surface_triangles.h"
+#include "app/encode/surface_corners.h"
 #include "app/formats/common/ply_source.h"
 #include "app/formats/common/ply_table.h"
 #include "app/formats/mesh/stl_binary.h"
@@ -16,32 +16,9 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kStreamedTogether = 4096;                // triangles per batch
 constexpr std::size_t kPutAsideEvery = std::size_t{64} << 20;  // bytes read before memory is released
 constexpr std::size_t kColorsLookedAt = 65'536;                // facets to check for colours
 const qnv::Rgb8 kPlainGrey{204, 204, 204};                     // default Material.diffuseColor (VRML97 6.27)
-
-/// Buffer that passes triangles to the sink in batches.
-class TriangleBatches {
- public:
-  explicit TriangleBatches(const qnv::TriangleSink& sink) : sink_(sink) { batch_.reserve(kStreamedTogether); }
-  /// Returns false if the sink stopped.
-  [[nodiscard]] bool add(const std::array<glm::vec3, 3>& positions, const std::array<qnv::Rgb8, 3>& colors) {
-    qnv::Triangle& triangle = batch_.emplace_back();
-    triangle.positions = positions;
-    triangle.colors = colors;
-    return batch_.size() < kStreamedTogether || flush();
-  }
-  [[nodiscard]] bool flush() {
-    const bool more = batch_.empty() || sink_(batch_);
-    batch_.clear();
-    return more;
-  }
-
- private:
-  const qnv::TriangleSink& sink_;
-  std::vector<qnv::Triangle> batch_;
-};
 
 std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const PutAside& put_aside) {
   const auto stl = BinaryStl::open(bytes);
@@ -61,7 +38,7 @@ std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const Put
         const vrml::Color c = stl.color(i);
         color = to_rgb8({c.r, c.g, c.b});
       }
-      if (!batches.add(stl.corners(i), {color, color, color})) return false;
+      if (!batches.add({stl.corners(i), {}, {color, color, color}})) return false;
       if (!put_aside || read - aside < kPutAsideEvery) continue;
       put_aside(read);
       aside = read;
@@ -207,7 +184,7 @@ std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable 
       for (std::size_t k = 2; k < corners.size(); ++k) {
         take(1, k - 1);
         take(2, k);
-        if (!batches.add(positions, colors)) return false;
+        if (!batches.add({positions, {}, colors})) return false;
       }
       return true;
     });

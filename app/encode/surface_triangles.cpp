@@ -15,7 +15,6 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kTriangleBatch = 4096;
 // Edges of textured triangles are halved down to this length in texels, but at most kMaxDivisions times.
 constexpr float kTexels = 2;
 constexpr int kMaxDivisions = 7;
@@ -68,37 +67,13 @@ glm::vec3 sample(const render::TextureUse& texture, const glm::vec2& at, const g
   return {static_cast<float>(c[0]) / 255.0f, static_cast<float>(c[1]) / 255.0f, static_cast<float>(c[2]) / 255.0f};
 }
 
-struct SurfaceCorner {
-  glm::vec3 position, normal, color;
-  glm::vec2 texture;
-};
-
 class Emitter {
  public:
   Emitter(const render::DrawItem& item, const qnv::TriangleSink& sink, const glm::dvec3& origin)
-      : item_(item), sink_(sink), place_(item.world_from_node) {
-    place_[3] -= glm::dvec4(origin, 0);
-    world_from_node_ = glm::mat3(item.world_from_node);
-    // The adjugate replaces the inverse transpose, and also exists for singular matrices.
-    const glm::mat3& m = world_from_node_;
-    normal_matrix_ = glm::mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
-    flipped_ = glm::dot(m[0], glm::cross(m[1], m[2])) < 0;
-    if (flipped_) normal_matrix_ = -normal_matrix_;
-    textured_ = shows_picture(item);
-  }
-
-  /// Calls `work` with the corners of each triangle until it returns false.
-  template <class Work>
-  bool each(const Work& work) const {
-    const vrml::Mesh& mesh = *item_.mesh;
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-      std::array<SurfaceCorner, 3> corners;
-      for (std::size_t k = 0; k < 3; ++k) corners[k] = corner(mesh, mesh.indices[i + k]);
-      if (flipped_) std::swap(corners[1], corners[2]);
-      if (!work(corners)) return false;
-    }
-    return true;
-  }
+      : item_(item),
+        corners_(*item.mesh, item.world_from_node, color_of(item), origin),
+        batches_(sink),
+        textured_(shows_picture(item)) {}
 
   void run_whole(const WholeTriangleSink& sink) const {
     (void)each([&](const std::array<SurfaceCorner, 3>& corners) {
@@ -123,30 +98,26 @@ class Emitter {
       }
       return emit(corners, cuts, 0);
     });
-    if (!wanted) return false;
-    return flush();
+    return wanted && batches_.flush();
   }
 
  private:
-  SurfaceCorner corner(const vrml::Mesh& mesh, std::uint32_t index) const {
-    SurfaceCorner c{};
-    c.position = place_of(mesh, index);
-    if (mesh.normals.size() == mesh.positions.size()) {
-      const glm::vec3 n = normal_matrix_ * mesh.normals[index];
-      const float length = std::sqrt(glm::dot(n, n));
-      if (length > 0 && std::isfinite(length)) c.normal = n / length;
-    }
-    c.color = item_.material.lit ? item_.material.diffuse + item_.material.emissive
-                                 : (mesh.lit ? glm::vec3(1.0f) : item_.material.emissive);
-    if (mesh.colors.size() == mesh.positions.size()) {
-      const vrml::Color& v = mesh.colors[index];
-      c.color = {v.r, v.g, v.b};
-    }
+  static glm::vec3 color_of(const render::DrawItem& item) {
+    return item.material.lit ? item.material.diffuse + item.material.emissive
+                             : (item.mesh->lit ? glm::vec3(1.0f) : item.material.emissive);
+  }
+  SurfaceCorner corner(std::uint32_t index) const {
+    SurfaceCorner c = corners_.corner(index);
     if (textured_) {
-      c.texture = mesh.texture_coordinates[index];
+      c.texture = item_.mesh->texture_coordinates[index];
       c.color = sample(item_.texture, c.texture, c.color);
     }
     return c;
+  }
+  /// Calls `work` with the corners of each triangle until it returns false.
+  template <class Work>
+  bool each(const Work& work) const {
+    return corners_.each([this](std::uint32_t index) { return corner(index); }, work);
   }
 
   int halvings_of(const glm::vec2& a, const glm::vec2& b) const {
@@ -182,10 +153,6 @@ class Emitter {
     return true;
   }
 
-  glm::vec3 place_of(const vrml::Mesh& mesh, std::uint32_t index) const {
-    return glm::vec3(place_ * glm::dvec4(mesh.positions[index], 1));
-  }
-
   SurfaceCorner middle(const SurfaceCorner& a, const SurfaceCorner& b, bool bent) const {
     SurfaceCorner c{};
     c.position = (a.position + b.position) * 0.5f;
@@ -209,7 +176,7 @@ class Emitter {
   bool emit(const std::array<SurfaceCorner, 3>& c, const EdgeCuts& cuts, int depth) {
     const auto is_cut = [&](std::size_t k) { return cuts[k % 3].halvings > 0; };
     const int halved = is_cut(0) + is_cut(1) + is_cut(2);
-    if (halved == 0) return put(c);
+    if (halved == 0) return batches_.add_finite(c);
     // Inner edges are cut by their own length; the total depth stays within kMaxDivisions.
     const auto inside = [&](const SurfaceCorner& a, const SurfaceCorner& b) {
       return EdgeCut{std::min(halvings_of(a.texture, b.texture), kMaxDivisions - depth - 1),
@@ -244,36 +211,11 @@ class Emitter {
            emit({p, pq, r}, {half(k), across, last}, depth + 1);
   }
 
-  static qnv::Triangle triangle_of(const std::array<SurfaceCorner, 3>& c) {
-    qnv::Triangle triangle;
-    for (std::size_t i = 0; i < 3; ++i) {
-      triangle.positions[i] = c[i].position;
-      triangle.normals[i] = c[i].normal;
-      triangle.colors[i] = to_rgb8(c[i].color);
-    }
-    return triangle;
-  }
-
-  bool put(const std::array<SurfaceCorner, 3>& c) {
-    for (const SurfaceCorner& corner : c)
-      if (!finite(corner.position)) return true;
-    batch_.push_back(triangle_of(c));
-    return batch_.size() < kTriangleBatch || flush();
-  }
-
-  bool flush() {
-    const bool more = batch_.empty() || sink_(batch_);
-    batch_.clear();
-    return more;
-  }
-
   const render::DrawItem& item_;
-  const qnv::TriangleSink& sink_;
-  glm::dmat4 place_;  // from node space to world space relative to the origin
-  glm::mat3 world_from_node_{1.0f}, normal_matrix_{1.0f};
-  bool flipped_ = false, textured_ = false;
+  SurfaceCorners corners_;
+  TriangleBatches batches_;
+  bool textured_;
   std::unordered_map<EdgePlaces, SharedEdge, HashEdge> edges_;  // edges to halve
-  std::vector<qnv::Triangle> batch_;
 };
 
 }  // namespace
@@ -281,10 +223,6 @@ class Emitter {
 bool has_surface(const render::DrawItem& item) {
   return item.mesh && item.mesh->primitive == vrml::Mesh::Primitive::triangles && !item.mesh->indices.empty();
 }
-
-std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
-
-qnv::Rgb8 to_rgb8(const glm::vec3& color) { return {to_byte(color.x), to_byte(color.y), to_byte(color.z)}; }
 
 bool shows_picture(const render::DrawItem& item) {
   const render::TextureUse& t = item.texture;
@@ -305,21 +243,12 @@ bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& 
 
 SurfaceSummary summarize_surface(const render::RenderList& list) {
   SurfaceSummary summary;
-  bool first = true;
   for (const render::DrawItem& item : list.items) {
     if (!has_surface(item)) continue;
-    const vrml::Mesh& mesh = *item.mesh;
-    summary.triangles += mesh.indices.size() / 3;
     const render::Material& material = item.material;
-    const render::Shine shine = material.lit ? render::Shine{material.specular, material.shininess} : render::Shine{};
-    if (std::exchange(first, false)) summary.shine = shine;
-    if (summary.shine != shine) summary.shine.reset();
-    summary.two_sided = summary.two_sided || !mesh.solid;
+    summary.add(*item.mesh, item.world_from_node,
+                material.lit ? qnv::Shine{material.specular, material.shininess} : qnv::Shine{});
     summary.textured = summary.textured || item.texture.image != nullptr;
-    for (const std::uint32_t index : mesh.indices) {
-      const glm::dvec3 p(item.world_from_node * glm::dvec4(mesh.positions[index], 1));
-      if (finite(p)) summary.box.add(p);
-    }
   }
   return summary;
 }

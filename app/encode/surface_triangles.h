@@ -1,18 +1,10 @@
 #pragma once
 
-#include "qnv/base/description.h"
-#include "qnv/base/triangles.h"
+#include "app/encode/surface_corners.h"
 #include "render/scene/render_list.h"
-#include "render/scene/surface_mesh.h"
-
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <optional>
 
 namespace gs::app {
 
@@ -31,20 +23,10 @@ void for_each_whole_triangle(const render::RenderList& list, const WholeTriangle
 /// Reports whether the surface of an item shows its picture.
 [[nodiscard]] bool shows_picture(const render::DrawItem& item);
 
-/// Summary of the triangles that for_each_triangle will send.
-struct SurfaceSummary {
-  WideBox box;                // bounds of the used corners
-  std::size_t triangles = 0;  // number before subdivision
-  bool two_sided = false;     // some mesh is visible from behind, too
-  bool textured = false;
-  std::optional<render::Shine> shine;  // shine of all shapes; empty if they differ
-};
+/// Summarizes the triangles that for_each_triangle will send.
 [[nodiscard]] SurfaceSummary summarize_surface(const render::RenderList& list);
 
 /// Reports whether an item draws triangles.
 [[nodiscard]] bool has_surface(const render::DrawItem& item);
-/// Convert 0..1 to 0..255, rounded to nearest.
-[[nodiscard]] std::uint8_t to_byte(float value);
-[[nodiscard]] qnv::Rgb8 to_rgb8(const glm::vec3& color);
 
 }  // namespace gs::app

@@ -1,24 +1,24 @@
 #include "app/formats/content_types.h"
 
+#include "app/formats/common/scene_builder.h"
 #include "app/formats/gltf/gltf.h"
-#include "app/formats/mesh/avs_geometry.h"
-#include "app/formats/mesh/obj.h"
-#include "app/formats/mesh/off.h"
-#include "app/formats/mesh/ply.h"
 #include "app/formats/mesh/points.h"
-#include "app/formats/mesh/stl.h"
-#include "app/formats/mesh/ucd.h"
-#include "app/formats/mesh/vtk_legacy.h"
-#include "app/formats/mesh/vtp.h"
+#include "app/formats/splats/splats.h"
 #include "app/formats/volume/volume.h"
 #include "base/gzip.h"
 #include "base/text.h"
 #include "qnv/codecs/payloads.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
+
+// Rows of mesh formats, each in the file of its importer.
+extern const ContentType kPlyFormat, kObjFormat, kOffFormat, kStlFormat, kAvsGeometryFormat, kUcdFormat, kVtpFormat,
+    kVtuFormat, kVtkLegacyFormat;
+
 namespace {
 
 using Bytes = std::span<const std::byte>;
@@ -29,66 +29,29 @@ bool is_vrml(Bytes bytes) {
   return text.starts_with("#VRML") || text.starts_with("#vrml") || text.starts_with("#X3D") ||
          text.starts_with("#Inventor");
 }
-bool is_ply(Bytes bytes) { return text_of(bytes).starts_with("ply\n") || text_of(bytes).starts_with("ply\r"); }
 bool is_glb(Bytes bytes) { return text_of(bytes).starts_with("glTF"); }
 
-// Comments, then a line of five whole numbers; the comments of some begin like those of AVS fields.
-bool is_ucd_text(Bytes bytes) {
-  std::string_view text = text_of(bytes);
-  while (text.starts_with('#')) {
-    const std::size_t end = text.find('\n');
-    if (end == std::string_view::npos) return false;
-    text.remove_prefix(end + 1);
+Asset read_gltf(const ImportSource& source) {
+  auto scene = std::make_unique<vrml::SceneGraph>(source.path, source.budget);
+  bool whole = true;
+  try {
+    import_gltf(source.bytes, *scene, source.diagnostics, source.read_file);
+  } catch (const OutOfBudget&) {
+    whole = source.budget->stopped();
   }
-  int numbers = 0;
-  bool inside = false;
-  for (const char c : text) {
-    if (c == '\n') return numbers == 5;
-    if (c == ' ' || c == '\t' || c == '\r') {
-      inside = false;
-      continue;
-    }
-    if (c < '0' || c > '9') return false;
-    if (!inside) ++numbers;
-    inside = true;
-  }
-  return false;
+  if (!whole || scene->exhausted())
+    source.diagnostics.add(
+        {Severity::error, source.path, {}, source.budget->refusal(Resource::nodes) + "; the rest is left out"});
+  return SceneAsset(std::move(scene));
 }
 
-using ImportMesh = void (*)(Bytes, vrml::SceneGraph&, Diagnostics&);
-template <ImportMesh import_mesh>
-void alone(Bytes bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics, const ReadFile&) {
-  import_mesh(bytes, scene, diagnostics);
+template <ImportedCloud (*import)(Bytes, const WorldBudget&)>
+Asset read_vectors(const ImportSource& source) {
+  ImportedCloud imported = import(source.bytes, source.budget);
+  if (auto* splats = std::get_if<qnv::Splats>(&imported)) return std::move(*splats);
+  source.diagnostics.add({Severity::error, source.path, {}, std::move(std::get<std::string>(imported))});
+  return {};
 }
-
-// Of types that share a mark the more special one comes first. Volumes follow, from their own table.
-constexpr ContentType kTypes[] = {
-    {"VRML97", "model/vrml", ".wrl .wrz .vrml ", is_vrml},
-    {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},
-    {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, ContentClass::cloud, nullptr,
-     import_splats_compressed_ply},
-    {"splats PLY", "application/x-ply", "", is_splats_ply, ContentClass::cloud, nullptr, import_splats_ply},
-    {"points PLY", "application/x-ply", "", is_points_ply, ContentClass::cloud, nullptr, import_points_ply, false,
-     UpRule::survey},
-    {"PLY", "application/x-ply", ".ply ", is_ply, ContentClass::mesh, alone<import_ply>, nullptr, false,
-     UpRule::by_shape, true, "ply"},
-    {"glTF", "model/gltf-binary", ".glb .gltf ", is_glb, ContentClass::mesh, import_gltf},
-    {"OBJ", "model/obj", ".obj ", nullptr, ContentClass::mesh, import_obj},
-    {"OFF", "model/x-off", ".off ", is_off, ContentClass::mesh, alone<import_off>},
-    {"STL", "model/stl", ".stl ", nullptr, ContentClass::mesh, alone<import_stl>, nullptr, false, UpRule::z, true},
-    {"AVS geometry", "model/x-avs-geometry", ".mgf .geom .geo ", is_avs_geometry, ContentClass::mesh,
-     alone<import_avs_geometry>},
-    {"AVS UCD", "model/x-avs-ucd", ".inp .ucd ", is_ucd_text, ContentClass::mesh, alone<import_ucd>},
-    {"VTK PolyData", "application/x-vtk-poly-data", ".vtp ", is_vtp, ContentClass::mesh, alone<import_vtp>},
-    {"VTK UnstructuredGrid", "application/x-vtk-unstructured-grid", ".vtu ", is_vtu, ContentClass::mesh,
-     alone<import_vtu>},
-    {"legacy VTK", "application/x-vtk", ".vtk ", is_vtk_legacy, ContentClass::mesh, alone<import_vtk_legacy>, nullptr,
-     false, UpRule::y, false, "# vtk DataFile Version"},
-    {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, ContentClass::cloud, nullptr, import_splats_spz, true},
-    {"splats", "model/x-splat", ".splat ", nullptr, ContentClass::cloud, nullptr, import_splats_antimatter},
-    {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, ContentClass::cloud, nullptr, import_splats_ksplat},
-    {"points", "text/x-xyz", ".xyz ", nullptr, ContentClass::cloud, nullptr, import_points_xyz, false, UpRule::survey},
-};
 
 // Splats as pictures of WebP, in a ZIP archive or beside their meta.json.
 bool is_sog(Bytes bytes) {
@@ -107,17 +70,50 @@ ImportedCloud refuse_sog(Bytes, const WorldBudget&) {
 
 // Known types that are not read. Messages name them.
 constexpr ContentType kNotRead[] = {
-    {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::cloud, nullptr, refuse_sog},
+    {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::cloud, read_vectors<refuse_sog>},
 };
+
+Asset read_volume(const ImportSource& source) {
+  auto opened = open_volume(source.path, {}, {source.read_file, source.name}, source.budget);
+  if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) return std::move(*volume);
+  // The message already contains the file name.
+  std::string& problem = std::get<std::string>(opened);
+  if (problem.starts_with(source.path + ": ")) problem.erase(0, source.path.size() + 2);
+  source.diagnostics.add({Severity::error, source.path, {}, std::move(problem)});
+  return {};
+}
 
 }  // namespace
 
 std::span<const ContentType> content_types() {
   static const std::vector<ContentType> types = [] {
-    std::vector<ContentType> all(std::begin(kTypes), std::end(kTypes));
+    constexpr auto kCloud = ContentClass::cloud;
+    // Of types that share a mark the more special one comes first. Volumes follow, from their own table.
+    std::vector<ContentType> all = {
+        {"VRML97", "model/vrml", ".wrl .wrz .vrml ", is_vrml},
+        {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},
+        {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, kCloud,
+         read_vectors<import_splats_compressed_ply>},
+        {"splats PLY", "application/x-ply", "", is_splats_ply, kCloud, read_vectors<import_splats_ply>},
+        {"points PLY", "application/x-ply", "", is_points_ply, kCloud, read_vectors<import_points_ply>, UpRule::survey},
+        kPlyFormat,
+        {"glTF", "model/gltf-binary", ".glb .gltf ", is_glb, ContentClass::mesh, read_gltf, UpRule::y, false, true},
+        kObjFormat,
+        kOffFormat,
+        kStlFormat,
+        kAvsGeometryFormat,
+        kUcdFormat,
+        kVtpFormat,
+        kVtuFormat,
+        kVtkLegacyFormat,
+        {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, kCloud, read_vectors<import_splats_spz>, UpRule::y, true},
+        {"splats", "model/x-splat", ".splat ", nullptr, kCloud, read_vectors<import_splats_antimatter>},
+        {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kCloud, read_vectors<import_splats_ksplat>},
+        {"points", "text/x-xyz", ".xyz ", nullptr, kCloud, read_vectors<import_points_xyz>, UpRule::survey},
+    };
     for (const VolumeFormatName& volume : volume_format_names())
-      all.push_back({volume.name, volume.mime, volume.extensions, volume.sniff, ContentClass::volume, nullptr, nullptr,
-                     false, volume.up});
+      all.push_back(
+          {volume.name, volume.mime, volume.extensions, volume.sniff, ContentClass::volume, read_volume, volume.up});
     return all;
   }();
   return types;

@@ -1,11 +1,6 @@
 #pragma once
 
-#include "app/base/read_file.h"
-#include "app/formats/common/upright.h"
-#include "app/formats/splats/splats.h"
-#include "base/budget.h"
-#include "base/diagnostic.h"
-#include "vrml/scene/scene_graph.h"
+#include "app/formats/common/content_type.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -16,38 +11,6 @@
 #include <vector>
 
 namespace gs::app {
-
-/// Content of a file, which decides how it is read.
-enum class ContentClass : std::uint8_t {
-  vrml,    // read piece by piece, as it is unpacked
-  mesh,    // imported as nodes
-  stream,  // a QNV stream, decoded piece by piece
-  cloud,   // vectors of other programs, imported as a cloud
-  volume,  // opened by its path, slice by slice; its strongest gradients become a cloud
-};
-
-/// One kind of content that opens as a world. The table of them is the only place that knows them.
-struct ContentType {
-  std::string_view name;        // "VRML97"
-  std::string_view mime;        // "model/vrml"
-  std::string_view extensions;  // lower case, each with its point, a blank behind each: ".wrl .vrml "
-  bool (*sniff)(std::span<const std::byte> bytes);  // by the first bytes; null if only the name decides
-  ContentClass content = ContentClass::vrml;
-  /// ContentClass::mesh: bytes to nodes.
-  void (*import)(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics,
-                 const ReadFile& read_file) = nullptr;
-  /// ContentClass::cloud: bytes to vectors.
-  ImportedCloud (*import_cloud)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;
-  bool unpacks_itself = false;  // gzip is part of the format
-  UpRule up = UpRule::y;        // up axis, unless the file names one
-  bool in_order = false;        // mesh: may be read triangle by triangle (open_mesh_stream)
-  std::string_view mark = {};   // bytes that each file begins with; empty if the type has no such mark
-
-  /// True for types that become vectors in the place of nodes.
-  [[nodiscard]] bool is_cloud() const {
-    return content == ContentClass::stream || content == ContentClass::cloud || content == ContentClass::volume;
-  }
-};
 
 [[nodiscard]] std::span<const ContentType> content_types();
 

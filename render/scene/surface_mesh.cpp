@@ -1,15 +1,12 @@
 #include "render/scene/surface_mesh.h"
 
+#include "qnv/base/shine.h"
 #include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
-#include <system_error>
 #include <vector>
 
 namespace gs::render {
@@ -87,43 +84,12 @@ std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface
   return mesh;
 }
 
-std::vector<std::pair<std::string, std::string>> metadata_of(const Shine& shine) {
-  if (shine.specular == glm::vec3(0)) return {};
-  const auto text = [](float number) {
-    std::array<char, 16> digits{};
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number, std::chars_format::general, 4);
-    return std::string(digits.data(), end.ptr);
-  };
-  const glm::vec3& s = shine.specular;
-  return {{"specular", text(s.x) + " " + text(s.y) + " " + text(s.z)}, {"shininess", text(shine.shininess)}};
-}
-
-Shine shine_of(const qnv::Description& description) {
-  Shine shine;
-  const auto read = [](std::string_view text, std::span<float> numbers) {
-    const char *at = text.data(), *const end = at + text.size();
-    for (float& number : numbers) {
-      while (at != end && *at == ' ') ++at;
-      const auto [next, error] = std::from_chars(at, end, number);
-      if (error != std::errc() || !(number >= 0 && number <= 1)) return false;
-      at = next;
-    }
-    return at == end;
-  };
-  for (const auto& [key, value] : description.metadata) {
-    std::array<float, 3> numbers{};
-    if (key == "specular" && read(value, numbers)) shine.specular = {numbers[0], numbers[1], numbers[2]};
-    if (key == "shininess" && read(value, std::span(numbers).first(1))) shine.shininess = numbers[0];
-  }
-  return shine;
-}
-
 void dress_surface(DrawItem& item) {
   if (!item.surface || item.material.lit) return;
   const qnv::Rgb8& own = item.surface->color();
   item.material = Material{};
   item.material.diffuse = glm::vec3(own.r, own.g, own.b) / 255.0f;
-  const Shine shine = shine_of(item.surface->description());
+  const qnv::Shine shine = qnv::shine_of(item.surface->description());
   item.material.specular = shine.specular;
   item.material.shininess = shine.shininess;
 }

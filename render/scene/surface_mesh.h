@@ -5,12 +5,7 @@
 #include "render/scene/render_list.h"
 #include "vrml/mesh/mesh.h"
 
-#include <glm/vec3.hpp>
-
 #include <memory>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace gs::render {
 
@@ -22,17 +17,6 @@ namespace gs::render {
 /// Returns the triangles of a cut as a mesh; patches share no vertices.
 [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface,
                                                             const qnv::SurfaceCut& cut);
-
-/// Specular properties of a surface (VRML97 6.27), stored in its stream's metadata.
-struct Shine {
-  glm::vec3 specular{0};
-  float shininess = 0.2f;
-  friend bool operator==(const Shine&, const Shine&) = default;
-};
-/// Returns the metadata; empty if the surface has no specular colour.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> metadata_of(const Shine& shine);
-/// Reads the metadata; ignores values that are not numbers from 0 to 1.
-[[nodiscard]] Shine shine_of(const qnv::Description& description);
 
 /// Lights a surface even without a Material; it then has the colour and the shine of its stream.
 void dress_surface(DrawItem& item);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/content_types.h"
 #include "base/diagnostic.h"
 #include "tests/watched.h"
 #include "vrml/mesh/mesh.h"
@@ -15,12 +16,13 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 /// Helpers of tests of importers.
@@ -97,11 +99,29 @@ struct Imported {
   }
 };
 
-using Import = std::function<void(std::span<const std::byte>, vrml::SceneGraph&, Diagnostics&)>;
+inline const app::ContentType& type_named(std::string_view name) {
+  for (const app::ContentType& type : app::content_types())
+    if (type.name == name) return type;
+  FAIL("no content type " << name);
+  std::abort();
+}
+
+/// Importer of a content type, with the files that it may read.
+struct Import {
+  Import(const char* name, app::ReadFile files = {}) : type(name), read_file(std::move(files)) {}
+
+  std::string_view type;
+  app::ReadFile read_file;
+};
 
 inline Imported imported(const Import& import, std::span<const std::byte> bytes) {
   Imported result;
-  import(bytes, *result.scene, result.diagnostics);
+  const std::string path = "test";
+  const WorldBudget budget = result.scene->budget();
+  app::Asset asset = type_named(import.type).read({bytes, path, import.read_file, budget, result.diagnostics});
+  if (auto* scene = std::get_if<app::SceneAsset>(&asset)) result.scene = std::move(scene->scene);
+  if (auto* mesh = std::get_if<app::MeshAsset>(&asset))
+    result.scene = app::scene_of(std::move(*mesh), path, budget, result.diagnostics);
   return result;
 }
 

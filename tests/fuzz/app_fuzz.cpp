@@ -73,17 +73,18 @@ bool run_vrml(std::span<const std::byte> bytes) {
 
 bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   const TwoFiles files = two_files(bytes);
-  vrml::SceneGraph scene("fuzz", small_limits());
+  const auto budget = std::make_shared<Budget>(small_limits());
   Diagnostics diagnostics;
   int reads = 0;
   // Every reference leads to the other file.
-  type.import(files.first, scene, diagnostics, [&](const std::string&) -> BytesResult {
+  const ReadFile read_file = [&](const std::string&) -> BytesResult {
     if (files.other.empty() || ++reads > 8) return "there is no other";
     return shared_bytes(std::vector(files.other.begin(), files.other.end()));
-  });
+  };
+  const auto scene = import_scene(type, {files.first, "fuzz", read_file, budget, diagnostics});
   for (const Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
-  check_scene(scene);
-  if (scene.node_count() <= 2000) (void)vrml::print(scene);
+  if (scene) check_scene(*scene);
+  if (scene && scene->node_count() <= 2000) (void)vrml::print(*scene);
   // The same without a scene, for what is larger than memory.
   if (const auto stream = open_mesh_stream(files.first)) {
     std::uint64_t triangles = 0;
@@ -93,7 +94,7 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
     }));
     require(triangles <= files.first.size());
   }
-  return diagnostics.errors() == 0 && !scene.roots().empty();
+  return diagnostics.errors() == 0 && scene;
 }
 
 void check_vectors(const qnv::VectorView& vectors) {

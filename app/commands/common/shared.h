@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-namespace gs::vrml {
+namespace gs {
 class Diagnostics;
 }
 

@@ -97,6 +97,33 @@ std::optional<Opened> open_world_input(const LoadingOptions& options, const std:
   return surface;
 }
 
+/// Thrown when a mesh asks for another file: worlds have the rules for references.
+struct RefersToFiles {};
+
+// Opens a mesh file without nodes. Returns false if it must be opened as a world.
+bool open_mesh_input(const LoadingOptions& options, const ContentType& type, const std::string& path,
+                     std::span<const std::byte> bytes, std::optional<Opened>& opened) try {
+  if (type.content != ContentClass::mesh || type.has_nodes || bytes.empty()) return false;
+  constexpr std::size_t kHead = 8192;
+  if (refuse_first_bytes(path, bytes.first(std::min(bytes.size(), kHead)))) return false;
+  Diagnostics diagnostics, left_out;
+  const ReadFile read_file = [](const std::string&) -> BytesResult { throw RefersToFiles(); };
+  const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
+  Asset asset = read_asset(type, {bytes, path, read_file, budget, diagnostics});
+  auto* const mesh = std::get_if<MeshAsset>(&asset);
+  if (mesh && mesh->has_textures()) return false;
+  print_diagnostics(diagnostics);
+  if (!mesh) return true;
+  opened = mesh_surface(std::move(*mesh), path, budget, left_out);
+  print_diagnostics(left_out);
+  return true;
+} catch (const RefersToFiles&) {
+  return false;
+} catch (const std::bad_alloc&) {
+  print_diagnostics(world_without_memory(path).diagnostics);
+  return true;
+}
+
 // Opens a mesh that is too large for a world, to be read from its file in several passes. Returns nullopt for other
 // meshes.
 std::optional<MeshStream> large_mesh(const LoadingOptions& options, const ContentType& type,
@@ -142,22 +169,35 @@ struct Surface {
   bool two_sided = false;
   glm::dvec3 origin{0};                          // origin of the triangles' coordinates
   const render::RenderList* textured = nullptr;  // set if some of its shapes have textures
-  std::optional<render::Shine> shine;
+  std::optional<qnv::Shine> shine;
   std::shared_ptr<std::string> problem = std::make_shared<std::string>();
 };
 
-Surface surface_of(const OpenedSurface& opened) {
-  const SurfaceSummary summary = summarize_surface(opened.list);
+// Returns a surface with this summary; `send(sink, origin)` sends its triangles.
+template <class Send>
+Surface surface_of(const SurfaceSummary& summary, Send send) {
   Surface surface;
   surface.origin = qnv::local_origin(summary.box);
-  surface.source = [&opened, origin = surface.origin](const qnv::TriangleSink& sink) {
-    return for_each_triangle(opened.list, sink, origin);
-  };
+  surface.source = [send, origin = surface.origin](const qnv::TriangleSink& sink) { return send(sink, origin); };
   surface.triangles = summary.triangles;
   surface.two_sided = summary.two_sided;
   surface.shine = summary.shine;
+  return surface;
+}
+
+Surface surface_of(const OpenedSurface& opened) {
+  const SurfaceSummary summary = summarize_surface(opened.list);
+  Surface surface = surface_of(summary, [&list = opened.list](const qnv::TriangleSink& sink, const glm::dvec3& origin) {
+    return for_each_triangle(list, sink, origin);
+  });
   if (summary.textured) surface.textured = &opened.list;
   return surface;
+}
+
+Surface surface_of(const MeshSurface& mesh) {
+  return surface_of(mesh.summary, [&mesh](const qnv::TriangleSink& sink, const glm::dvec3& origin) {
+    return for_each_triangle(mesh, sink, origin);
+  });
 }
 
 // Returns the surface of a mesh file. Such files are mostly scans that may not be closed, so faces are two-sided, as in
@@ -211,7 +251,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
                                                      qnv::EncodeOptions encode_options, ProgressBar& progress) {
   encode_options.two_sided = surface.two_sided;
   if (surface.shine)
-    for (auto& pair : render::metadata_of(*surface.shine)) encode_options.metadata.push_back(std::move(pair));
+    for (auto& pair : qnv::metadata_of(*surface.shine)) encode_options.metadata.push_back(std::move(pair));
   encode_options.origin = surface.origin;
   if (options.fraction > 0 && surface.triangles > 0)
     encode_options.vectors = part_of(options.fraction, surface.triangles);
@@ -257,7 +297,7 @@ std::size_t most_encoded_triangles(const Limits& limits) {
   return limits.memory / 32 * kHeldShare / qnv::kDisplacedTriangleBytes;
 }
 
-std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path) {
+std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path, MeshForm form) {
   const net::Url url = net::parse_url(path);
   const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
   auto mapped = net::map_file(local);
@@ -277,7 +317,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
     opened = open_volume_input(options, local);
   } else if (type.is_cloud() && !is_outline_stream(all)) {
     opened = open_cloud_input(options, type, {local, all});
-  } else {
+  } else if (form == MeshForm::world || !open_mesh_input(options, type, local, all, opened)) {
     opened = open_world_input(options, local, input.title);
   }
   if (!opened) return std::nullopt;
@@ -289,6 +329,8 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   glm::vec3 size(0);
   if (const auto* surface = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content))
     if (const WideBox& bounds = (*surface)->list.bounds; !bounds.empty()) size = bounds.size();
+  if (const auto* mesh = std::get_if<MeshSurface>(&input.content); mesh && !mesh->summary.box.empty())
+    size = mesh->summary.box.size();
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) size = mesh->size;
   if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content);
       geometry && !geometry->description().box.empty())
@@ -316,6 +358,12 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     encode_options.metadata = metadata_of(options, input, path, {});
     if (const auto& key = (*opened)->world.color_key) encode_options.metadata.push_back(color_key_metadata(*key));
     return encode(surface_of(**opened), options, std::move(encode_options), progress);
+  }
+  if (const auto* mesh = std::get_if<MeshSurface>(&input.content)) {
+    if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
+    encode_options.metadata = metadata_of(options, input, path, {});
+    if (mesh->color_key) encode_options.metadata.push_back(color_key_metadata(*mesh->color_key));
+    return encode(surface_of(*mesh), options, std::move(encode_options), progress);
   }
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) {
     if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};

@@ -3,6 +3,7 @@
 #include "app/commands/common/option_groups.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/encode/mesh_stream.h"
+#include "app/encode/mesh_surface.h"
 #include "app/encode/outline_model.h"
 #include "app/loading/updates/loaded_world.h"
 #include "net/files/file.h"
@@ -11,6 +12,7 @@
 #include "render/scene/render_list.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <variant>
@@ -25,7 +27,11 @@ struct OpenedSurface {
 };
 
 /// Content of a file for `encode`, `export` and `info`.
-using Opened = std::variant<qnv::VolumeSource, qnv::Geometry, std::unique_ptr<OpenedSurface>, MeshStream>;
+using Opened = std::variant<qnv::VolumeSource, qnv::Geometry, std::unique_ptr<OpenedSurface>, MeshSurface, MeshStream>;
+
+/// Form in which a mesh file is opened. A plain one has no nodes and no renderer; a file that refers to others, such as
+/// textures, becomes a world all the same.
+enum class MeshForm : std::uint8_t { plain, world };
 
 /// Opened file with its content, type and title.
 struct OpenedInput {
@@ -43,7 +49,8 @@ struct OpenedInput {
 
 /// Opens a file of any type, or a volume without header if the options give dimensions. Prints errors; returns nullopt
 /// if there is nothing to encode.
-[[nodiscard]] std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path);
+[[nodiscard]] std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path,
+                                                    MeshForm form = MeshForm::plain);
 
 /// Returns the up axis of the result: that of the options, else that of the file.
 [[nodiscard]] Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input);

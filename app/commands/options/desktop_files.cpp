@@ -15,10 +15,10 @@ namespace gs::app {
 namespace {
 
 /// Rules by which a desktop detects a MIME type, for shared-mime-info. Some extensions do not identify the type,
-/// because other programs use them.
+/// because other programs use them. A type without a row is a 3D model with extensions that identify it.
 struct DesktopType {
-  std::string_view mime;  // of one or more content types
-  std::string_view comment;
+  std::string_view mime;     // of one or more content types
+  std::string_view comment;  // if empty, the name of the type and "3D model"
   /// Texts at offset 0, one per line, with C escapes; if empty, only the name identifies the type.
   std::string_view magic;
   std::string_view ambiguous;  // extensions, as in the table of content types
@@ -29,9 +29,7 @@ constexpr DesktopType kDesktopTypes[] = {
     {"model/x-qnv", "QNV stream of a 3D scene", "\\x89QNV\\r\\n\\x1a\\n", "", ""},
     {"application/x-ply", "PLY 3D model or Gaussian splats", "ply\\n\nply\\r", "", "model/ply "},
     {"model/gltf-binary", "glTF 3D scene", "glTF", ".gltf ", ""},
-    {"model/obj", "OBJ 3D model", "", "", ""},
     {"model/x-off", "OFF 3D model", "OFF\\n\nCOFF\\n\nNOFF\\n", "", ""},
-    {"model/stl", "STL 3D model", "", "", ""},
     {"model/x-avs-geometry", "AVS geometry", "# Micro AVS Geom:", ".geom .geo ", ""},
     {"model/x-avs-ucd", "AVS UCD mesh", "", ".inp ", ""},
     {"application/x-vtk-poly-data", "VTK surface", "", "", ""},
@@ -51,10 +49,15 @@ constexpr DesktopType kDesktopTypes[] = {
     {"application/x-volume", "Volume without a header", "", ".raw .vol ", ""},
 };
 
-const DesktopType* desktop_type_of(const ContentType& type) {
+DesktopType desktop_type_of(const ContentType& type) {
   const auto* found = std::find_if(std::begin(kDesktopTypes), std::end(kDesktopTypes),
                                    [&](const DesktopType& row) { return row.mime == type.mime; });
-  return found == std::end(kDesktopTypes) ? nullptr : found;
+  return found == std::end(kDesktopTypes) ? DesktopType{type.mime, {}, {}, {}, {}} : *found;
+}
+
+std::string comment_of(const ContentType& type, const DesktopType& desktop) {
+  return std::string(desktop.comment.empty() ? type.name : desktop.comment) +
+         (desktop.comment.empty() ? " 3D model" : "");
 }
 
 std::vector<std::string> parts_of(std::string_view text, char end) {
@@ -79,9 +82,9 @@ std::vector<std::string> globs_of(const ContentType& type, const DesktopType& de
 std::vector<std::string> desktop_mime_types() {
   std::vector<std::string> names;
   for (const ContentType& type : content_types()) {
-    const DesktopType* desktop = desktop_type_of(type);
-    if (!desktop || (desktop->magic.empty() && globs_of(type, *desktop).empty())) continue;
-    std::vector<std::string> all = parts_of(desktop->aliases, ' ');
+    const DesktopType desktop = desktop_type_of(type);
+    if (desktop.magic.empty() && globs_of(type, desktop).empty()) continue;
+    std::vector<std::string> all = parts_of(desktop.aliases, ' ');
     all.insert(all.begin(), std::string(type.mime));
     for (const std::string& one : all)
       if (std::find(names.begin(), names.end(), one) == names.end()) names.push_back(one);
@@ -103,24 +106,24 @@ std::string shared_mime_info() {
   std::map<std::string_view, std::pair<std::string, std::string>> types;
   std::vector<std::string_view> order;
   for (const ContentType& type : content_types()) {
-    const DesktopType* desktop = desktop_type_of(type);
-    if (!desktop || (desktop->magic.empty() && globs_of(type, *desktop).empty())) continue;
+    const DesktopType desktop = desktop_type_of(type);
+    if (desktop.magic.empty() && globs_of(type, desktop).empty()) continue;
     auto [entry, fresh] = types.try_emplace(type.mime);
     auto& [head, body] = entry->second;
     if (fresh) {
       order.push_back(type.mime);
-      head = "    <comment>" + xml_text(desktop->comment) + "</comment>\n    <icon name=\"" +
+      head = "    <comment>" + xml_text(comment_of(type, desktop)) + "</comment>\n    <icon name=\"" +
              std::string(kDesktopName) + "\"/>\n";
     }
     if (fresh)
-      for (const std::string& alias : parts_of(desktop->aliases, ' ')) head += "    <alias type=\"" + alias + "\"/>\n";
-    if (fresh && !desktop->magic.empty()) {
+      for (const std::string& alias : parts_of(desktop.aliases, ' ')) head += "    <alias type=\"" + alias + "\"/>\n";
+    if (fresh && !desktop.magic.empty()) {
       body += "    <magic priority=\"60\">\n";
-      for (const std::string& magic : parts_of(desktop->magic, '\n'))
+      for (const std::string& magic : parts_of(desktop.magic, '\n'))
         body += "      <match type=\"string\" offset=\"0\" value=\"" + xml_text(magic) + "\"/>\n";
       body += "    </magic>\n";
     }
-    for (const std::string& glob : globs_of(type, *desktop)) body += "    <glob pattern=\"" + glob + "\"/>\n";
+    for (const std::string& glob : globs_of(type, desktop)) body += "    <glob pattern=\"" + glob + "\"/>\n";
   }
   for (const std::string_view mime : order)
     text += "  <mime-type type=\"" + std::string(mime) + "\">\n" + types[mime].first + types[mime].second +

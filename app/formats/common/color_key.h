@@ -1,7 +1,6 @@
 #pragma once
 
 #include "vrml/scene/field_value.h"
-#include "vrml/scene/scene_graph.h"
 
 #include <optional>
 #include <span>
@@ -9,6 +8,10 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+namespace gs::vrml {
+class SceneGraph;
+}
 
 namespace gs::app {
 

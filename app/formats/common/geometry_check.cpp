@@ -3,11 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace gs::app {
 namespace {
 
+/// Counts of elements removed from a Geometry.
+struct GeometryLoss {
+  std::size_t bad_index = 0;   // faces, lines or points with indices out of range
+  std::size_t not_finite = 0;  // faces, lines or points with infinite or NaN coordinates
+};
 
 template <class Vector>
 bool all_finite(const Array<Vector>& values) {
@@ -145,8 +151,6 @@ GeometryLoss check_faces(Geometry& data) {
   return loss;
 }
 
-}  // namespace
-
 GeometryLoss drop_what_is_broken(Geometry& data) {
   GeometryLoss loss;
   if (data.kind == Geometry::Kind::points) {
@@ -160,6 +164,22 @@ GeometryLoss drop_what_is_broken(Geometry& data) {
   }
   clamp_colors(data.colors);
   return loss;
+}
+
+}  // namespace
+
+bool keep_drawable(Geometry& data, ImportContext& context) {
+  const GeometryLoss loss = drop_what_is_broken(data);
+  const char* what = data.kind == Geometry::Kind::faces   ? "faces"
+                     : data.kind == Geometry::Kind::lines ? "lines"
+                                                          : "points";
+  if (loss.bad_index > 0)
+    context.fail(std::to_string(loss.bad_index) + " " + what +
+                 " left out, because they use missing vertices; expected indices below " +
+                 std::to_string(data.positions.size()));
+  if (loss.not_finite > 0)
+    context.warn(std::to_string(loss.not_finite) + " " + what + " left out, because their coordinates are not finite");
+  return !data.positions.empty() && (data.kind == Geometry::Kind::points || !data.coord_index.empty());
 }
 
 }  // namespace gs::app

@@ -149,11 +149,11 @@ std::size_t PlyElement::least_row_bytes() const {
   return bytes;
 }
 
-std::optional<PlyHeader> read_ply_header(TextCursor& cursor, SceneBuilder& builder) {
+std::optional<PlyHeader> read_ply_header(TextCursor& cursor, ImportContext& context) {
   HeaderLines lines(cursor);
   std::string_view line;
   if (!lines.next(line) || trimmed(line) != "ply") {
-    builder.fail("not a PLY file: expected 'ply' as the first line", {1, 1});
+    context.fail("not a PLY file: expected 'ply' as the first line", {1, 1});
     return std::nullopt;
   }
   PlyHeader header;
@@ -179,11 +179,11 @@ std::optional<PlyHeader> read_ply_header(TextCursor& cursor, SceneBuilder& build
                 "'; expected format, element, property, comment, obj_info or end_header";
     }
     if (problem) {
-      builder.fail(*problem, lines.location());
+      context.fail(*problem, lines.location());
       return std::nullopt;
     }
   }
-  builder.fail(lines.too_long() ? "a header line of more than 64 KiB; expected end_header"
+  context.fail(lines.too_long() ? "a header line of more than 64 KiB; expected end_header"
                                 : "the file ends within its header; expected end_header",
                lines.location());
   return std::nullopt;

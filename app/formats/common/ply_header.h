@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/import_context.h"
 #include "app/formats/common/text_cursor.h"
 
 #include <cstddef>
@@ -42,6 +42,6 @@ struct PlyHeader {
 };
 
 /// Reads up to and including the `end_header` line. Reports an error and returns nullopt if the header is invalid.
-[[nodiscard]] std::optional<PlyHeader> read_ply_header(TextCursor& cursor, SceneBuilder& builder);
+[[nodiscard]] std::optional<PlyHeader> read_ply_header(TextCursor& cursor, ImportContext& context);
 
 }  // namespace gs::app

@@ -7,15 +7,14 @@
 namespace gs::app {
 namespace {
 
-/// Header with its diagnostics, read without a target scene.
+/// Header with its diagnostics, read on its own.
 struct HeaderReading {
-  vrml::SceneGraph scene;
   Diagnostics diagnostics{1};
   std::optional<PlyHeader> header;
 
   explicit HeaderReading(TextCursor& cursor) {
-    SceneBuilder builder(scene, diagnostics);
-    header = read_ply_header(cursor, builder);
+    ImportContext context({}, own_budget(), diagnostics);
+    header = read_ply_header(cursor, context);
   }
   [[nodiscard]] std::string problem() const {
     return diagnostics.entries().empty() ? "broken PLY header" : diagnostics.entries().front().message;

@@ -33,11 +33,10 @@ bool is_keyword(std::string_view id) {
 
 }  // namespace
 
-Look glowing(Look look) {
-  look.emissive = look.diffuse;
-  look.diffuse = look.specular = {};
-  look.ambient_intensity = 0;
-  return look;
+SceneBuilder::~SceneBuilder() {
+  const std::uint64_t bytes = memory().amount();
+  memory().shrink_to(0);
+  if (bytes > 0) (void)scene_.charge(static_cast<std::size_t>(bytes));
 }
 
 NodeId SceneBuilder::make(vrml::NodeKind kind) {
@@ -85,19 +84,11 @@ NodeId SceneBuilder::appearance(const Look& look) {
 }
 
 NodeId SceneBuilder::geometry(Geometry data) {
-  const GeometryLoss loss = drop_what_is_broken(data);
-  const char* what = data.kind == Geometry::Kind::faces   ? "faces"
-                     : data.kind == Geometry::Kind::lines ? "lines"
-                                                          : "points";
-  if (loss.bad_index > 0)
-    fail(std::to_string(loss.bad_index) + " " + what +
-         " left out, because they use missing vertices; expected indices below " +
-         std::to_string(data.positions.size()));
-  if (loss.not_finite > 0)
-    warn(std::to_string(loss.not_finite) + " " + what + " left out, because their coordinates are not finite");
-  const bool has_index = data.kind != Geometry::Kind::points;
-  if (data.positions.empty() || (has_index && data.coord_index.empty())) return {};
+  return keep_drawable(data, *this) ? checked_geometry(std::move(data)) : NodeId{};
+}
 
+NodeId SceneBuilder::checked_geometry(Geometry data) {
+  const bool has_index = data.kind != Geometry::Kind::points;
   const bool faces = data.kind == Geometry::Kind::faces;
   const NodeId node = make(faces       ? NodeKind::indexed_face_set
                            : has_index ? NodeKind::indexed_line_set
@@ -133,10 +124,6 @@ NodeId SceneBuilder::shape(NodeId geometry, NodeId appearance) {
   set(shape, "geometry", geometry);
   set(shape, "appearance", appearance);
   return shape;
-}
-
-void SceneBuilder::report(Severity severity, std::string message, SourceLocation location) {
-  diagnostics_.add({severity, scene_.file_name(), location, std::move(message)});
 }
 
 float display_of_linear(float linear) {

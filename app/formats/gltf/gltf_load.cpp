@@ -257,7 +257,7 @@ std::optional<tinygltf::Model> load_gltf(std::span<const std::byte> bytes, const
   const auto cut_result = cut(bytes);
   if (const auto* why = std::get_if<std::string>(&cut_result)) return refuse(*why);
   const Parts& parts = std::get<Parts>(cut_result);
-  if (const auto what = too_much(parts.json, *builder.scene().budget())) return refuse(*what);
+  if (const auto what = too_much(parts.json, *builder.budget())) return refuse(*what);
   nlohmann::json document = nlohmann::json::parse(parts.json.begin(), parts.json.end(), nullptr, false);
   if (document.is_discarded() || !document.is_object())
     return refuse("expected a JSON object, as glTF 2.0 describes it");

@@ -29,8 +29,8 @@ std::int32_t as_index(std::uint32_t index) {
 /// The corners of a primitive as faces or lines that end with -1 (glTF 2.0 3.7.2.1); `index(i)` for i < count.
 class CornerWriter {
  public:
-  CornerWriter(const std::vector<std::uint32_t>& indices, vrml::SceneGraph& scene)
-      : indices_(indices), corners_(scene) {}
+  CornerWriter(const std::vector<std::uint32_t>& indices, ImportContext& context)
+      : indices_(indices), corners_(context) {}
 
   vrml::MFInt32 triangles() {
     for (std::size_t i = 0; i + 2 < indices_.size(); i += 3) put({i, i + 1, i + 2});
@@ -65,8 +65,8 @@ class CornerWriter {
 };
 
 template <class T>
-Array<T> gathered(const Array<T>& values, const std::vector<std::uint32_t>& indices, vrml::SceneGraph& scene) {
-  Appender<T> result(scene);
+Array<T> gathered(const Array<T>& values, const std::vector<std::uint32_t>& indices, ImportContext& context) {
+  Appender<T> result(context);
   for (const std::uint32_t i : indices)
     if (i < values.size()) result.push(values[i]);
   return result.take();
@@ -203,7 +203,7 @@ void GltfMeshes::read_colors(int accessor, const GltfSurface& surface, const std
     builder_.warn(where + "COLOR_0: " + accessors_.problem());
     return;
   }
-  Appender<vrml::Color> colors(builder_.scene());
+  Appender<vrml::Color> colors(builder_);
   for (std::size_t i = 0; i + 2 < values->size(); i += static_cast<std::size_t>(width))
     colors.push({display_of_linear((*values)[i] * surface.factor.x),
                  display_of_linear((*values)[i + 1] * surface.factor.y),
@@ -223,7 +223,7 @@ void GltfMeshes::read_texture_coordinates(int accessor, const GltfSurface& surfa
     builder_.warn(where + "TEXCOORD: " + accessors_.problem());
     return;
   }
-  Appender<glm::vec2> coordinates(builder_.scene());
+  Appender<glm::vec2> coordinates(builder_);
   for (std::size_t i = 0; i + 1 < values->size(); i += 2) {
     glm::vec2 uv((*values)[i], (*values)[i + 1]);
     if (surface.transform) uv = surface.transform->apply(uv);
@@ -252,7 +252,7 @@ bool GltfMeshes::read_corners(const tinygltf::Primitive& primitive, const std::s
     builder_.fail(where + accessors_.problem());
     return false;
   }
-  CornerWriter writer(indices, builder_.scene());
+  CornerWriter writer(indices, builder_);
   geometry.kind = Geometry::Kind::faces;
   switch (primitive.mode) {
     case TINYGLTF_MODE_TRIANGLES:
@@ -288,8 +288,8 @@ bool GltfMeshes::read_corners(const tinygltf::Primitive& primitive, const std::s
   }
   geometry.kind = Geometry::Kind::points;
   if (primitive.indices < 0) return true;
-  geometry.positions = gathered(geometry.positions, indices, builder_.scene());
-  geometry.colors = gathered(geometry.colors, indices, builder_.scene());
+  geometry.positions = gathered(geometry.positions, indices, builder_);
+  geometry.colors = gathered(geometry.colors, indices, builder_);
   return true;
 }
 

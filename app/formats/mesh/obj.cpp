@@ -1,6 +1,6 @@
-#include "app/formats/mesh/obj.h"
-
-#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/content_type.h"
+#include "app/formats/common/geometry_check.h"
+#include "app/formats/common/mesh_asset.h"
 #include "app/formats/common/text_cursor.h"
 #include "app/formats/mesh/obj_material.h"
 
@@ -32,7 +32,7 @@ struct PartKey {
 };
 
 struct Part {
-  explicit Part(vrml::SceneGraph& scene) : corners(scene), texture(scene), normals(scene) {}
+  explicit Part(ImportContext& context) : corners(context), texture(context), normals(context) {}
   Appender<std::int32_t> corners, texture, normals;
   bool convex = true;
 };
@@ -59,7 +59,7 @@ struct ObjCorner {
 
 class ObjImporter {
  public:
-  ObjImporter(std::span<const std::byte> bytes, SceneBuilder& builder, const ReadFile& read_file)
+  ObjImporter(std::span<const std::byte> bytes, MeshBuilder& builder, const ReadFile& read_file)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder), read_file_(read_file) {}
 
   void run() {
@@ -275,7 +275,7 @@ class ObjImporter {
       full_ = true;
       key.group = key.material = 0;
     }
-    const auto [entry, added] = parts_.try_emplace(key, builder_.scene());
+    const auto [entry, added] = parts_.try_emplace(key, builder_);
     if (added) order_.push_back(&*entry);
     current_ = &entry->second;
     return *current_;
@@ -315,8 +315,7 @@ class ObjImporter {
     cloud.kind = Geometry::Kind::points;
     cloud.positions = std::move(all_positions_);
     cloud.colors = std::move(all_colors_);
-    const vrml::NodeId geometry = builder_.geometry(std::move(cloud));
-    builder_.add_root(builder_.shape(geometry, builder_.appearance(glowing({}))));
+    builder_.add(std::move(cloud), glowing({}));
   }
 
   void build(const PartKey& key, Part& part) {
@@ -342,19 +341,17 @@ class ObjImporter {
       if (key.textured) geometry.texture_coordinates = used(all_texture_coordinates_, geometry.texture_index);
       if (key.has_normals) geometry.normals = used(all_normals_, geometry.normal_index);
     }
-    const vrml::NodeId node = builder_.geometry(std::move(geometry));
-    if (!node) return;
-    const vrml::NodeId shape = builder_.shape(node, appearance(key.material, key.kind != Geometry::Kind::faces));
-    builder_.name(shape, names_.name(key.group));
-    builder_.add_root(shape);
+    if (!keep_drawable(geometry, builder_)) return;
+    const std::size_t look = look_of(key.material, key.kind != Geometry::Kind::faces);
+    builder_.add_part(std::move(geometry), look, names_.name(key.group));
   }
 
   /// Moves the points into the geometry, in the order of the file.
   void take_points(Geometry& geometry) {
     const vrml::MFInt32 index = std::move(geometry.coord_index);
     geometry.coord_index.clear();
-    Appender<glm::vec3> positions(builder_.scene());
-    Appender<vrml::Color> colors(builder_.scene());
+    Appender<glm::vec3> positions(builder_);
+    Appender<vrml::Color> colors(builder_);
     std::size_t missing = 0;
     for (const std::int32_t i : index) {
       const auto at = static_cast<std::size_t>(i);
@@ -375,8 +372,8 @@ class ObjImporter {
   template <class T>
   Array<T> used(const Array<T>& all, vrml::MFInt32& index, const vrml::MFColor& extra, vrml::MFColor& taken) {
     if (renumbered_.size() < all.size()) renumbered_.resize(all.size(), kNone);
-    Appender<T> values(builder_.scene());
-    Appender<vrml::Color> colors(builder_.scene());
+    Appender<T> values(builder_);
+    Appender<vrml::Color> colors(builder_);
     std::int32_t* first = index.mutable_data();
     touched_.clear();
     for (std::int32_t* i = first; i != first + index.size(); ++i) {
@@ -404,26 +401,24 @@ class ObjImporter {
     return used(all, index, {}, none);
   }
 
-  vrml::NodeId appearance(std::uint32_t material, bool glows) {
-    const auto [entry, added] = appearances_.try_emplace({material, glows});
+  std::size_t look_of(std::uint32_t material, bool glows) {
+    const auto [entry, added] = looks_.try_emplace({material, glows});
     if (!added) return entry->second;
     const std::string& name = materials_used_.name(material);
     const auto found = materials_.find(name);
     if (found == materials_.end() && !name.empty() && read_file_)
       builder_.warn("material " + name + " is in no library; the default material is used");
     const Look look = found == materials_.end() ? Look{} : found->second;
-    entry->second = builder_.appearance(glows ? glowing(look) : look);
-    builder_.name(entry->second, name);
-    return entry->second;
+    return entry->second = builder_.add_look(glows ? glowing(look) : look, name);
   }
 
   TextCursor cursor_;
   LineCounter lines_;
-  SceneBuilder& builder_;
+  MeshBuilder& builder_;
   const ReadFile& read_file_;
-  Appender<glm::vec3> positions_{builder_.scene()}, normals_{builder_.scene()};
-  Appender<glm::vec2> texture_coordinates_{builder_.scene()};
-  Appender<vrml::Color> colors_{builder_.scene()};
+  Appender<glm::vec3> positions_{builder_}, normals_{builder_};
+  Appender<glm::vec2> texture_coordinates_{builder_};
+  Appender<vrml::Color> colors_{builder_};
   vrml::MFVec3f all_positions_, all_normals_;
   vrml::MFVec2f all_texture_coordinates_;
   vrml::MFColor all_colors_;
@@ -435,17 +430,25 @@ class ObjImporter {
   std::vector<ObjCorner> corners_;  // corners of the current element
   std::vector<std::string> libraries_;
   ObjMaterials materials_;
-  std::map<std::pair<std::uint32_t, bool>, vrml::NodeId> appearances_;
+  std::map<std::pair<std::uint32_t, bool>, std::size_t> looks_;
   std::vector<std::int32_t> renumbered_, touched_;
   bool complained_ = false, full_ = false;
 };
 
-}  // namespace
-
-void import_obj(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics,
-                const ReadFile& read_file) {
-  SceneBuilder builder(scene, diagnostics);
+/// Imports a Wavefront OBJ file: faces, lines and points, one part per group (o, g) and material (usemtl). `read_file`
+/// provides the material libraries (mtllib): Kd, Ks, Ke, Ns, d, Tr, map_Kd. Without it, a note names each library.
+/// Colours after the coordinates of `v` become colours of vertices. Curves, surfaces and smoothing groups are ignored.
+/// An invalid line gives an error with its location, and its face is skipped.
+void import_obj(std::span<const std::byte> bytes, MeshBuilder& builder, const ReadFile& read_file) {
   ObjImporter(bytes, builder, read_file).run();
 }
+
+}  // namespace
+
+extern constinit const ContentType kObjFormat = {.name = "OBJ",
+                                                 .mime = "model/obj",
+                                                 .extensions = ".obj ",
+                                                 .content = ContentClass::mesh,
+                                                 .read = read_mesh<import_obj>};
 
 }  // namespace gs::app

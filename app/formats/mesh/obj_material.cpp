@@ -119,7 +119,7 @@ struct MaterialReader {
 }  // namespace
 
 void read_obj_materials(std::span<const std::byte> bytes, const std::string& library, ObjMaterials& materials,
-                        SceneBuilder& builder) {
+                        MeshBuilder& builder) {
   TextCursor cursor(bytes);
   Look unused;
   MaterialReader reader{library, &unused};

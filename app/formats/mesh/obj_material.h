@@ -1,7 +1,6 @@
 #pragma once
 
-#include "app/formats/common/scene_builder.h"
-#include "app/formats/mesh/obj.h"
+#include "app/formats/common/mesh_asset.h"
 
 #include <cstddef>
 #include <span>
@@ -15,6 +14,6 @@ using ObjMaterials = std::unordered_map<std::string, Look>;
 /// Adds the materials of an MTL file; existing names keep their first definition. `library` is its name in the OBJ
 /// file; texture names are relative to it.
 void read_obj_materials(std::span<const std::byte> bytes, const std::string& library, ObjMaterials& materials,
-                        SceneBuilder& builder);
+                        MeshBuilder& builder);
 
 }  // namespace gs::app

@@ -1,6 +1,5 @@
-#include "app/formats/mesh/off.h"
-
-#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/content_type.h"
+#include "app/formats/common/mesh_asset.h"
 #include "app/formats/common/text_cursor.h"
 #include "base/text.h"
 
@@ -40,7 +39,7 @@ std::optional<OffKind> off_kind_of(std::string_view word) {
 
 class OffImporter {
  public:
-  OffImporter(std::span<const std::byte> bytes, SceneBuilder& builder)
+  OffImporter(std::span<const std::byte> bytes, MeshBuilder& builder)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
 
   void run() {
@@ -180,35 +179,40 @@ class OffImporter {
       geometry.colors = face_colors_.take();
       geometry.color_per_vertex = geometry.colors.empty();
     }
-    const vrml::NodeId node = builder_.geometry(std::move(geometry));
-    if (!node) return;
-    builder_.add_root(builder_.shape(node, builder_.appearance({})));
+    builder_.add(std::move(geometry));
   }
 
   TextCursor cursor_;
   LineCounter lines_;
-  SceneBuilder& builder_;
+  MeshBuilder& builder_;
   OffKind kind_;
   std::string problem_;
-  Appender<glm::vec3> points_{builder_.scene()}, normals_{builder_.scene()};
-  Appender<glm::vec2> texture_{builder_.scene()};
-  Appender<vrml::Color> colors_{builder_.scene()}, face_colors_{builder_.scene()};
-  Appender<std::int32_t> indices_{builder_.scene()};
+  Appender<glm::vec3> points_{builder_}, normals_{builder_};
+  Appender<glm::vec2> texture_{builder_};
+  Appender<vrml::Color> colors_{builder_}, face_colors_{builder_};
+  Appender<std::int32_t> indices_{builder_};
   std::size_t left_out_ = 0;
   bool convex_ = true;
 };
 
-}  // namespace
-
-void import_off(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
-  SceneBuilder builder(scene, diagnostics);
-  OffImporter(bytes, builder).run();
-}
+/// Imports an OFF file (Geomview, Object File Format) as one part: text only, with colours of points or faces, normals
+/// and texture coordinates. Skips faces of fewer than three corners. A truncated file gives an error and its complete
+/// faces.
+void import_off(std::span<const std::byte> bytes, MeshBuilder& builder) { OffImporter(bytes, builder).run(); }
 
 bool is_off(std::span<const std::byte> bytes) {
   constexpr std::size_t kLongest = 8;
   TextCursor cursor(bytes.first(std::min(bytes.size(), kLongest)));
   return off_kind_of(cursor.word()).has_value();
 }
+
+}  // namespace
+
+extern constinit const ContentType kOffFormat = {.name = "OFF",
+                                                 .mime = "model/x-off",
+                                                 .extensions = ".off ",
+                                                 .sniff = is_off,
+                                                 .content = ContentClass::mesh,
+                                                 .read = read_mesh<import_off>};
 
 }  // namespace gs::app

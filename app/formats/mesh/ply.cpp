@@ -1,8 +1,8 @@
-#include "app/formats/mesh/ply.h"
-
-#include "app/formats/common/color_key.h"
+#include "app/formats/common/content_type.h"
+#include "app/formats/common/mesh_asset.h"
 #include "app/formats/common/ply_header.h"
 #include "app/formats/common/ply_source.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <array>
@@ -84,10 +84,10 @@ FoundProperties find(const PlyElement& element, std::span<const Meaning> meaning
 /// Resizes `array` to `rows` and connects the columns of the properties to it.
 template <class T>
 bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::size_t rows, Array<T>& array,
-             std::vector<Column>& columns, vrml::SceneGraph& scene) {
+             std::vector<Column>& columns, ImportContext& context) {
   const FoundProperties found = find(element, meanings);
   if (!found.meaning || rows == 0) return false;
-  draw(scene, rows * sizeof(T));
+  context.draw(rows * sizeof(T));
   array.resize(rows);
   constexpr std::size_t kWidth = sizeof(T) / sizeof(float);
   auto* first = reinterpret_cast<float*>(array.mutable_data());
@@ -97,8 +97,8 @@ bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::
 }
 
 void connect_colors(const PlyElement& element, std::size_t rows, vrml::MFColor& colors, std::vector<Column>& columns,
-                    vrml::SceneGraph& scene) {
-  if (!connect(element, kColor, rows, colors, columns, scene)) return;
+                    ImportContext& context) {
+  if (!connect(element, kColor, rows, colors, columns, context)) return;
   const FoundProperties found = find(element, kColor);
   for (const std::size_t i : found.at) columns[i].scale *= color_scale(element.properties[i].type);
 }
@@ -136,7 +136,7 @@ void scale_large_colors(vrml::MFColor& colors) {
 template <class Source>
 class PlyImporter {
  public:
-  PlyImporter(const PlyHeader& header, Source source, SceneBuilder& builder)
+  PlyImporter(const PlyHeader& header, Source source, MeshBuilder& builder)
       : header_(header), source_(source), builder_(builder) {}
 
   void run() {
@@ -180,16 +180,16 @@ class PlyImporter {
     constexpr std::uint64_t kMaxVertices = std::numeric_limits<std::int32_t>::max() - 1;
     const auto rows = static_cast<std::size_t>(std::min({element.count, source_.most_rows(element), kMaxVertices}));
     std::vector<Column> columns(element.properties.size());
-    connect(element, kPosition, rows, positions_, columns, builder_.scene());
-    connect(element, kNormal, rows, normals_, columns, builder_.scene());
-    connect(element, kTexture, rows, texture_coordinates_, columns, builder_.scene());
-    connect_colors(element, rows, colors_, columns, builder_.scene());
+    connect(element, kPosition, rows, positions_, columns, builder_);
+    connect(element, kNormal, rows, normals_, columns, builder_);
+    connect(element, kTexture, rows, texture_coordinates_, columns, builder_);
+    connect_colors(element, rows, colors_, columns, builder_);
     // Scalars are shown only if there are no colours and no texture.
     const bool plain = colors_.empty() && header_.texture_file.empty() && rows > 0;
     const std::optional<std::size_t> scalar = plain ? find_scalar(element) : std::nullopt;
     std::vector<float> values;
     if (scalar) {
-      draw(builder_.scene(), rows * sizeof(float));
+      builder_.draw(rows * sizeof(float));
       values.resize(rows);
       columns[*scalar] = {values.data(), 1};
     }
@@ -209,7 +209,7 @@ class PlyImporter {
 
   void color_by(const std::vector<float>& values, std::string title) {
     ColorKey key = color_key_over(values, viridis_colors(), std::move(title));
-    draw(builder_.scene(), values.size() * sizeof(vrml::Color));
+    builder_.draw(values.size() * sizeof(vrml::Color));
     colors_.resize(values.size());
     vrml::Color* const to = colors_.mutable_data();
     for (std::size_t i = 0; i < values.size(); ++i) to[i] = key.color_of(static_cast<double>(values[i]));
@@ -293,7 +293,7 @@ class PlyImporter {
     const auto rows = std::min(element.count, source_.most_rows(element));
     std::vector<Column> columns(element.properties.size());
     vrml::MFColor colors;
-    connect_colors(element, static_cast<std::size_t>(rows), colors, columns, builder_.scene());
+    connect_colors(element, static_cast<std::size_t>(rows), colors, columns, builder_);
     std::vector<char> kinds;  // i: corners, t: texture coordinates, c: colour component, -: other
     bool has_texture = false;
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -431,28 +431,27 @@ class PlyImporter {
     geometry.crease_angle = std::numbers::pi_v<float>;
     Look look;
     look.texture_url = vrml::String(header_.texture_file);
-    const vrml::NodeId node = builder_.geometry(std::move(geometry));
-    if (node) builder_.add_root(builder_.shape(node, builder_.appearance(faces ? look : glowing(look))));
-    if (node && key_) add_color_key(builder_, *key_);
+    if (builder_.add(std::move(geometry), faces ? look : glowing(look)) && key_) builder_.set_color_key(*key_);
   }
 
   const PlyHeader& header_;
   Source source_;
-  SceneBuilder& builder_;
+  MeshBuilder& builder_;
   vrml::MFVec3f positions_, normals_;
   vrml::MFColor colors_, face_colors_;
   std::optional<ColorKey> key_;  // key of `colors_`; empty if colours do not represent values
   vrml::MFVec2f texture_coordinates_;
-  Appender<glm::vec2> corner_texture_{builder_.scene()};
-  Appender<std::int32_t> coord_index_{builder_.scene()}, texture_index_{builder_.scene()},
-      edge_index_{builder_.scene()};
+  Appender<glm::vec2> corner_texture_{builder_};
+  Appender<std::int32_t> coord_index_{builder_}, texture_index_{builder_}, edge_index_{builder_};
   bool convex_ = true;
 };
 
-}  // namespace
-
-void import_ply(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
-  SceneBuilder builder(scene, diagnostics);
+/// Imports the mesh or points of a PLY file (Turk 1994: ascii, binary_little_endian, binary_big_endian) as one part:
+/// faces from `face` or `tristrips` elements, else lines from `edge` elements, else points. Keeps normals, texture
+/// coordinates, and colours of vertices or faces (including the constant term of 3D Gaussian splats). Ignores other
+/// elements and properties. Colours are display colours; coordinates are unchanged. Memory is bounded by a small
+/// multiple of the file size. A truncated file gives an error and its complete rows.
+void import_ply(std::span<const std::byte> bytes, MeshBuilder& builder) {
   TextCursor cursor(bytes);
   const auto header = read_ply_header(cursor, builder);
   if (!header) return;
@@ -470,5 +469,22 @@ void import_ply(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagn
       break;
   }
 }
+
+bool is_ply(std::span<const std::byte> bytes) {
+  const std::string_view text = text_of(bytes);
+  return text.starts_with("ply\n") || text.starts_with("ply\r");
+}
+
+}  // namespace
+
+extern constinit const ContentType kPlyFormat = {.name = "PLY",
+                                                 .mime = "application/x-ply",
+                                                 .extensions = ".ply ",
+                                                 .sniff = is_ply,
+                                                 .content = ContentClass::mesh,
+                                                 .read = read_mesh<import_ply>,
+                                                 .up = UpRule::by_shape,
+                                                 .in_order = true,
+                                                 .mark = "ply"};
 
 }  // namespace gs::app

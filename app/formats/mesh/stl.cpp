@@ -1,6 +1,5 @@
-#include "app/formats/mesh/stl.h"
-
-#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/content_type.h"
+#include "app/formats/common/mesh_asset.h"
 #include "app/formats/common/text_cursor.h"
 #include "app/formats/mesh/stl_binary.h"
 
@@ -17,7 +16,7 @@ namespace {
 /// Index of points by exact bits. Uses open addressing, so that a look-up mostly touches one cache line.
 class Welder {
  public:
-  explicit Welder(vrml::SceneGraph& scene) : scene_(scene) {}
+  explicit Welder(ImportContext& context) : context_(context) {}
   /// Returns the index of a point; kBadIndex if there are too many.
   std::int32_t index(glm::vec3 p) {
     // Treat -0 and 0 as equal.
@@ -51,7 +50,7 @@ class Welder {
   }
   void grow() {
     const std::size_t size = table_.empty() ? 1024 : table_.size() * 2;
-    draw(scene_, size * sizeof(Entry));
+    context_.draw(size * sizeof(Entry));
     std::vector<Entry> old(size);
     old.swap(table_);
     const std::size_t mask = table_.size() - 1;
@@ -63,25 +62,21 @@ class Welder {
     }
   }
 
-  vrml::SceneGraph& scene_;
-  Appender<glm::vec3> points_{scene_};
+  ImportContext& context_;
+  Appender<glm::vec3> points_{context_};
   std::vector<Entry> table_;
 };
 
-void add_shape(SceneBuilder& builder, Geometry geometry, const Look& look, std::string_view name) {
+void add_shape(MeshBuilder& builder, Geometry geometry, const Look& look, std::string_view name) {
   geometry.color_per_vertex = false;
   if (geometry.coord_index.empty()) {
     builder.warn("no facets in the file");
     return;
   }
-  const vrml::NodeId node = builder.geometry(std::move(geometry));
-  if (!node) return;
-  const vrml::NodeId shape = builder.shape(node, builder.appearance(look));
-  builder.name(shape, name);
-  builder.add_root(shape);
+  builder.add(std::move(geometry), look, name);
 }
 
-void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
+void import_binary(std::span<const std::byte> bytes, MeshBuilder& builder) {
   const auto stl = BinaryStl::open(bytes);
   if (!stl) {
     builder.fail(
@@ -93,8 +88,8 @@ void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
     builder.fail("the file ends too early: expected " + std::to_string(stl->announced()) + " facets, found " +
                  std::to_string(count));
 
-  Welder welder(builder.scene());
-  Appender<std::int32_t> corners(builder.scene());
+  Welder welder(builder);
+  Appender<std::int32_t> corners(builder);
   for (std::size_t i = 0; i < count; ++i) {
     for (const glm::vec3& p : stl->corners(i)) corners.push(welder.index(p));
     corners.push(kFaceEnd);
@@ -104,7 +99,7 @@ void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
   Look look;
   if (stl->object_color()) look.diffuse = *stl->object_color();
   if (stl->has_colors(count)) {
-    Appender<vrml::Color> colors(builder.scene());
+    Appender<vrml::Color> colors(builder);
     for (std::size_t i = 0; i < count; ++i) colors.push(stl->color(i));
     geometry.colors = colors.take();
   }
@@ -132,7 +127,7 @@ Word word_of(std::string_view text) {
 
 class TextImporter {
  public:
-  TextImporter(std::span<const std::byte> bytes, SceneBuilder& builder)
+  TextImporter(std::span<const std::byte> bytes, MeshBuilder& builder)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
 
   void run() {
@@ -231,13 +226,24 @@ class TextImporter {
 
   TextCursor cursor_;
   LineCounter lines_;
-  SceneBuilder& builder_;
-  Welder welder_{builder_.scene()};
-  Appender<std::int32_t> corners_{builder_.scene()};
+  MeshBuilder& builder_;
+  Welder welder_{builder_};
+  Appender<std::int32_t> corners_{builder_};
   std::string name_;
   std::size_t loop_ = 0;  // corners of the current facet
   bool broken_ = false, convex_ = true, ended_ = false, complained_ = false;
 };
+
+/// Imports the triangles of a binary or text STL file as one part. Merges equal corners; uses creaseAngle 0 (flat
+/// shading, as CAD parts need) instead of normals. Attribute bytes with colours become face colours: the VisCAM and
+/// SolidView form (bit 15 set on every facet), or Materialise Magics (COLOR= in the header). Binary files are detected
+/// by size, because their header may begin with "solid". A truncated file gives an error and its complete facets.
+void import_stl(std::span<const std::byte> bytes, MeshBuilder& builder) {
+  if (is_text_stl(bytes))
+    TextImporter(bytes, builder).run();
+  else
+    import_binary(bytes, builder);
+}
 
 }  // namespace
 
@@ -256,12 +262,12 @@ bool is_text_stl(std::span<const std::byte> bytes) {
   return std::none_of(looked.begin(), looked.end(), [](std::byte b) { return b == std::byte{0}; });
 }
 
-void import_stl(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
-  SceneBuilder builder(scene, diagnostics);
-  if (is_text_stl(bytes))
-    TextImporter(bytes, builder).run();
-  else
-    import_binary(bytes, builder);
-}
+extern constinit const ContentType kStlFormat = {.name = "STL",
+                                                 .mime = "model/stl",
+                                                 .extensions = ".stl ",
+                                                 .content = ContentClass::mesh,
+                                                 .read = read_mesh<import_stl>,
+                                                 .up = UpRule::z,
+                                                 .in_order = true};
 
 }  // namespace gs::app

@@ -2,6 +2,7 @@
 #include "app/formats/qnv/surface_pictures.h"
 
 #include "app/formats/common/color_key.h"
+#include "app/formats/splats/splats.h"
 #include "app/formats/volume/volume.h"
 #include "base/gzip.h"
 #include "net/files/file.h"
@@ -39,7 +40,7 @@ class CloudFileReader {
   std::optional<qnv::Geometry> levels(qnv::LodStream::Opened opened);
   std::optional<qnv::Geometry> stream();
   std::optional<qnv::Geometry> cloud(const ContentType& type);
-  std::optional<qnv::Geometry> volume();
+  std::optional<qnv::Geometry> volume(const ContentType& type);
 
  private:
   void report(Severity severity, std::string message) {
@@ -133,37 +134,31 @@ std::optional<qnv::Geometry> CloudFileReader::cloud(const ContentType& type) {
     if (unpacked.problem && !file_.cut) report(Severity::error, *unpacked.problem);
     bytes = unpacked.bytes.span();
   }
-  ImportedCloud imported = type.import_cloud(bytes, budget_);
-  if (const auto* problem = std::get_if<std::string>(&imported)) {
-    report(Severity::error, *problem);
-    return std::nullopt;
-  }
-  auto& splats = std::get<qnv::Splats>(imported);
-  for (const auto& [key, value] : splats.description.metadata) {
+  Asset asset = type.read({bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_});
+  auto* const splats = std::get_if<qnv::Splats>(&asset);
+  if (!splats) return std::nullopt;
+  for (const auto& [key, value] : splats->description.metadata) {
     if (key == kSplatsDrawnAs) report(Severity::note, "splats are drawn as " + value);
     if (!file_.cut && key.ends_with(" missing")) report(Severity::error, "the file ends early: " + key + ": " + value);
   }
-  return std::move(splats);
+  return std::move(*splats);
 }
 
-std::optional<qnv::Geometry> CloudFileReader::volume() {
+std::optional<qnv::Geometry> CloudFileReader::volume(const ContentType& type) {
   if (file_.cut) {
     report(Severity::error, "a volume cannot be read in part");
     return std::nullopt;
   }
-  auto opened = open_volume(file_.path, {}, file_.origin, budget_);
-  if (const auto* problem = std::get_if<std::string>(&opened)) {
-    // The message already contains the file name.
-    const bool named = problem->starts_with(file_.path + ": ");
-    report(Severity::error, named ? problem->substr(file_.path.size() + 2) : *problem);
-    return std::nullopt;
-  }
+  const Asset asset =
+      type.read({file_.bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_, file_.origin.name});
+  const auto* const source = std::get_if<qnv::VolumeSource>(&asset);
+  if (!source) return std::nullopt;
   qnv::GradientOptions options;
   options.vectors = std::min(kMaxGradients, most_gradients(*budget_));
   Share share(budget_, Resource::vectors);
   if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread has taken the memory
   Deadline deadline(limit_);
-  auto found = qnv::gradient_vectors(std::get<qnv::VolumeSource>(opened), options, &deadline.progress);
+  auto found = qnv::gradient_vectors(*source, options, &deadline.progress);
   if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
     report(Severity::error, deadline.progress.cancelled
                                 ? "the time limit for loading was reached before the volume was read"
@@ -271,7 +266,7 @@ std::optional<qnv::Geometry> read_geometry(const ContentType& type, const CloudF
   }
   if (type.content == ContentClass::stream) return reader.stream();
   if (type.content == ContentClass::cloud) return reader.cloud(type);
-  return reader.volume();
+  return reader.volume(type);
 }
 
 vrml::NodeId add_geometry_shape(vrml::SceneGraph& scene, const qnv::Geometry& geometry, const std::string& url) {

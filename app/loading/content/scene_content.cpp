@@ -1,6 +1,6 @@
 #include "app/loading/content/scene_content.h"
 
-#include "app/formats/mesh_import.h"
+#include "app/formats/common/asset.h"
 #include "app/loading/content/cloud_handler.h"
 #include "app/loading/content/outline_reader.h"
 #include "app/loading/content/scene_target.h"
@@ -101,8 +101,8 @@ class MeshContent final : public SceneContent {
     Loading& loading = target_.loading();
     const Found& found = target_.found();
     const PhaseScope phase(loading.options.phases, Phase::parse);
-    auto scene = import_mesh(type_, found.path, bytes, loading.results.diagnostics(),
-                             loading.fetcher.reader_of(found.origin), loading.budget);
+    auto scene = import_scene(type_, {bytes, found.path, loading.fetcher.reader_of(found.origin), loading.budget,
+                                      loading.results.diagnostics()});
     if (!scene) return target_.refuse();
     target_.replace_scene(std::move(scene));
   }

@@ -1,11 +1,10 @@
 #include "app/encode/mesh_stream.h"
 
+#include "app/encode/mesh_surface.h"
 #include "app/encode/surface_triangles.h"
-#include "app/formats/mesh/ply.h"
-#include "app/formats/mesh/stl.h"
 #include "render/scene/render_list.h"
+#include "tests/app/formats_helpers.h"
 #include "tests/watched.h"
-#include "vrml/scene/scene_graph.h"
 
 #include <catch2/catch.hpp>
 
@@ -14,6 +13,8 @@
 #include <random>
 #include <span>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 using namespace gs;
@@ -44,14 +45,30 @@ MeshTriangles triangles_of_stream(const std::string& text) {
   return all;
 }
 
-/// Encodes the file as a world.
-template <class Import>
-MeshTriangles triangles_of_world(const std::string& text, Import import) {
-  vrml::SceneGraph scene("test");
+/// Encodes the file as a mesh without nodes.
+MeshTriangles triangles_of_mesh(const std::string& text, const char* type) {
+  const std::string path = "test";
+  const WorldBudget budget = own_budget();
   Diagnostics diagnostics;
-  import(mesh_bytes(text), scene, diagnostics);
+  Asset asset = test::type_named(type).read({mesh_bytes(text), path, {}, budget, diagnostics});
+  const MeshSurface surface = mesh_surface(std::move(std::get<MeshAsset>(asset)), path, budget, diagnostics);
+  MeshTriangles all;
+  (void)for_each_triangle(
+      surface,
+      [&](std::span<const qnv::Triangle> some) {
+        all.insert(all.end(), some.begin(), some.end());
+        return true;
+      },
+      glm::dvec3(0));
+  CHECK(surface.summary.triangles == all.size());
+  return all;
+}
+
+/// Encodes the file as a world.
+MeshTriangles triangles_of_world(const std::string& text, const char* type) {
+  const test::Imported world = test::imported(type, mesh_bytes(text));
   render::MeshCache meshes;
-  const render::RenderList list = render::collect(scene, {}, meshes);
+  const render::RenderList list = render::collect(*world.scene, {}, meshes);
   MeshTriangles all;
   (void)for_each_triangle(list, [&](std::span<const qnv::Triangle> some) {
     all.insert(all.end(), some.begin(), some.end());
@@ -119,7 +136,7 @@ TEST_CASE("returns the triangles of a binary STL as in its world") {
   for (const int colors : {0, 1, 2}) {
     INFO(colors);
     const std::string text = binary_stl(9000, colors);
-    check_same_triangles(triangles_of_stream(text), triangles_of_world(text, import_stl));
+    check_same_triangles(triangles_of_stream(text), triangles_of_world(text, "STL"));
   }
   const std::string text = binary_stl(200, 0);
   CHECK(open_mesh_stream(mesh_bytes(text))->faces == 200);
@@ -140,9 +157,7 @@ TEST_CASE("returns the triangles of a binary PLY as in its world") {
     const std::string text = binary_ply(big, false);
     const MeshTriangles triangles = triangles_of_stream(text);
     REQUIRE(triangles.size() == 4);
-    const MeshTriangles world = triangles_of_world(
-        text, [](auto bytes, auto& scene, auto& diagnostics) { import_ply(bytes, scene, diagnostics); });
-    check_same_triangles(triangles, world);
+    check_same_triangles(triangles, triangles_of_world(text, "PLY"));
     // Relative to a nearby origin if the file has more digits than float32.
     const std::string wide = binary_ply(big, true);
     const auto stream = open_mesh_stream(mesh_bytes(wide));
@@ -164,4 +179,41 @@ TEST_CASE("rejects files that are no mesh of ordered triangles") {
   CHECK_FALSE(open_mesh_stream(mesh_bytes("ply\nformat ascii 1.0\nelement vertex 0\nend_header\n")));
   CHECK_FALSE(open_mesh_stream(
       mesh_bytes("ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nend_header\n")));
+}
+
+TEST_CASE("returns the triangles of a mesh without nodes as in its world") {
+  const std::string points = "v 0 0 0 1 0 0\nv 2 0 0\nv 2 2 1 0 1 0\nv 0 2 0\nv 1 3 2\n";
+  const std::pair<const char*, std::string> files[] = {
+      {"STL", binary_stl(300, 1)},
+      {"STL", "solid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"},
+      {"PLY", binary_ply(true, false)},
+      {"OBJ", points + "vn 0 0 1\nvn 0 1 1\ng a\nf 1 2 3 4\ns 1\nf 1//1 2//2 5//1\nusemtl b\nf 3 4 5\nl 1 2\np 3\n"},
+      {"OFF", "OFF\n5 3 0\n0 0 0\n2 0 0\n2 2 0\n1 0.5 0\n0 0 3\n4 0 1 2 3 255 0 0\n3 0 1 4\n3 1 2 9\n"},
+      {"AVS geometry",
+       "# Micro AVS Geom:2.00\npolyhedron\na\nfacet\ncolor\n3\n0 0 0 1 0 0\n1 0 0 0 1 0\n0 1 0 0 0 1\n"
+       "1\n3\n1 2 3\n"},
+      {"AVS UCD", "4 1 1 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n1 0 tet 1 2 3 4\n1 1\nt, K\n1 5\n2 6\n3 7\n4 9\n"},
+      {"legacy VTK",
+       "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 1 1 0 0 1 0\n"
+       "POLYGONS 1 5\n4 0 1 2 3\nLINES 1 3\n2 0 1\nPOINT_DATA 4\nSCALARS s float\nLOOKUP_TABLE default\n"
+       "1 2 3 4\n"},
+  };
+  for (const auto& [type, text] : files) {
+    INFO(type);
+    const MeshTriangles mesh = triangles_of_mesh(text, type), world = triangles_of_world(text, type);
+    CHECK_FALSE(mesh.empty());
+    check_same_triangles(mesh, world);
+    for (std::size_t i = 0; i < mesh.size(); ++i) REQUIRE_EACH(mesh[i].normals == world[i].normals);
+  }
+}
+
+TEST_CASE("leaves out parts of a mesh that exceed the budget, and names the limit") {
+  const std::string path = "test", text = binary_stl(30'000, 0);
+  const auto budget = std::make_shared<Budget>(Limits{.memory = std::size_t{4} << 20});
+  Diagnostics diagnostics;
+  Asset asset = test::type_named("STL").read({mesh_bytes(text), path, {}, own_budget(), diagnostics});
+  const MeshSurface surface = mesh_surface(std::move(std::get<MeshAsset>(asset)), path, budget, diagnostics);
+  CHECK(surface.parts.empty());
+  REQUIRE(diagnostics.errors() == 1);
+  CHECK(diagnostics.entries()[0].message.find("limit for meshes") != std::string::npos);
 }

@@ -1,6 +1,4 @@
 #include "app/formats/common/color_key.h"
-#include "app/formats/mesh/avs_geometry.h"
-#include "app/formats/mesh/ucd.h"
 
 #include "tests/app/formats_helpers.h"
 
@@ -10,16 +8,14 @@
 namespace {
 
 using namespace gs::test;
-using gs::app::import_avs_geometry;
-using gs::app::import_ucd;
 using gs::vrml::Color;
 
 // Colours of the minimum, middle and maximum: viridis (matplotlib).
 const Color kLow = gs::app::viridis_colors().front(), kMiddle = gs::app::viridis_colors()[2],
             kHigh = gs::app::viridis_colors().back();
 
-Imported ucd(std::string_view text) { return imported(import_ucd, bytes_of(text)); }
-Imported avs(std::string_view text) { return imported(import_avs_geometry, bytes_of(text)); }
+Imported ucd(std::string_view text) { return imported("AVS UCD", bytes_of(text)); }
+Imported avs(std::string_view text) { return imported("AVS geometry", bytes_of(text)); }
 
 constexpr const char* kCube = "1 0 0 1\n2 1 0 1\n3 1 1 1\n4 0 1 1\n5 0 0 0\n6 1 0 0\n7 1 1 0\n8 0 1 0\n";
 
@@ -144,7 +140,7 @@ TEST_CASE("reads binary UCD of both byte orders") {
   const Bytes little = avs_binary([](Bytes& to, std::uint32_t word) { put(to, word); });
   const Bytes big = avs_binary([](Bytes& to, std::uint32_t word) { put_big(to, word); });
   for (const Bytes& bytes : {little, big}) {
-    const Imported result = imported(import_ucd, bytes);
+    const Imported result = imported("AVS UCD", bytes);
     CHECK(result.messages().empty());
     CHECK(result.points().size() == 5);
     CHECK(result.points()[4] == glm::vec3(0.5f, 0.5f, 1));
@@ -156,10 +152,10 @@ TEST_CASE("reads binary UCD of both byte orders") {
     CHECK(gs::app::color_key_of(*result.scene)->title == "heat (K)");
   }
   // Every prefix and every changed byte of the mesh.
-  check_prefixes_and_flips(import_ucd, Bytes(little.begin(), little.begin() + 25 + 48 + 44 + 60));
+  check_prefixes_and_flips("AVS UCD", Bytes(little.begin(), little.begin() + 25 + 48 + 44 + 60));
   Bytes longer = big;
   longer.push_back(std::byte{0});
-  CHECK(imported(import_ucd, longer).corners().size() == 2 * 4 + 4 * 4 + 5);
+  CHECK(imported("AVS UCD", longer).corners().size() == 2 * 4 + 4 * 4 + 5);
 }
 
 TEST_CASE("survives random changes of UCD text") {
@@ -167,7 +163,7 @@ TEST_CASE("survives random changes of UCD text") {
       "5 2 1 1 0\n1 0 0 1\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 9 9 9\n1 1 pyr 1 2 3 4 5\n2 1 quad 2 3 4 5\n" +
       std::string("1 1\nt, K\n1 0\n2 1\n3 2\n4 3\n5 4\n1 1\np, Pa\n1 0\n2 1\n");
   CHECK(ucd(text).messages().empty());
-  check_prefixes_and_flips(import_ucd, bytes_of(text));
+  check_prefixes_and_flips("AVS UCD", bytes_of(text));
 }
 
 TEST_CASE("reads UCD files of other programs") {
@@ -176,8 +172,8 @@ TEST_CASE("reads UCD files of other programs") {
     WARN("no " << folder);
     return;
   }
-  const Imported text = imported(import_ucd, file_bytes(folder / "cellsnd.ascii.inp"));
-  const Imported packed = imported(import_ucd, file_bytes(folder / "cellsnd.bin.inp"));
+  const Imported text = imported("AVS UCD", file_bytes(folder / "cellsnd.ascii.inp"));
+  const Imported packed = imported("AVS UCD", file_bytes(folder / "cellsnd.bin.inp"));
   for (const Imported* result : {&text, &packed}) {
     CHECK(result->messages().empty());
     CHECK(result->points().size() == 13);
@@ -192,7 +188,7 @@ TEST_CASE("reads UCD files of other programs") {
   }
   CHECK(text.points() == packed.points());
   CHECK(text.corners() == packed.corners());
-  const Imported big = imported(import_ucd, file_bytes(folder / "UCD_00000.inp"));
+  const Imported big = imported("AVS UCD", file_bytes(folder / "UCD_00000.inp"));
   CHECK(big.messages().empty());
   CHECK(big.points().size() == 5866);
   CHECK(big.corners().size() == 5384 * 5);
@@ -234,7 +230,7 @@ TEST_CASE("reads AVS text geometry") {
   REQUIRE(lines.size() == 2);
   CHECK(result.values<gs::vrml::MFInt32>(lines[0], "coordIndex") == std::vector<std::int32_t>{0, 1, -1, 2, 3, -1});
   CHECK(result.scene->node(result.all("Shape")[1]).name == "solid_part");
-  check_prefixes_and_flips(import_avs_geometry, bytes_of(kMgf));
+  check_prefixes_and_flips("AVS geometry", bytes_of(kMgf));
 }
 
 TEST_CASE("reads AVS text geometry with steps, and reports mistakes") {

@@ -235,8 +235,7 @@ TEST_CASE("writes GLB with KHR_gaussian_splatting") {
 TEST_CASE("shows the points of the GLB by its own glTF reader") {
   const Splats cloud = model();
   const Bytes bytes = written(cloud, export_glb);
-  const Imported result =
-      imported([](auto b, auto& scene, auto& diagnostics) { import_gltf(b, scene, diagnostics); }, bytes);
+  const Imported result = imported("glTF", bytes);
   CHECK(result.diagnostics.errors() == 0);
   CHECK(result.points() == cloud.positions);
   const Color color = result.colors()[300];

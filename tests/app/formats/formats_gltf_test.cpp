@@ -8,7 +8,6 @@
 namespace {
 
 using namespace gs::test;
-using gs::app::import_gltf;
 using gs::app::ReadFile;
 using gs::vrml::Color;
 using gs::vrml::MFInt32;
@@ -19,10 +18,7 @@ using gs::vrml::Rotation;
 using gs::vrml::SFNode;
 using gs::vrml::SFVec3f;
 
-Imported gltf(const Bytes& bytes, const ReadFile& read_file = {}) {
-  return imported([&](auto b, auto& scene, auto& diagnostics) { import_gltf(b, scene, diagnostics, read_file); },
-                  bytes);
-}
+Imported gltf(const Bytes& bytes, const ReadFile& read_file = {}) { return imported({"glTF", read_file}, bytes); }
 Imported gltf(const std::string& json, const ReadFile& read_file = {}) { return gltf(bytes_of(json), read_file); }
 
 template <class T>
@@ -442,9 +438,8 @@ TEST_CASE("survives every truncation and every changed byte of a glTF") {
   const std::string rest = scene_of(
       R"("attributes":{"POSITION":0},"indices":1,"material":0)",
       R"("materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":0}],"images":[{"bufferView":1,"mimeType":"image/png"}])");
-  const auto import = [](auto bytes, auto& scene, auto& diagnostics) { import_gltf(bytes, scene, diagnostics); };
-  check_prefixes_and_flips(import, asset.glb(rest));
-  check_prefixes_and_flips(import, bytes_of(asset.json(rest)));
+  check_prefixes_and_flips("glTF", asset.glb(rest));
+  check_prefixes_and_flips("glTF", bytes_of(asset.json(rest)));
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 // Tests of the visible faces of VTK grids, XML and legacy.
 #include "app/formats/common/color_key.h"
 #include "app/formats/content_types.h"
-#include "app/formats/mesh/vtk_legacy.h"
-#include "app/formats/mesh/vtp.h"
 
 #include "tests/app/formats_helpers.h"
 #include "tests/app/volume_files.h"
@@ -103,8 +101,8 @@ double volume_within(const Imported& result) {
 TEST_CASE("shows the faces of a grid that belong to one cell only, from outside") {
   const std::string scalars = "POINT_DATA 12\nSCALARS heat float\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7 8 9 10 11\n";
   for (const Imported& result :
-       {imported(import_vtk_legacy, bytes_of(legacy(kBoxPoints, kBoxes, scalars))),
-        imported(import_vtu,
+       {imported("legacy VTK", bytes_of(legacy(kBoxPoints, kBoxes, scalars))),
+        imported("VTK UnstructuredGrid",
                  bytes_of(vtu(piece(kBoxPoints, kBoxes,
                                     "<PointData Scalars=\"heat\"><DataArray type=\"Float32\" Name=\"heat\" "
                                     "format=\"ascii\">0 1 2 3 4 5 6 7 8 9 10 11</DataArray></PointData>"))))}) {
@@ -135,7 +133,7 @@ TEST_CASE("closes every solid VTK cell by faces that look outwards") {
               {{14, {0, 1, 2, 3, 4}}, 5, 2}};
   for (const auto& row : rows) {
     INFO(row.cell.type);
-    const Imported result = imported(import_vtk_legacy, bytes_of(legacy(points, {row.cell})));
+    const Imported result = imported("legacy VTK", bytes_of(legacy(points, {row.cell})));
     CHECK(result.messages().empty());
     CHECK(faces_of(result).size() == row.faces);
     CHECK(volume_within(result) == Approx(row.volume));
@@ -154,7 +152,7 @@ TEST_CASE("reads a grid of flat cells, lines and vertices in any order, with cel
   const std::vector<Cell> cells = {{8, {0, 1, 3, 2}}, {1, {4}},           {5, {4, 5, 6}},   {3, {0, 6}},
                                    {7, {4, 5, 6, 7}}, {10, {0, 1, 3, 4}}, {9, {1, 2, 6, 5}}};
   const Imported result = imported(
-      import_vtk_legacy,
+      "legacy VTK",
       bytes_of(legacy(kBoxPoints, cells, "CELL_DATA 7\nSCALARS part int 1\nLOOKUP_TABLE default\n0 1 2 3 4 5 6\n")));
   CHECK(result.messages().empty());
   const auto faces = faces_of(result);
@@ -201,9 +199,9 @@ TEST_CASE("joins the pieces of a grid, packed and appended, with cell data") {
               "</Points><Cells>" + array("Int64", "connectivity", corners) + array("Int64", "offsets", ends) +
               array("UInt8", "types", types) + "</Cells></Piece>";
   }
-  const Imported result =
-      imported(import_vtu, bytes_of(vtu(pieces, " compressor=\"vtkZLibDataCompressor\"",
-                                        "<AppendedData encoding=\"raw\">\n_" + appended + "\n</AppendedData>")));
+  const Imported result = imported(
+      "VTK UnstructuredGrid", bytes_of(vtu(pieces, " compressor=\"vtkZLibDataCompressor\"",
+                                           "<AppendedData encoding=\"raw\">\n_" + appended + "\n</AppendedData>")));
   CHECK(result.messages().empty());
   CHECK(faces_of(result).size() == 8);
   CHECK(volume_within(result) == Approx(2));
@@ -254,14 +252,15 @@ TEST_CASE("shows the outer faces of polyhedra as each version of VTK writes them
   const std::vector<Cell> streams = {{42, stream_of(kHouse[0])}, kHouseCells[1], {42, stream_of(kHouse[1])}};
   const std::string old = piece(kHousePoints, kHouseCells, {}, old_faces());
   for (const Imported& result :
-       {imported(import_vtk_legacy, bytes_of(legacy(kHousePoints, streams))), imported(import_vtu, bytes_of(vtu(old))),
-        imported(import_vtu, bytes_of(vtu(piece(kHousePoints, kHouseCells, {}, numbered_faces()))))}) {
+       {imported("legacy VTK", bytes_of(legacy(kHousePoints, streams))),
+        imported("VTK UnstructuredGrid", bytes_of(vtu(old))),
+        imported("VTK UnstructuredGrid", bytes_of(vtu(piece(kHousePoints, kHouseCells, {}, numbered_faces()))))}) {
     CHECK(result.messages().empty());
     CHECK(faces_of(result).size() == 13);  // 5 of the box, 4 of the roof, 4 of the tetrahedron
     CHECK(volume_within(result) == Approx(6 + 3 + 1));
   }
   // Each piece counts its corners from 0.
-  const Imported two = imported(import_vtu, bytes_of(vtu(piece(kBoxPoints, kBoxes) + old)));
+  const Imported two = imported("VTK UnstructuredGrid", bytes_of(vtu(piece(kBoxPoints, kBoxes) + old)));
   CHECK(two.messages().empty());
   CHECK(volume_within(two) == Approx(12 + 10));
 }
@@ -269,8 +268,8 @@ TEST_CASE("shows the outer faces of polyhedra as each version of VTK writes them
 TEST_CASE("matches the faces of a hexahedron with coincident corners with its neighbours") {
   // A wedge, written as a hexahedron, with a tetrahedron on one of its triangles.
   const Imported result = imported(
-      import_vtk_legacy, bytes_of(legacy({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0, 0, 2}},
-                                         {{12, {0, 1, 2, 2, 3, 4, 5, 5}}, {10, {3, 4, 5, 6}}})));
+      "legacy VTK", bytes_of(legacy({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0, 0, 2}},
+                                    {{12, {0, 1, 2, 2, 3, 4, 5, 5}}, {10, {3, 4, 5, 6}}})));
   CHECK(result.messages().empty());
   CHECK(faces_of(result).size() == 7);
   CHECK(volume_within(result) == Approx(3 + 1));
@@ -286,30 +285,30 @@ TEST_CASE("reports errors in a grid, and shows the rest") {
     return result.all("Shape").size();
   };
   const Cell box = kBoxes[0];
-  CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {box, {36, {0, 1, 2}}}), "of unsupported types") == 1);
+  CHECK(told("legacy VTK", legacy(kBoxPoints, {box, {36, {0, 1, 2}}}), "of unsupported types") == 1);
   for (const std::vector<int>& faces : std::vector<std::vector<int>>{
            {2, 3, 0, 1, 2}, {1, 4, 0, 1, 2}, {-1, 3, 0, 1, 2}, {1, -3, 0, 1, 2}, {1, 2, 0, 1}, {2000000000, 3, 0}, {0}})
-    CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {box, {42, faces}}), "without all of their corners") == 1);
-  CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {{42, {1, 3, 0, 1, 99}}}), "") == 0);
-  CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {box, {12, {0, 1, 2}}}), "without all of their corners") == 1);
-  CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {{12, {0, 1, 2, 3, 4, 5, 6, 99}}}), "") == 1);
-  CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {{12, {-1, 1, 2, 3, 4, 5, 6, -7}}}), "") == 1);
+    CHECK(told("legacy VTK", legacy(kBoxPoints, {box, {42, faces}}), "without all of their corners") == 1);
+  CHECK(told("legacy VTK", legacy(kBoxPoints, {{42, {1, 3, 0, 1, 99}}}), "") == 0);
+  CHECK(told("legacy VTK", legacy(kBoxPoints, {box, {12, {0, 1, 2}}}), "without all of their corners") == 1);
+  CHECK(told("legacy VTK", legacy(kBoxPoints, {{12, {0, 1, 2, 3, 4, 5, 6, 99}}}), "") == 1);
+  CHECK(told("legacy VTK", legacy(kBoxPoints, {{12, {-1, 1, 2, 3, 4, 5, 6, -7}}}), "") == 1);
   const std::string text = legacy(kBoxPoints, {box, box});
-  CHECK(told(import_vtk_legacy, text.substr(0, text.find("CELL_TYPES")), "are left out") == 1);  // its points show
-  CHECK(told(import_vtk_legacy, legacy(kBoxPoints, {box}) + "CELLS 1 2000000000\n", "numbers") == 1);
+  CHECK(told("legacy VTK", text.substr(0, text.find("CELL_TYPES")), "are left out") == 1);  // its points show
+  CHECK(told("legacy VTK", legacy(kBoxPoints, {box}) + "CELLS 1 2000000000\n", "numbers") == 1);
   std::string grid = vtu(piece(kBoxPoints, {box}));
   const auto changed = [&](const std::string& from, const std::string& to) {
     std::string copy = grid;
     return copy.replace(copy.find(from), from.size(), to);
   };
-  CHECK(told(import_vtu, changed("NumberOfCells=\"1\"", "NumberOfCells=\"100000000000\""), "types") == 1);
-  CHECK(told(import_vtu, changed("NumberOfCells=\"1\"", "NumberOfCells=\"2000000000\""), "types") == 1);
-  CHECK(told(import_vtu, changed("Name=\"types\"", "Name=\"kinds\""), "types") == 1);
-  CHECK(told(import_vtu, changed("Name=\"offsets\"", "Name=\"ends\""), "offsets") == 1);
-  CHECK(told(import_vtu, changed("> 8<", "> 7<"), "without all of their corners") == 1);
-  CHECK(told(import_vtu, changed("> 12<", "> -3<"), "are left out") == 1);  // its points show
-  CHECK(told(import_vtu, "<VTKFile type=\"PolyData\"></VTKFile>", "UnstructuredGrid") == 0);
-  CHECK(told(import_vtu, vtu(piece(kHousePoints, kHouseCells)), "'faceoffsets'") == 1);
+  CHECK(told("VTK UnstructuredGrid", changed("NumberOfCells=\"1\"", "NumberOfCells=\"100000000000\""), "types") == 1);
+  CHECK(told("VTK UnstructuredGrid", changed("NumberOfCells=\"1\"", "NumberOfCells=\"2000000000\""), "types") == 1);
+  CHECK(told("VTK UnstructuredGrid", changed("Name=\"types\"", "Name=\"kinds\""), "types") == 1);
+  CHECK(told("VTK UnstructuredGrid", changed("Name=\"offsets\"", "Name=\"ends\""), "offsets") == 1);
+  CHECK(told("VTK UnstructuredGrid", changed("> 8<", "> 7<"), "without all of their corners") == 1);
+  CHECK(told("VTK UnstructuredGrid", changed("> 12<", "> -3<"), "are left out") == 1);  // its points show
+  CHECK(told("VTK UnstructuredGrid", "<VTKFile type=\"PolyData\"></VTKFile>", "UnstructuredGrid") == 0);
+  CHECK(told("VTK UnstructuredGrid", vtu(piece(kHousePoints, kHouseCells)), "'faceoffsets'") == 1);
   const std::pair<const char*, const char*> wrong[] = {
       {" 6 6 11", " 6 6 12"},       {" 6 6 11", " 6 6 5"}, {" 6 6 11", " 0 0 0"},     {" 6 6 11", " -1 -1 -1"},
       {" 9 10<", " 9 2000000000<"}, {" 9 10<", " 9 99<"},  {" 36 39 42", " 36 39 1"}, {" 36 39 42", " 36 -8 42"}};
@@ -317,7 +316,7 @@ TEST_CASE("reports errors in a grid, and shows the rest") {
     std::string faces = numbered_faces();
     REQUIRE(faces.find(from) != std::string::npos);
     faces.replace(faces.find(from), std::string_view(from).size(), to);
-    CHECK(told(import_vtu, vtu(piece(kHousePoints, kHouseCells, {}, faces)), "") == 1);
+    CHECK(told("VTK UnstructuredGrid", vtu(piece(kHousePoints, kHouseCells, {}, faces)), "") == 1);
   }
 }
 
@@ -325,13 +324,13 @@ TEST_CASE("survives every prefix and every flipped bit of a grid") {
   const std::vector<glm::vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const std::vector<Cell> cells = {{10, {0, 1, 2, 3}}, {5, {0, 1, 2}}, {1, {3}}};
   check_prefixes_and_flips(
-      import_vtk_legacy, bytes_of(legacy(points, cells, "CELL_DATA 3\nSCALARS s int\nLOOKUP_TABLE default\n1 2 3\n")));
-  check_prefixes_and_flips(import_vtu, bytes_of(vtu(piece(points, cells))));
+      "legacy VTK", bytes_of(legacy(points, cells, "CELL_DATA 3\nSCALARS s int\nLOOKUP_TABLE default\n1 2 3\n")));
+  check_prefixes_and_flips("VTK UnstructuredGrid", bytes_of(vtu(piece(points, cells))));
   const std::vector<Cell> solid = {{42, {0, 1, 2, 3}}};
   const std::vector<int> faces = stream_of({{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
-  check_prefixes_and_flips(import_vtk_legacy, bytes_of(legacy(points, {{42, faces}})));
+  check_prefixes_and_flips("legacy VTK", bytes_of(legacy(points, {{42, faces}})));
   check_prefixes_and_flips(
-      import_vtu,
+      "VTK UnstructuredGrid",
       bytes_of(vtu(piece(points, solid, {},
                          array_of("Int8", "faces", joined(faces)) + array_of("Int8", "faceoffsets", joined({17}))))));
 }

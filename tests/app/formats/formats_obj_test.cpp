@@ -1,4 +1,3 @@
-#include "app/formats/mesh/obj.h"
 
 #include "tests/app/formats_helpers.h"
 
@@ -7,15 +6,13 @@
 namespace {
 
 using namespace gs::test;
-using gs::app::import_obj;
 using gs::app::ReadFile;
 using gs::vrml::Color;
 using gs::vrml::MFInt32;
 using gs::vrml::SFNode;
 
 Imported obj(std::string_view text, const ReadFile& read_file = {}) {
-  return imported([&](auto bytes, auto& scene, auto& diagnostics) { import_obj(bytes, scene, diagnostics, read_file); },
-                  bytes_of(text));
+  return imported({"OBJ", read_file}, bytes_of(text));
 }
 
 ReadFile files(std::map<std::string, std::string> contents) {
@@ -165,9 +162,7 @@ TEST_CASE("joins very many groups into fewer Shapes", "[optimised]") {
 
 TEST_CASE("survives every truncation and every changed byte of an OBJ") {
   const ReadFile library = files({{"a.mtl", "newmtl m\nKd 1 0 0\nmap_Kd -o 1 2 x.png\nTr 0.5\nNs 10\n"}});
-  const auto import = [&](auto bytes, auto& scene, auto& diagnostics) {
-    import_obj(bytes, scene, diagnostics, library);
-  };
+  const Import import("OBJ", library);
   check_prefixes_and_flips(import, bytes_of(kObjSquare));
   check_prefixes_and_flips(import, bytes_of("mtllib a.mtl\nv 1 2 3 1 0 0\nv 1e3 .5 -1\nv 0 0 1\no x\nusemtl m\ns 1\n"
                                             "f 1 2 3\nl 1 2\np -1\ng y\nf 3//  2 1 \\\n"));

@@ -1,5 +1,4 @@
 #include "app/formats/content_types.h"
-#include "app/formats/mesh/off.h"
 
 #include "tests/app/formats_helpers.h"
 
@@ -13,7 +12,7 @@ constexpr const char* kOffSquare =
 
 TEST_CASE("OFF: reads points and faces with any line ends") {
   for (const char* text : {kOffSquare, "OFF 4 2 0 0 0 0 1 0 0 1 1 0 0 1 0 3 0 1 2\n3 0 2 3"}) {
-    const Imported result = imported(import_off, bytes_of(text));
+    const Imported result = imported("OFF", bytes_of(text));
     CHECK(result.messages().empty());
     CHECK(result.points() == std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
     CHECK(result.corners() == std::vector<std::int32_t>{0, 1, 2, -1, 0, 2, 3, -1});
@@ -23,8 +22,8 @@ TEST_CASE("OFF: reads points and faces with any line ends") {
 
 TEST_CASE("OFF: reads polygons and face colours, and skips invalid faces") {
   const Imported result = imported(
-      import_off, bytes_of("OFF\n4 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3  255 0 51\n3 0 1 2  0.5 0.25 1.0 1.0\n"
-                           "2 0 1\n3 0 1 3\n"));
+      "OFF", bytes_of("OFF\n4 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3  255 0 51\n3 0 1 2  0.5 0.25 1.0 1.0\n"
+                      "2 0 1\n3 0 1 3\n"));
   CHECK(result.corners() == std::vector<std::int32_t>{0, 1, 2, 3, -1, 0, 1, 2, -1, 0, 1, 3, -1});
   const auto faces = result.only("IndexedFaceSet");
   CHECK_FALSE(result.scene->get<bool>(faces, "convex"));
@@ -38,9 +37,8 @@ TEST_CASE("OFF: reads polygons and face colours, and skips invalid faces") {
 }
 
 TEST_CASE("OFF: reads normals and colours of corners") {
-  const Imported result =
-      imported(import_off, bytes_of("CNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 0 255 0 255\n"
-                                    "0 1 0 0 0 1 0 0 255 255\n3 0 1 2\n"));
+  const Imported result = imported("OFF", bytes_of("CNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 0 255 0 255\n"
+                                                   "0 1 0 0 0 1 0 0 255 255\n3 0 1 2\n"));
   CHECK(result.messages().empty());
   const auto& colors = result.scene->get<gs::vrml::MFColor>(result.only("Color"), "color");
   REQUIRE(colors.size() == 3);
@@ -51,18 +49,18 @@ TEST_CASE("OFF: reads normals and colours of corners") {
 
 TEST_CASE("OFF: reports errors, and shows the rest") {
   const std::string whole = kOffSquare;
-  const Imported cut = imported(import_off, bytes_of(whole.substr(0, whole.find("3 0 2 3") + 4)));
+  const Imported cut = imported("OFF", bytes_of(whole.substr(0, whole.find("3 0 2 3") + 4)));
   CHECK(cut.corners() == std::vector<std::int32_t>{0, 1, 2, -1});
   CHECK(cut.messages().find("expected a face (2 of 2)") != std::string::npos);
   for (const char* bad : {"4OFF\n1 1 0\n", "nOFF 5\n", "OFF BINARY\n\x01\x02", "OFF\nmany 1 1\n", "OFF\n-1 0 0\n",
                           "OFF\n1e30 1 1\n", "OFFICE\n", "OFF\n2000000000 2000000000 0\n0 0 0\n"}) {
     INFO(bad);
-    CHECK_FALSE(imported(import_off, bytes_of(bad)).messages().empty());
+    CHECK_FALSE(imported("OFF", bytes_of(bad)).messages().empty());
   }
   // A missing corner.
-  CHECK_FALSE(imported(import_off, bytes_of("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n3 0 1 2\n")).messages().empty());
+  CHECK_FALSE(imported("OFF", bytes_of("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n3 0 1 2\n")).messages().empty());
   for (std::size_t length = 0; length < whole.size(); ++length)
-    (void)imported(import_off, bytes_of(whole.substr(0, length)));
+    (void)imported("OFF", bytes_of(whole.substr(0, length)));
 }
 
 TEST_CASE("detects OFF by its first word, and refuses SOG by name") {
@@ -74,8 +72,10 @@ TEST_CASE("detects OFF by its first word, and refuses SOG by name") {
   for (const Bytes& bytes : {zip, meta}) {
     const ContentType& type = content_type_of("x", bytes);
     CHECK(type.name == "SOG");
-    const ImportedCloud refused = type.import_cloud(bytes, own_budget());
-    CHECK(std::get<std::string>(refused).starts_with("SOG (splats as WebP pictures) is not supported; convert"));
+    Diagnostics diagnostics;
+    CHECK(std::holds_alternative<std::monostate>(type.read({bytes, "x", {}, own_budget(), diagnostics})));
+    REQUIRE(diagnostics.errors() == 1);
+    CHECK(diagnostics.entries()[0].message.starts_with("SOG (splats as WebP pictures) is not supported; convert"));
   }
   CHECK(content_type_list().find("SOG") == std::string::npos);
   CHECK(content_type_of("a.json", bytes_of("{\"version\":2}")).name == "VRML97");

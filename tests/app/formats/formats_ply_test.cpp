@@ -1,4 +1,3 @@
-#include "app/formats/mesh/ply.h"
 
 #include "app/formats/common/color_key.h"
 #include "tests/app/formats_helpers.h"
@@ -6,7 +5,6 @@
 namespace {
 
 using namespace gs::test;
-using gs::app::import_ply;
 using gs::vrml::Color;
 using gs::vrml::SFNode;
 
@@ -15,7 +13,7 @@ constexpr const char* kPlySquare =
     "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0\n1 0 0\n1 1 0.5\n0 1 0\n3 0 1 2\n4 0 1 2 3\n";
 
-Imported ply(std::string_view text) { return imported(import_ply, bytes_of(text)); }
+Imported ply(std::string_view text) { return imported("PLY", bytes_of(text)); }
 
 TEST_CASE("reads an ASCII PLY as IndexedFaceSet") {
   const Imported result = ply(kPlySquare);
@@ -110,7 +108,7 @@ Bytes binary_square() {
 
 TEST_CASE("reads binary PLY of both byte orders and any property order, and skips unknown elements") {
   for (const Bytes& bytes : {binary_square<false>(), binary_square<true>()}) {
-    const Imported result = imported(import_ply, bytes);
+    const Imported result = imported("PLY", bytes);
     CHECK(result.messages().empty());
     CHECK(result.points() == std::vector<glm::vec3>{{0, 0, 0.5f}, {-1, 10, 1.5f}, {-2, 20, 2.5f}});
     CHECK(result.corners() == std::vector<std::int32_t>{2, 1, 0, -1});
@@ -131,7 +129,7 @@ TEST_CASE("reads rows of one size as a table") {
     for (const float f : {1.0f, 2.0f, 3.0f, 0.0f, 0.0f, 1.0f}) put(bytes, f);
     for (const int c : {65535, 0, 13107}) put(bytes, static_cast<std::uint16_t>(c));
   }
-  const Imported result = imported(import_ply, bytes);
+  const Imported result = imported("PLY", bytes);
   CHECK(result.messages().empty());
   CHECK(result.scene->get<gs::vrml::MFVec3f>(result.only("Coordinate"), "point")[1] == glm::vec3(1, 2, 3));
   CHECK(result.colors()[1].b == Approx(0.2f));
@@ -257,9 +255,9 @@ TEST_CASE("ends an ASCII PLY at a broken row, and reports its position") {
 }
 
 TEST_CASE("survives every truncation and every changed byte of a PLY") {
-  check_prefixes_and_flips(import_ply, bytes_of(kPlySquare));
-  check_prefixes_and_flips(import_ply, binary_square<false>());
-  check_prefixes_and_flips(import_ply, binary_square<true>());
+  check_prefixes_and_flips("PLY", bytes_of(kPlySquare));
+  check_prefixes_and_flips("PLY", binary_square<false>());
+  check_prefixes_and_flips("PLY", binary_square<true>());
 }
 
 }  // namespace

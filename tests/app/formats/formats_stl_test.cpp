@@ -1,4 +1,3 @@
-#include "app/formats/mesh/stl.h"
 
 #include "tests/app/formats_helpers.h"
 
@@ -7,7 +6,6 @@
 namespace {
 
 using namespace gs::test;
-using gs::app::import_stl;
 using gs::vrml::Color;
 
 constexpr const char* kText =
@@ -42,60 +40,60 @@ void check_square(const Imported& result) {
 }
 
 TEST_CASE("reads text and binary STL as the same mesh, with equal corners welded") {
-  const Imported text = imported(import_stl, bytes_of(kText));
+  const Imported text = imported("STL", bytes_of(kText));
   check_square(text);
   CHECK(text.scene->node(text.only("Shape")).name == "my_part");
-  check_square(imported(import_stl, stl_binary("made by hand")));
+  check_square(imported("STL", stl_binary("made by hand")));
 }
 
 TEST_CASE("accepts a binary STL that begins with solid") {
-  check_square(imported(import_stl, stl_binary("solid something")));
+  check_square(imported("STL", stl_binary("solid something")));
   Bytes longer = stl_binary("solid something");
   longer.resize(longer.size() + 7);
-  check_square(imported(import_stl, longer));
+  check_square(imported("STL", longer));
 }
 
 TEST_CASE("keeps the facets of a truncated STL") {
   Bytes bytes = stl_binary("solid x");
   bytes.resize(bytes.size() - 20);
-  const Imported part = imported(import_stl, bytes);
+  const Imported part = imported("STL", bytes);
   CHECK(part.corners() == std::vector<std::int32_t>{0, 1, 2, -1});
   CHECK(part.messages() == "test: error: the file ends too early: expected 2 facets, found 1\n");
 
   const Imported text =
-      imported(import_stl, bytes_of(std::string_view(kText).substr(0, std::string_view(kText).find("VERTEX 0 1"))));
+      imported("STL", bytes_of(std::string_view(kText).substr(0, std::string_view(kText).find("VERTEX 0 1"))));
   CHECK(text.corners() == std::vector<std::int32_t>{0, 1, 2, -1});
   CHECK(text.diagnostics.errors() == 1);
-  CHECK(imported(import_stl, bytes_of("abc")).diagnostics.errors() == 1);
+  CHECK(imported("STL", bytes_of("abc")).diagnostics.errors() == 1);
 }
 
 TEST_CASE("allocates nothing for a count that the file cannot hold") {
   Bytes bytes = stl_binary("x");
   for (std::size_t i = 80; i < 84; ++i) bytes[i] = std::byte{0xff};
-  CHECK(imported(import_stl, bytes).corners().size() == 8);
+  CHECK(imported("STL", bytes).corners().size() == 8);
 }
 
 TEST_CASE("reads colours of facets") {
   // Bit 15, red 31, green 0, blue 31.
-  const Imported visual = imported(import_stl, stl_binary("x", 0x8000 | 31 << 10 | 31));
+  const Imported visual = imported("STL", stl_binary("x", 0x8000 | 31 << 10 | 31));
   CHECK(visual.colors() == std::vector<Color>(2, Color{1, 0, 1}));
   CHECK_FALSE(visual.scene->get<bool>(visual.only("IndexedFaceSet"), "colorPerVertex"));
-  CHECK(imported(import_stl, stl_binary("x", 0x001f)).all("Color").empty());
+  CHECK(imported("STL", stl_binary("x", 0x001f)).all("Color").empty());
   // Magics: the object's colour is in the header, bit 15 means to use it, red has the low bits.
   const std::string header("COLOR=\xff\x00\x00\xff", 10);
-  const Imported magics = imported(import_stl, stl_binary(header, 31));
+  const Imported magics = imported("STL", stl_binary(header, 31));
   CHECK(magics.colors() == std::vector<Color>(2, Color{1, 0, 0}));
   CHECK(magics.scene->get<Color>(magics.only("Material"), "diffuseColor") == Color{1, 0, 0});
 }
 
 TEST_CASE("reports broken lines of a text STL with their position") {
-  const Imported result = imported(
-      import_stl, bytes_of("solid\nfacet normal 0 0 1\nouter loop\nvertex 1 x 3\nvertex 0 0 0\nvertex 1 0 0\n"
-                           "vertex 0 1 0\nendloop\nendfacet\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\n"
-                           "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"));
+  const Imported result =
+      imported("STL", bytes_of("solid\nfacet normal 0 0 1\nouter loop\nvertex 1 x 3\nvertex 0 0 0\nvertex 1 0 0\n"
+                               "vertex 0 1 0\nendloop\nendfacet\nfacet normal nan nan nan\nouter loop\nvertex 0 0 0\n"
+                               "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"));
   CHECK(result.corners() == std::vector<std::int32_t>{0, 1, 2, -1});
   CHECK(result.messages() == "test:4:1: error: broken vertex; expected three numbers\n");
-  CHECK(imported(import_stl, bytes_of("solid\nfacet\nouter loop\nendloop\nendfacet\nendsolid\n")).messages() ==
+  CHECK(imported("STL", bytes_of("solid\nfacet\nouter loop\nendloop\nendfacet\nendsolid\n")).messages() ==
         "test:4:1: error: a facet of 0 corners; expected three\ntest: warning: no facets in the file\n");
 }
 
@@ -103,7 +101,7 @@ TEST_CASE("leaves out corners that are not finite") {
   Bytes bytes = stl_binary("x");
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::memcpy(bytes.data() + 84 + 12, &nan, 4);
-  const Imported result = imported(import_stl, bytes);
+  const Imported result = imported("STL", bytes);
   CHECK(result.corners().size() == 4);
   CHECK(result.diagnostics.warnings() == 1);
   check_sound(result);
@@ -119,14 +117,14 @@ TEST_CASE("welds many corners by their bits") {
       for (const float f : {static_cast<float>(x), static_cast<float>(x % 7), 1.0f}) put(bytes, f);
     put(bytes, std::uint16_t{0});
   }
-  const Imported result = imported(import_stl, bytes);
+  const Imported result = imported("STL", bytes);
   CHECK(result.points().size() == kCount + 2);
   CHECK(result.corners()[4 * 2999] == 2999);
 }
 
 TEST_CASE("survives every truncation and every changed byte of an STL") {
-  check_prefixes_and_flips(import_stl, bytes_of(kText));
-  check_prefixes_and_flips(import_stl, stl_binary("solid", 0xffff));
+  check_prefixes_and_flips("STL", bytes_of(kText));
+  check_prefixes_and_flips("STL", stl_binary("solid", 0xffff));
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 // Tests of VTK surfaces: XML PolyData and legacy files.
 #include "app/formats/common/color_key.h"
 #include "app/formats/content_types.h"
-#include "app/formats/mesh/vtk_legacy.h"
-#include "app/formats/mesh/vtp.h"
 
 #include "tests/app/formats_helpers.h"
 #include "tests/app/volume_files.h"
@@ -129,20 +127,20 @@ void check_square(const Imported& result) {
 
 TEST_CASE("VTP: reads every encoding of arrays") {
   using Way = VtpWriter::Way;
-  check_square(imported(import_vtp, bytes_of(square_file({Way::ascii}))));
+  check_square(imported("VTK PolyData", bytes_of(square_file({Way::ascii}))));
   for (const Way way : {Way::base64_inside, Way::appended_raw, Way::appended_base64})
     for (const bool packed : {false, true})
       for (const bool big_endian : {false, true})
         for (const bool wide : {false, true}) {
           INFO(static_cast<int>(way) << packed << big_endian << wide);
-          check_square(imported(import_vtp, bytes_of(square_file({way, packed, big_endian, wide}))));
+          check_square(imported("VTK PolyData", bytes_of(square_file({way, packed, big_endian, wide}))));
         }
 }
 
 TEST_CASE("VTP: reads cell values, vector lengths, byte colours, and points alone") {
   VtpWriter writer;
   const Imported cells =
-      imported(import_vtp,
+      imported("VTK PolyData",
                bytes_of(writer.file(square_piece(
                    writer, "<CellData>" + writer.array<std::int32_t>("Int32", "part", {0, 0, 1, 2}) + "</CellData>"))));
   // VTK counts vertices, lines, polygons, strips.
@@ -154,7 +152,7 @@ TEST_CASE("VTP: reads cell values, vector lengths, byte colours, and points alon
   CHECK(color_key_of(*cells.scene)->title == "part");
 
   const Imported vectors = imported(
-      import_vtp,
+      "VTK PolyData",
       bytes_of(writer.file(square_piece(
           writer, "<PointData>" + writer.array<float>("Float32", "wind", {3, 4, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0}, 3) +
                       "</PointData>"))));
@@ -162,18 +160,19 @@ TEST_CASE("VTP: reads cell values, vector lengths, byte colours, and points alon
   CHECK(color_key_of(*vectors.scene)->title == "wind (length)");
   CHECK(color_key_of(*vectors.scene)->high == 5);
 
-  const Imported bytes = imported(
-      import_vtp, bytes_of(writer.file(square_piece(
-                      writer, "<PointData Scalars=\"c\">" +
-                                  writer.array<std::int32_t>("UInt8", "c", {255, 0, 51, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 3) +
-                                  "</PointData>"))));
+  const Imported bytes =
+      imported("VTK PolyData",
+               bytes_of(writer.file(square_piece(
+                   writer, "<PointData Scalars=\"c\">" +
+                               writer.array<std::int32_t>("UInt8", "c", {255, 0, 51, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 3) +
+                               "</PointData>"))));
   CHECK_FALSE(color_key_of(*bytes.scene));
   CHECK(bytes.scene->get<vrml::MFColor>(bytes.scene->get<vrml::NodeId>(bytes.only("IndexedFaceSet"), "color"),
                                         "color")[0] == Color{1, 0, 0.2f});
 
   const Imported alone = imported(
-      import_vtp, bytes_of(writer.file("<Piece NumberOfPoints=\"4\"><Points>" +
-                                       writer.array<float>("Float32", "p", kSquare, 3) + "</Points></Piece>")));
+      "VTK PolyData", bytes_of(writer.file("<Piece NumberOfPoints=\"4\"><Points>" +
+                                           writer.array<float>("Float32", "p", kSquare, 3) + "</Points></Piece>")));
   CHECK(alone.all("IndexedFaceSet").empty());
   CHECK(alone.points().size() == 4);
 }
@@ -183,7 +182,7 @@ TEST_CASE("VTP: joins pieces, and makes those without an array grey") {
   const std::string piece = square_piece(writer, ""),
                     with = square_piece(writer, "<PointData Scalars=\"t\">" +
                                                     writer.array<float>("Float32", "t", {1, 2, 3, 4}) + "</PointData>");
-  const Imported result = imported(import_vtp, bytes_of(writer.file(piece + with)));
+  const Imported result = imported("VTK PolyData", bytes_of(writer.file(piece + with)));
   CHECK(result.messages().empty());
   const auto faces = result.only("IndexedFaceSet");
   const auto& corners = result.scene->get<vrml::MFInt32>(faces, "coordIndex");
@@ -198,7 +197,7 @@ TEST_CASE("VTP: joins pieces, and makes those without an array grey") {
 TEST_CASE("VTP: reports errors, and shows the rest") {
   const auto told = [](const std::string& text, const std::string& said) {
     INFO(text);
-    const Imported result = imported(import_vtp, bytes_of(text));
+    const Imported result = imported("VTK PolyData", bytes_of(text));
     INFO(result.messages());
     CHECK(result.messages().find(said) != std::string::npos);
     return result.all("Shape").size();
@@ -236,8 +235,8 @@ TEST_CASE("VTP: survives every prefix and every flipped bit") {
                               writer.array<std::int32_t>("Int32", "offsets", {3}) + "</Polys></Piece>";
     return bytes_of(writer.file(piece));
   };
-  check_prefixes_and_flips(import_vtp, make({Way::ascii}));
-  check_prefixes_and_flips(import_vtp, make({Way::appended_raw, true}));
+  check_prefixes_and_flips("VTK PolyData", make({Way::ascii}));
+  check_prefixes_and_flips("VTK PolyData", make({Way::appended_raw, true}));
 }
 
 const std::string kLegacy =
@@ -251,18 +250,18 @@ const std::string kLegacyData =
     "NORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\n";
 
 TEST_CASE("legacy VTK: reads text of old and new versions") {
-  check_square(imported(import_vtk_legacy, bytes_of(kLegacy + kLegacyCells + kLegacyData)));
+  check_square(imported("legacy VTK", bytes_of(kLegacy + kLegacyCells + kLegacyData)));
   const auto cells = [](const std::string& name, const std::string& corners, int count) {
     return name + " 2 " + std::to_string(count) + "\nOFFSETS vtktypeint64\n0 " + std::to_string(count) +
            "\nCONNECTIVITY vtktypeint64\n" + corners + "\n";
   };
   const std::string of_51 = cells("VERTICES", "3", 1) + cells("LINES", "0 2", 2) + cells("POLYGONS", "0 1 2 3", 4) +
                             cells("TRIANGLE_STRIPS", "0 1 3 2", 4);
-  check_square(imported(import_vtk_legacy,
-                        bytes_of(kLegacy + "METADATA\nINFORMATION 0\n\n" + of_51 +
-                                 "\nPOINT_DATA 4\nFIELD FieldData 2\n"
-                                 "wind 3 4 float\n1 2 3 4 5 6 7 8 9 10 11 12\ntemperature 1 4 int\n-20 30 80 80\n"
-                                 "NORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\nMETADATA\nNAME x\n\n")));
+  check_square(
+      imported("legacy VTK", bytes_of(kLegacy + "METADATA\nINFORMATION 0\n\n" + of_51 +
+                                      "\nPOINT_DATA 4\nFIELD FieldData 2\n"
+                                      "wind 3 4 float\n1 2 3 4 5 6 7 8 9 10 11 12\ntemperature 1 4 int\n-20 30 80 80\n"
+                                      "NORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\nMETADATA\nNAME x\n\n")));
 }
 
 TEST_CASE("legacy VTK: reads big-endian binary files") {
@@ -281,16 +280,16 @@ TEST_CASE("legacy VTK: reads big-endian binary files") {
   file = file + bytes_of("\nNORMALS n float\n");
   for (int i = 0; i < 4; ++i)
     for (const float value : {0.0f, 0.0f, 1.0f}) put_big(file, value);
-  check_square(imported(import_vtk_legacy, file));
+  check_square(imported("legacy VTK", file));
   Bytes colored = file + bytes_of("\nCELL_DATA 4\nCOLOR_SCALARS c 3\n");
   for (int i = 0; i < 12; ++i) colored.push_back(std::byte{51});
-  check_square(imported(import_vtk_legacy, colored));
+  check_square(imported("legacy VTK", colored));
 }
 
 TEST_CASE("legacy VTK: reports errors, and shows the rest") {
   const auto told = [](const std::string& text, const std::string& said) {
     INFO(text);
-    const Imported result = imported(import_vtk_legacy, bytes_of(text));
+    const Imported result = imported("legacy VTK", bytes_of(text));
     INFO(result.messages());
     CHECK(result.messages().find(said) != std::string::npos);
     return result.all("Shape").size();
@@ -310,15 +309,15 @@ TEST_CASE("legacy VTK: reports errors, and shows the rest") {
 }
 
 TEST_CASE("legacy VTK: survives every prefix and every flipped bit") {
-  check_prefixes_and_flips(import_vtk_legacy, bytes_of(kLegacy + kLegacyCells + kLegacyData));
+  check_prefixes_and_flips("legacy VTK", bytes_of(kLegacy + kLegacyCells + kLegacyData));
   Bytes binary = bytes_of("# vtk DataFile Version 5.1\nb\nBINARY\nDATASET POLYDATA\nPOINTS 3 float\n");
   for (const float value : {0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f}) put_big(binary, value);
   binary = binary + bytes_of("\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n");
   for (const std::int64_t end : {0, 3}) put_big(binary, end);
   binary = binary + bytes_of("\nCONNECTIVITY vtktypeint64\n");
   for (const std::int64_t corner : {0, 1, 2}) put_big(binary, corner);
-  CHECK(imported(import_vtk_legacy, binary).corners() == std::vector<std::int32_t>{0, 1, 2, -1});
-  check_prefixes_and_flips(import_vtk_legacy, binary);
+  CHECK(imported("legacy VTK", binary).corners() == std::vector<std::int32_t>{0, 1, 2, -1});
+  check_prefixes_and_flips("legacy VTK", binary);
 }
 
 TEST_CASE("detects VTK files by their content") {

@@ -325,12 +325,12 @@ TEST_CASE("charges importers of splats and points to the given budget") {
   const auto budget = std::make_shared<Budget>(Limits{.memory = kMega});
   const auto refused = [&](std::string_view name, const std::string& text) {
     for (const ContentType& type : content_types()) {
-      if (type.name != name || !type.import_cloud) continue;
-      const ImportedCloud made = type.import_cloud(bytes_of(text), budget);
-      const auto* problem = std::get_if<std::string>(&made);
-      CHECK(problem);
+      if (type.name != name) continue;
+      Diagnostics diagnostics;
+      CHECK(std::holds_alternative<std::monostate>(type.read({bytes_of(text), "x", {}, budget, diagnostics})));
       CHECK(budget->used(Resource::vectors) == 0);
-      return problem && problem->find("more than the limit for vectors") != std::string::npos;
+      const auto& problems = diagnostics.entries();
+      return !problems.empty() && problems[0].message.find("more than the limit for vectors") != std::string::npos;
     }
     return false;
   };

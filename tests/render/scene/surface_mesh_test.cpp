@@ -1,5 +1,7 @@
 #include "render/scene/surface_mesh.h"
 
+#include "qnv/base/shine.h"
+
 #include <catch2/catch.hpp>
 
 #include <memory>
@@ -48,18 +50,18 @@ TEST_CASE("makes one mesh of a surface without a texture") {
 }
 
 TEST_CASE("reads the shininess of a surface from the stream's metadata") {
-  const Shine shine{{0.25f, 0.5f, 1}, 0.125f};
+  const qnv::Shine shine{{0.25f, 0.5f, 1}, 0.125f};
   qnv::Description description;
   description.metadata = metadata_of(shine);
   CHECK(description.metadata.size() == 2);
   CHECK(shine_of(description) == shine);
-  CHECK(metadata_of(Shine{}).empty());
-  CHECK(shine_of({}) == Shine{});
+  CHECK(metadata_of(qnv::Shine{}).empty());
+  CHECK(qnv::shine_of({}) == qnv::Shine{});
   for (const std::string text :
        {"", "1", "0.1 0.2", "0.1 0.2 1.5", "0.1 0.2 -1", "a b c", "0.1 0.2 0.3 0.4", "nan nan nan"}) {
     INFO(text);
     description.metadata = {{"specular", text}, {"shininess", text == "1" ? "x" : text}};
-    CHECK(shine_of(description) == Shine{});
+    CHECK(shine_of(description) == qnv::Shine{});
   }
 }
 
@@ -68,7 +70,7 @@ TEST_CASE("draws a surface without a Material in the stream's colour and shinine
   item.material.lit = false;
   auto cloud = std::make_shared<qnv::Geometry>(half_pictured());
   cloud->base().color = {255, 0, 51};
-  cloud->base().description.metadata = metadata_of({{0.5f, 0.5f, 0.5f}, 0.75f});
+  cloud->base().description.metadata = qnv::metadata_of(qnv::Shine{{0.5f, 0.5f, 0.5f}, 0.75f});
   item.surface = cloud;
   dress_surface(item);
   CHECK(item.material.lit);

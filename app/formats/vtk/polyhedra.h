@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/grid/grid_cells.h"
+#include "app/formats/vtk/grid_cells.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +27,6 @@ struct PolyhedronArrays {
 /// Adds faces to the polyhedra of `grid` from `first_cell` on, in the layout of GridCells. A cell with missing faces
 /// becomes empty. Corners count from `first_point`; there are `points` points. Throws OutOfBudget.
 void place_polyhedra(const PolyhedronArrays& arrays, std::size_t first_cell, std::size_t first_point,
-                     std::size_t points, GridCells& grid, vrml::SceneGraph& scene);
+                     std::size_t points, GridCells& grid, ImportContext& context);
 
 }  // namespace gs::app

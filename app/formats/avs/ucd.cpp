@@ -1,8 +1,7 @@
-#include "app/formats/mesh/ucd.h"
-
-#include "app/formats/common/color_key.h"
-#include "app/formats/common/scene_builder.h"
-#include "app/formats/mesh/ucd_mesh.h"
+#include "app/formats/avs/ucd_mesh.h"
+#include "app/formats/common/content_type.h"
+#include "app/formats/common/mesh_asset.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,10 +57,10 @@ struct Face {
 
 constexpr std::size_t kBetweenLooks = std::size_t{1} << 17;  // steps between two checks for cancellation
 
-std::vector<Face> collect(const UcdMesh& mesh, vrml::SceneGraph& scene) {
+std::vector<Face> collect(const UcdMesh& mesh, ImportContext& context) {
   std::vector<Face> faces;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (c % kBetweenLooks == 0) draw(scene, 0);
+    if (c % kBetweenLooks == 0) context.draw(0);
     const UcdCell& cell = mesh.cells[c];
     for (const LocalFace& local : faces_of(cell.type)) {
       Face face;
@@ -79,13 +78,13 @@ std::vector<Face> collect(const UcdMesh& mesh, vrml::SceneGraph& scene) {
   return faces;
 }
 
-void mark_inner(std::vector<Face>& faces, vrml::SceneGraph& scene) {
+void mark_inner(std::vector<Face>& faces, ImportContext& context) {
   std::vector<std::size_t> order;
   std::size_t steps = 0;
   for (std::size_t i = 0; i < faces.size(); ++i)
     if (faces[i].solid) order.push_back(i);
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    if (++steps % kBetweenLooks == 0) draw(scene, 0);
+    if (++steps % kBetweenLooks == 0) context.draw(0);
     return faces[a].key < faces[b].key;
   });
   for (std::size_t i = 1; i < order.size(); ++i)
@@ -97,14 +96,14 @@ vrml::Color color_at(const ColorKey& key, std::span<const float> values, std::si
   return key.color_of(i < values.size() ? static_cast<double>(values[i]) : NAN);
 }
 
-void build(const UcdMesh& mesh, SceneBuilder& builder) {
+void build(const UcdMesh& mesh, MeshBuilder& builder) {
   constexpr std::uint64_t kMaxFaces = 6;
-  draw(builder.scene(), mesh.cells.size() * kMaxFaces * sizeof(Face));
-  std::vector<Face> faces = collect(mesh, builder.scene());
-  mark_inner(faces, builder.scene());
+  builder.draw(mesh.cells.size() * kMaxFaces * sizeof(Face));
+  std::vector<Face> faces = collect(mesh, builder);
+  mark_inner(faces, builder);
   Geometry geometry;
-  Appender<std::int32_t> index(builder.scene());
-  Appender<vrml::Color> colors(builder.scene());
+  Appender<std::int32_t> index(builder);
+  Appender<vrml::Color> colors(builder);
   const bool by_node = !mesh.node_values.empty(), by_cell = !by_node && !mesh.cell_values.empty();
   const std::vector<float>& values = by_node ? mesh.node_values : mesh.cell_values;
   const ColorKey key = color_key_over(values, viridis_colors(), by_node ? mesh.node_label : mesh.cell_label);
@@ -126,9 +125,54 @@ void build(const UcdMesh& mesh, SceneBuilder& builder) {
   geometry.color_per_vertex = !by_cell;
   geometry.convex = false;  // a quadrilateral may be concave
   geometry.crease_angle = kUcdCreaseAngle;
-  if (const vrml::NodeId node = builder.geometry(std::move(geometry)))
-    builder.add_root(builder.shape(node, builder.appearance(Look{})));
-  if (by_node || by_cell) add_color_key(builder, key);
+  builder.add(std::move(geometry));
+  if (by_node || by_cell) builder.set_color_key(key);
+}
+
+/// Imports the surface of an AVS UCD file (unstructured cell data) as one part. Reads ASCII, including the first step
+/// of the MicroAVS form, and binary of both byte orders. The surface consists of triangles, quadrilaterals, and the
+/// faces of tetrahedra, pyramids, prisms and hexahedra that only one cell has. Lines and points are skipped with a
+/// note. Of cells with nodes on edges, only the corners are used.
+///
+/// The first scalar component of node data colours the vertices, with Viridis from minimum to maximum (see
+/// color_key.h). Without node data, cell data colour the faces.
+///
+/// Memory is bounded by a multiple of the file size. A truncated text gives an error and its complete cells. Layout:
+/// AVS Developer's Guide; binary as in VTK's reader.
+void import_ucd(std::span<const std::byte> bytes, MeshBuilder& builder) {
+  UcdMesh mesh;
+  const bool binary = !bytes.empty() && bytes.front() == kUcdBinary;
+  // Estimate for the shortest lines of a text: nodes, cells, their numbers and values.
+  builder.draw(bytes.size() * (binary ? 3 : 5));
+  if (const auto problem = binary ? read_ucd_binary(bytes, mesh) : read_ucd_text(bytes, mesh))
+    builder.fail(problem->message, {problem->line, problem->line > 0 ? 1u : 0u});
+  const auto thin = std::count_if(mesh.cells.begin(), mesh.cells.end(),
+                                  [](const UcdCell& cell) { return cell.type <= UcdType::line; });
+  if (thin > 0) builder.note(std::to_string(thin) + " cells that are points or lines are left out");
+  build(mesh, builder);
+}
+
+// Comments, then a line of five whole numbers; the comments of some begin like those of AVS fields.
+bool is_ucd_text(std::span<const std::byte> bytes) {
+  std::string_view text = text_of(bytes);
+  while (text.starts_with('#')) {
+    const std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) return false;
+    text.remove_prefix(end + 1);
+  }
+  int numbers = 0;
+  bool inside = false;
+  for (const char c : text) {
+    if (c == '\n') return numbers == 5;
+    if (c == ' ' || c == '\t' || c == '\r') {
+      inside = false;
+      continue;
+    }
+    if (c < '0' || c > '9') return false;
+    if (!inside) ++numbers;
+    inside = true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -145,18 +189,11 @@ std::string ucd_label(std::string_view name, std::string_view unit) {
   return in.empty() ? of : of.empty() ? in : of + " (" + in + ")";
 }
 
-void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
-  SceneBuilder builder(scene, diagnostics);
-  UcdMesh mesh;
-  const bool binary = !bytes.empty() && bytes.front() == kUcdBinary;
-  // Estimate for the shortest lines of a text: nodes, cells, their numbers and values.
-  draw(scene, bytes.size() * (binary ? 3 : 5));
-  if (const auto problem = binary ? read_ucd_binary(bytes, mesh) : read_ucd_text(bytes, mesh))
-    builder.fail(problem->message, {problem->line, problem->line > 0 ? 1u : 0u});
-  const auto thin = std::count_if(mesh.cells.begin(), mesh.cells.end(),
-                                  [](const UcdCell& cell) { return cell.type <= UcdType::line; });
-  if (thin > 0) builder.note(std::to_string(thin) + " cells that are points or lines are left out");
-  build(mesh, builder);
-}
+extern constinit const ContentType kUcdFormat = {.name = "AVS UCD",
+                                                 .mime = "model/x-avs-ucd",
+                                                 .extensions = ".inp .ucd ",
+                                                 .sniff = is_ucd_text,
+                                                 .content = ContentClass::mesh,
+                                                 .read = read_mesh<import_ucd>};
 
 }  // namespace gs::app

@@ -1,9 +1,8 @@
-#include "app/formats/mesh/vtp.h"
-
-#include "app/formats/grid/grid_cells.h"
-#include "app/formats/grid/poly_data.h"
-#include "app/formats/grid/polyhedra.h"
+#include "app/formats/common/content_type.h"
 #include "app/formats/volume/vtk_xml.h"
+#include "app/formats/vtk/grid_cells.h"
+#include "app/formats/vtk/poly_data.h"
+#include "app/formats/vtk/polyhedra.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +17,7 @@ constexpr std::uint64_t kMaxPolyPoints = static_cast<std::uint64_t>(kBadIndex);
 
 class VtpImporter {
  public:
-  VtpImporter(std::span<const std::byte> bytes, const VtkXmlHeader& header, SceneBuilder& builder)
+  VtpImporter(std::span<const std::byte> bytes, const VtkXmlHeader& header, MeshBuilder& builder)
       : file_{nullptr, bytes}, header_(header), builder_(builder) {}
 
   void run() {
@@ -62,7 +61,7 @@ class VtpImporter {
   }
   // Reads numbers of an array. Reports an error and returns nullopt on failure.
   std::optional<StoredVoxels> numbers(const VtkArray& array, std::uint64_t count) {
-    auto values = vtk_values(file_, header_, array, count, builder_.scene().budget());
+    auto values = vtk_values(file_, header_, array, count, builder_.budget());
     if (auto* found = std::get_if<StoredVoxels>(&values)) return std::move(*found);
     builder_.fail("the array '" + array.name.substr(0, 80) + "': " + std::get<std::string>(values));
     return std::nullopt;
@@ -106,7 +105,7 @@ class VtpImporter {
   bool read_vectors(const VtkArray& array, std::uint64_t count, std::vector<glm::vec3>& to) {
     const auto values = numbers(array, count * 3);
     if (!values) return false;
-    draw(builder_.scene(), count * sizeof(glm::vec3));
+    builder_.draw(count * sizeof(glm::vec3));
     glm::vec3 vector(0);
     int axis = 0;
     each_number(*values, count * 3, [&](double value) {
@@ -127,7 +126,7 @@ class VtpImporter {
     const auto values = numbers(*array, count * array->components);
     if (!values) return;
     const bool colors = array->type == "uint8" && (array->components == 3 || array->components == 4);
-    draw(builder_.scene(), count * (colors ? sizeof(vrml::Color) : sizeof(float)));
+    builder_.draw(count * (colors ? sizeof(vrml::Color) : sizeof(float)));
     if (data.title.empty())
       data.title = array->name.substr(0, 80) + (array->components > 1 ? " (length)" : "") +
                    (array->units.empty() ? "" : " (" + array->units + ")");
@@ -171,7 +170,7 @@ class VtpImporter {
     }
     const auto values = numbers(*types, count);
     if (!values || !read_cells(piece, VtkSection::cells, count, first, grid_.cells)) return false;
-    draw(builder_.scene(), count);
+    builder_.draw(count);
     bool polyhedra = false;
     each_number(*values, count, [&](double type) {
       grid_.types.push_back(type >= 0 && type < 256 ? static_cast<std::uint8_t>(type) : std::uint8_t{255});
@@ -193,7 +192,7 @@ class VtpImporter {
       }
       const auto values = numbers(*array, most);
       if (!values) return std::nullopt;
-      draw(builder_.scene(), most * sizeof(std::int32_t));
+      builder_.draw(most * sizeof(std::int32_t));
       std::vector<std::int32_t> indices;
       indices.reserve(most);
       each_number(*values, most, [&](double value) {
@@ -216,7 +215,7 @@ class VtpImporter {
                                        : take("faceoffsets", count, arrays.ends) &&
                                              take("faces", greatest_index(arrays.ends), arrays.faces);
     if (!whole) arrays = {};
-    place_polyhedra(arrays, first_cell, first_point, data_.points.size() - first_point, grid_, builder_.scene());
+    place_polyhedra(arrays, first_cell, first_point, data_.points.size() - first_point, grid_, builder_);
   }
 
   // Reads the cells of a section. Returns false if some are missing.
@@ -230,7 +229,7 @@ class VtpImporter {
     }
     const auto end_values = numbers(*ends, count);
     if (!end_values) return false;
-    draw(builder_.scene(), count * sizeof(std::size_t));
+    builder_.draw(count * sizeof(std::size_t));
     const std::size_t before = cells.corners.size();
     std::uint64_t last = 0;
     bool rising = true;
@@ -247,7 +246,7 @@ class VtpImporter {
     }
     const auto corner_values = numbers(*corners, last);
     if (!corner_values) return false;
-    draw(builder_.scene(), last * sizeof(std::int32_t));
+    builder_.draw(last * sizeof(std::int32_t));
     each_number(*corner_values, last, [&](double corner) {
       const bool good = corner >= 0 && corner < static_cast<double>(data_.points.size() - first);
       cells.corners.push_back(good ? static_cast<std::int32_t>(first + static_cast<std::size_t>(corner)) : kBadIndex);
@@ -258,33 +257,49 @@ class VtpImporter {
 
   SharedBytes file_;
   const VtkXmlHeader& header_;
-  SceneBuilder& builder_;
+  MeshBuilder& builder_;
   const VtkArray* shown_of_points_ = nullptr;
   const VtkArray* shown_of_cells_ = nullptr;
   PolyData data_;
   GridCells grid_;
 };
 
-void import_vtk_surface(std::span<const std::byte> bytes, std::string_view type, vrml::SceneGraph& scene,
-                        Diagnostics& diagnostics) {
-  SceneBuilder builder(scene, diagnostics);
+/// Imports all pieces of a VTK XML PolyData file: vertices, lines, polygons and strips; or the visible cell faces of an
+/// UnstructuredGrid (grid_cells.h). Data may be text, base64 or appended, with or without zlib. The active scalars
+/// become colours (poly_data.h); else the first one-component point array; else those of cells. Vectors count by
+/// length; bytes in threes and fours are colours. Active normals are kept. If an array of a piece is invalid or
+/// missing, the rest is shown with an error. Layout:
+/// https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
+void import_vtk_surface(std::span<const std::byte> bytes, std::string_view type, MeshBuilder& builder) {
   const auto header = read_vtk_xml(bytes, type);
   if (const auto* problem = std::get_if<std::string>(&header)) return builder.fail(*problem);
   VtpImporter(bytes, std::get<VtkXmlHeader>(header), builder).run();
 }
 
-}  // namespace
-
 bool is_vtp(std::span<const std::byte> bytes) { return is_vtk_xml(bytes, "PolyData"); }
-
-void import_vtp(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
-  import_vtk_surface(bytes, "PolyData", scene, diagnostics);
+void import_vtp(std::span<const std::byte> bytes, MeshBuilder& builder) {
+  import_vtk_surface(bytes, "PolyData", builder);
 }
 
 bool is_vtu(std::span<const std::byte> bytes) { return is_vtk_xml(bytes, "UnstructuredGrid"); }
-
-void import_vtu(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
-  import_vtk_surface(bytes, "UnstructuredGrid", scene, diagnostics);
+void import_vtu(std::span<const std::byte> bytes, MeshBuilder& builder) {
+  import_vtk_surface(bytes, "UnstructuredGrid", builder);
 }
+
+}  // namespace
+
+extern constinit const ContentType kVtpFormat = {.name = "VTK PolyData",
+                                                 .mime = "application/x-vtk-poly-data",
+                                                 .extensions = ".vtp ",
+                                                 .sniff = is_vtp,
+                                                 .content = ContentClass::mesh,
+                                                 .read = read_mesh<import_vtp>};
+
+extern constinit const ContentType kVtuFormat = {.name = "VTK UnstructuredGrid",
+                                                 .mime = "application/x-vtk-unstructured-grid",
+                                                 .extensions = ".vtu ",
+                                                 .sniff = is_vtu,
+                                                 .content = ContentClass::mesh,
+                                                 .read = read_mesh<import_vtu>};
 
 }  // namespace gs::app

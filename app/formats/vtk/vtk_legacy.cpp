@@ -1,9 +1,8 @@
-#include "app/formats/mesh/vtk_legacy.h"
-
+#include "app/formats/common/content_type.h"
 #include "app/formats/common/text_cursor.h"
-#include "app/formats/grid/grid_cells.h"
-#include "app/formats/grid/poly_data.h"
 #include "app/formats/volume/vtk_xml.h"
+#include "app/formats/vtk/grid_cells.h"
+#include "app/formats/vtk/poly_data.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -35,7 +34,7 @@ std::optional<StoredType> legacy_type_of(std::string_view name) {
 
 class LegacyImporter {
  public:
-  LegacyImporter(std::span<const std::byte> bytes, SceneBuilder& builder)
+  LegacyImporter(std::span<const std::byte> bytes, MeshBuilder& builder)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
 
   void run() {
@@ -98,7 +97,7 @@ class LegacyImporter {
     }
     if (!binary_) {
       for (std::uint64_t i = 0; i < count; ++i) {
-        if (i % kBetweenStops == 0) draw(builder_.scene(), 0);
+        if (i % kBetweenStops == 0) builder_.draw(0);
         double value = 0;
         if (!cursor_.skip_space() || !cursor_.number(value)) return ends(i, count);
         take(value);
@@ -122,7 +121,7 @@ class LegacyImporter {
   // Charges memory for `count` items, but at most for one per remaining byte.
   void draw_for(std::uint64_t count, std::uint64_t each) {
     const auto left = static_cast<std::uint64_t>(cursor_.end - cursor_.next);
-    draw(builder_.scene(), std::min(count, left) * each);
+    builder_.draw(std::min(count, left) * each);
   }
 
   void part() {
@@ -333,7 +332,7 @@ class LegacyImporter {
 
   TextCursor cursor_;
   LineCounter lines_;
-  SceneBuilder& builder_;
+  MeshBuilder& builder_;
   std::string_view line_;  // rest of the line
   bool binary_ = false, of_points_ = true;
   std::optional<std::uint64_t> rows_;  // number of rows of point or cell data
@@ -343,14 +342,26 @@ class LegacyImporter {
   std::string problem_;
 };
 
-}  // namespace
-
 bool is_vtk_legacy(std::span<const std::byte> bytes) { return text_of(bytes).starts_with(kLegacyMark); }
 
-void import_vtk_legacy(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
-  SceneBuilder builder(scene, diagnostics);
+/// Imports a legacy VTK file (.vtk, versions 1 to 5.1, text or binary). Reads the vertices, lines, polygons and strips
+/// of DATASET POLYDATA, or the visible faces of an UNSTRUCTURED_GRID (grid_cells.h). Rejects other datasets with a
+/// message. The first point SCALARS become colours (poly_data.h); else a one-component field, else vector lengths; else
+/// the same of cells. COLOR_SCALARS are colours; NORMALS are kept. A truncated file gives an error and its complete
+/// part. Layout: "VTK File Formats", Simple Legacy Formats (VTK User's Guide).
+void import_vtk_legacy(std::span<const std::byte> bytes, MeshBuilder& builder) {
   if (!is_vtk_legacy(bytes)) return builder.fail("expected '" + std::string(kLegacyMark) + "'", {1, 1});
   LegacyImporter(bytes, builder).run();
 }
+
+}  // namespace
+
+extern constinit const ContentType kVtkLegacyFormat = {.name = "legacy VTK",
+                                                       .mime = "application/x-vtk",
+                                                       .extensions = ".vtk ",
+                                                       .sniff = is_vtk_legacy,
+                                                       .content = ContentClass::mesh,
+                                                       .read = read_mesh<import_vtk_legacy>,
+                                                       .mark = kLegacyMark};
 
 }  // namespace gs::app

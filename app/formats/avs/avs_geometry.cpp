@@ -1,6 +1,5 @@
-#include "app/formats/mesh/avs_geometry.h"
-
-#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/content_type.h"
+#include "app/formats/common/mesh_asset.h"
 #include "app/formats/common/text_cursor.h"
 
 #include <array>
@@ -62,7 +61,7 @@ bool is_step(std::string_view line) {
 
 class AvsGeometryImporter {
  public:
-  AvsGeometryImporter(std::span<const std::byte> bytes, SceneBuilder& builder)
+  AvsGeometryImporter(std::span<const std::byte> bytes, MeshBuilder& builder)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
 
   void run() {
@@ -283,34 +282,33 @@ class AvsGeometryImporter {
     const bool line = primitive == Primitive::lines || primitive == Primitive::polyline;
     geometry.kind = line ? Geometry::Kind::lines : Geometry::Kind::faces;
     geometry.convex = primitive == Primitive::strip;
-    const vrml::NodeId node = builder_.geometry(std::move(geometry));
-    if (!node) return;
-    const vrml::NodeId shape = builder_.shape(node, builder_.appearance(line ? glowing(Look{}) : Look{}));
-    builder_.name(shape, name);
-    builder_.add_root(shape);
-    any_ = true;
+    if (builder_.add(std::move(geometry), line ? glowing({}) : Look{}, name)) any_ = true;
   }
 
   TextCursor cursor_;
   LineCounter lines_;
-  SceneBuilder& builder_;
+  MeshBuilder& builder_;
   const char* start_ = nullptr;
   VertexKind kind_;
-  Appender<glm::vec3> positions_{builder_.scene()}, normals_{builder_.scene()};
-  Appender<vrml::Color> colors_{builder_.scene()};
-  Appender<std::int32_t> index_{builder_.scene()};
+  Appender<glm::vec3> positions_{builder_}, normals_{builder_};
+  Appender<vrml::Color> colors_{builder_};
+  Appender<std::int32_t> index_{builder_};
   std::map<std::array<std::uint32_t, 3>, std::size_t> welded_;  // keys are bit patterns, because NaN cannot be ordered
   bool any_ = false;
 };
-
-}  // namespace
 
 bool is_avs_geometry(std::span<const std::byte> bytes) {
   return bytes.size() >= kFirstLine.size() && std::memcmp(bytes.data(), kFirstLine.data(), kFirstLine.size()) == 0;
 }
 
-void import_avs_geometry(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
-  SceneBuilder builder(scene, diagnostics);
+/// Imports an AVS text geometry file (MicroAVS MGF, `# Micro AVS Geom:`), one named part per primitive: disjoint
+/// polygons, polyhedra, polytris and meshes as faces, disjoint lines and polylines as lines. Spheres, circles, columns,
+/// revolutions and labels are skipped with a warning. Vertex normals and colours are kept. Of several steps, only the
+/// first is read.
+///
+/// The format follows the MicroAVS manual (Cybernet). Binary AVS5 .geom files, an undocumented layout, give an error. A
+/// truncated file gives an error and its complete part.
+void import_avs_geometry(std::span<const std::byte> bytes, MeshBuilder& builder) {
   if (!is_avs_geometry(bytes)) {
     builder.fail(
         "not an AVS text geometry: expected '# Micro AVS Geom:' as the first line; the binary .geom files of AVS5 "
@@ -320,5 +318,14 @@ void import_avs_geometry(std::span<const std::byte> bytes, vrml::SceneGraph& sce
   }
   AvsGeometryImporter(bytes, builder).run();
 }
+
+}  // namespace
+
+extern constinit const ContentType kAvsGeometryFormat = {.name = "AVS geometry",
+                                                         .mime = "model/x-avs-geometry",
+                                                         .extensions = ".mgf .geom .geo ",
+                                                         .sniff = is_avs_geometry,
+                                                         .content = ContentClass::mesh,
+                                                         .read = read_mesh<import_avs_geometry>};
 
 }  // namespace gs::app

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/mesh_asset.h"
 
 #include <array>
 #include <cstddef>
@@ -34,9 +34,9 @@ struct PolyData {
   Data of_points, of_cells;
 };
 
-/// Adds the data to the scene. Polygons and strips become an IndexedFaceSet, lines an IndexedLineSet, vertices (or all
-/// points, if there are no cells) a PointSet. Scalars are coloured with Viridis; point scalars take precedence over
-/// cell scalars. A WorldInfo describes their range (color_key.h). Throws OutOfBudget.
-void build_poly_data(PolyData data, SceneBuilder& builder);
+/// Adds the data to the mesh: polygons and strips as faces, lines, vertices (or all points, if there are no cells) as
+/// points. Scalars are coloured with Viridis; point scalars take precedence over
+/// cell scalars. The colour key describes their range. Throws OutOfBudget.
+void build_poly_data(PolyData data, MeshBuilder& builder);
 
 }  // namespace gs::app

@@ -1,6 +1,4 @@
-#include "app/formats/grid/poly_data.h"
-
-#include "app/formats/common/color_key.h"
+#include "app/formats/vtk/poly_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +12,12 @@ constexpr float kPolyCreaseAngle = 0.5f;  // smooths edges below this angle if a
 
 class PolyBuilder {
  public:
-  PolyBuilder(PolyData data, SceneBuilder& builder) : data_(std::move(data)), builder_(builder) {
+  PolyBuilder(PolyData data, MeshBuilder& builder) : data_(std::move(data)), builder_(builder) {
     by_cell_ = data_.of_points.empty() && !data_.of_cells.empty();
     PolyData::Data& shown = by_cell_ ? data_.of_cells : data_.of_points;
     if (shown.colors.empty() && !shown.values.empty()) {
       key_ = color_key_over(shown.values, viridis_colors(), shown.title);
-      draw(builder_.scene(), shown.values.size() * sizeof(vrml::Color));
+      builder_.draw(shown.values.size() * sizeof(vrml::Color));
       shown.colors.reserve(shown.values.size());
       for (const float value : shown.values) shown.colors.push_back(key_->color_of(static_cast<double>(value)));
     }
@@ -35,7 +33,7 @@ class PolyBuilder {
     faces();
     lines();
     points(cells == 0);
-    if (key_) add_color_key(builder_, *key_);
+    if (key_) builder_.set_color_key(*key_);
   }
 
  private:
@@ -54,21 +52,20 @@ class PolyBuilder {
   }
   void color_points(Geometry& geometry) {
     if (by_cell_ || colors_.empty()) return;
-    Appender<vrml::Color> colors(builder_.scene());
+    Appender<vrml::Color> colors(builder_);
     for (std::size_t i = 0; i < data_.points.size(); ++i) colors.push(color_of(i));
     geometry.colors = colors.take();
   }
   void show(Geometry geometry) {
     Look look;
     if (geometry.kind != Geometry::Kind::faces) look = glowing(look);
-    draw(builder_.scene(), geometry.positions.size() * sizeof(glm::vec3));
-    if (const vrml::NodeId node = builder_.geometry(std::move(geometry)))
-      builder_.add_root(builder_.shape(node, builder_.appearance(look)));
+    builder_.draw(geometry.positions.size() * sizeof(glm::vec3));
+    builder_.add(std::move(geometry), look);
   }
 
   void faces() {
-    Appender<std::int32_t> index(builder_.scene());
-    Appender<vrml::Color> colors(builder_.scene());
+    Appender<std::int32_t> index(builder_);
+    Appender<vrml::Color> colors(builder_);
     bool convex = true;
     each_cell(PolyData::polygons, [&](std::span<const std::int32_t> corners, std::size_t cell) {
       if (corners.size() < 3) return void(++left_out_);
@@ -93,7 +90,7 @@ class PolyBuilder {
     Geometry geometry;
     geometry.positions = vrml::MFVec3f(std::span<const glm::vec3>(data_.points));
     if (data_.normals.size() == data_.points.size()) {
-      draw(builder_.scene(), data_.normals.size() * sizeof(glm::vec3));
+      builder_.draw(data_.normals.size() * sizeof(glm::vec3));
       geometry.normals = vrml::MFVec3f(std::span<const glm::vec3>(data_.normals));
     }
     geometry.coord_index = index.take();
@@ -106,8 +103,8 @@ class PolyBuilder {
   }
 
   void lines() {
-    Appender<std::int32_t> index(builder_.scene());
-    Appender<vrml::Color> colors(builder_.scene());
+    Appender<std::int32_t> index(builder_);
+    Appender<vrml::Color> colors(builder_);
     each_cell(PolyData::lines, [&](std::span<const std::int32_t> corners, std::size_t cell) {
       if (corners.size() < 2) return;
       for (const std::int32_t corner : corners) index.push(corner);
@@ -126,8 +123,8 @@ class PolyBuilder {
   }
 
   void points(bool all) {
-    Appender<glm::vec3> places(builder_.scene());
-    Appender<vrml::Color> colors(builder_.scene());
+    Appender<glm::vec3> places(builder_);
+    Appender<vrml::Color> colors(builder_);
     const auto add = [&](std::size_t point, std::size_t colored_as) {
       places.push(data_.points[point]);
       if (!colors_.empty()) colors.push(color_of(colored_as));
@@ -153,7 +150,7 @@ class PolyBuilder {
   }
 
   PolyData data_;
-  SceneBuilder& builder_;
+  MeshBuilder& builder_;
   std::array<std::size_t, PolyData::kKinds> first_cell_{};
   std::vector<vrml::Color> colors_;  // of points or cells; empty if there are none
   bool by_cell_ = false;
@@ -163,6 +160,6 @@ class PolyBuilder {
 
 }  // namespace
 
-void build_poly_data(PolyData data, SceneBuilder& builder) { PolyBuilder(std::move(data), builder).run(); }
+void build_poly_data(PolyData data, MeshBuilder& builder) { PolyBuilder(std::move(data), builder).run(); }
 
 }  // namespace gs::app

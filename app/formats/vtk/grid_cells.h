@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/grid/poly_data.h"
+#include "app/formats/vtk/poly_data.h"
 
 #include <cstdint>
 #include <vector>
@@ -20,6 +20,6 @@ struct GridCells {
 /// outer faces of solid cells. A face is outer if only one cell has it. Cell data, one per grid cell, become data of
 /// the added parts. Of higher-order cells, only the corners are used. Skips other cell types with a warning. Throws
 /// OutOfBudget.
-void add_grid(const GridCells& grid, PolyData& data, SceneBuilder& builder);
+void add_grid(const GridCells& grid, PolyData& data, MeshBuilder& builder);
 
 }  // namespace gs::app

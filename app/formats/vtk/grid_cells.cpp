@@ -1,4 +1,4 @@
-#include "app/formats/grid/grid_cells.h"
+#include "app/formats/vtk/grid_cells.h"
 
 #include <algorithm>
 #include <array>
@@ -124,7 +124,7 @@ constexpr std::size_t kGridBetweenLooks = std::size_t{1} << 17;  // steps betwee
 
 class GridSurface {
  public:
-  GridSurface(const GridCells& grid, PolyData& data, SceneBuilder& builder)
+  GridSurface(const GridCells& grid, PolyData& data, MeshBuilder& builder)
       : grid_(grid), data_(data), builder_(builder) {}
 
   void run() {
@@ -141,9 +141,8 @@ class GridSurface {
       }
     });
     // Memory for each face, its position in key order, and its output.
-    draw(builder_.scene(), faces * (sizeof(GridFace) + sizeof(std::size_t) * 3) +
-                               face_corners * sizeof(std::int32_t) * 2 +
-                               corners * (sizeof(std::int32_t) + 2 * sizeof(std::size_t)));
+    builder_.draw(faces * (sizeof(GridFace) + sizeof(std::size_t) * 3) + face_corners * sizeof(std::int32_t) * 2 +
+                  corners * (sizeof(std::int32_t) + 2 * sizeof(std::size_t)));
     faces_.reserve(faces);
     face_corners_.reserve(face_corners);
     each_cell([&](std::size_t cell, const GridShape& shape, std::span<const std::int32_t> of_cell) {
@@ -162,7 +161,7 @@ class GridSurface {
     unknown_ = short_ = 0;
     const std::size_t count = grid_.cells.ends.size();
     for (std::size_t i = 0; i < count; ++i) {
-      if (i % kGridBetweenLooks == 0) draw(builder_.scene(), 0);
+      if (i % kGridBetweenLooks == 0) builder_.draw(0);
       const auto corners = std::span(grid_.cells.corners).subspan(begin, grid_.cells.ends[i] - begin);
       begin = grid_.cells.ends[i];
       const GridShape shape = grid_shape(i < grid_.types.size() ? grid_.types[i] : std::uint8_t{0});
@@ -253,7 +252,7 @@ class GridSurface {
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::size_t steps = 0;
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      if (++steps % kGridBetweenLooks == 0) draw(builder_.scene(), 0);
+      if (++steps % kGridBetweenLooks == 0) builder_.draw(0);
       return faces_[a].key < faces_[b].key;
     });
     for (std::size_t i = 1; i < order.size(); ++i) {
@@ -273,7 +272,7 @@ class GridSurface {
     data_.of_cells = {};
     data_.of_cells.title = of_grid.title;
     for (const std::vector<std::size_t>& owners : owners_) {
-      draw(builder_.scene(), owners.size() * (of_grid.colors.empty() ? sizeof(float) : sizeof(vrml::Color)));
+      builder_.draw(owners.size() * (of_grid.colors.empty() ? sizeof(float) : sizeof(vrml::Color)));
       for (const std::size_t cell : owners)
         if (!of_grid.colors.empty())
           data_.of_cells.colors.push_back(cell < of_grid.colors.size() ? of_grid.colors[cell]
@@ -285,7 +284,7 @@ class GridSurface {
 
   const GridCells& grid_;
   PolyData& data_;
-  SceneBuilder& builder_;
+  MeshBuilder& builder_;
   std::vector<GridFace> faces_;
   std::vector<std::int32_t> face_corners_, sorted_;
   std::array<std::vector<std::size_t>, PolyData::kKinds> owners_;  // source cell of each output cell
@@ -294,6 +293,6 @@ class GridSurface {
 
 }  // namespace
 
-void add_grid(const GridCells& grid, PolyData& data, SceneBuilder& builder) { GridSurface(grid, data, builder).run(); }
+void add_grid(const GridCells& grid, PolyData& data, MeshBuilder& builder) { GridSurface(grid, data, builder).run(); }
 
 }  // namespace gs::app

@@ -1,4 +1,4 @@
-#include "app/formats/grid/polyhedra.h"
+#include "app/formats/vtk/polyhedra.h"
 
 #include <algorithm>
 #include <optional>
@@ -17,8 +17,8 @@ std::optional<Indices> part_of(Indices list, std::size_t begin, std::size_t end)
 class PolyhedronWriter {
  public:
   PolyhedronWriter(const PolyhedronArrays& arrays, std::size_t first_point, std::size_t points, PolyCells& to,
-                   vrml::SceneGraph& scene)
-      : arrays_(arrays), first_point_(first_point), points_(points), to_(to), scene_(scene) {}
+                   ImportContext& context)
+      : arrays_(arrays), first_point_(first_point), points_(points), to_(to), context_(context) {}
 
   /// Adds the faces of a cell. After a return of false, discard the added data.
   bool add(Indices faces) { return arrays_.numbered ? numbered(faces) : one_by_one(faces); }
@@ -33,7 +33,7 @@ class PolyhedronWriter {
       const auto corners = part_of(arrays_.corners, begin, static_cast<std::size_t>(arrays_.face_ends[face]));
       if (!corners) return false;
       // Several cells may share the same long face, so charge memory for each use.
-      draw(scene_, (corners->size() + 1) * sizeof(std::int32_t));
+      context_.draw((corners->size() + 1) * sizeof(std::int32_t));
       add_face(*corners);
     }
     return true;
@@ -63,7 +63,7 @@ class PolyhedronWriter {
   const PolyhedronArrays& arrays_;
   std::size_t first_point_, points_;
   PolyCells& to_;
-  vrml::SceneGraph& scene_;
+  ImportContext& context_;
 };
 
 }  // namespace
@@ -78,16 +78,16 @@ std::size_t greatest_index(Indices indices) {
 std::size_t faces_below(Indices numbers) { return numbers.empty() ? 0 : greatest_index(numbers) + 1; }
 
 void place_polyhedra(const PolyhedronArrays& arrays, std::size_t first_cell, std::size_t first_point,
-                     std::size_t points, GridCells& grid, vrml::SceneGraph& scene) {
+                     std::size_t points, GridCells& grid, ImportContext& context) {
   PolyCells& to = grid.cells;
   const std::size_t kept = first_cell == 0 ? 0 : to.ends[first_cell - 1];
   const std::vector<std::int32_t> old_corners(to.corners.begin() + static_cast<std::ptrdiff_t>(kept), to.corners.end());
   const std::vector<std::size_t> old_ends(to.ends.begin() + static_cast<std::ptrdiff_t>(first_cell), to.ends.end());
-  draw(scene,
-       (old_corners.size() + arrays.faces.size()) * sizeof(std::int32_t) + old_ends.size() * sizeof(std::size_t));
+  context.draw((old_corners.size() + arrays.faces.size()) * sizeof(std::int32_t) +
+               old_ends.size() * sizeof(std::size_t));
   to.corners.resize(kept);
   to.ends.resize(first_cell);
-  PolyhedronWriter writer(arrays, first_point, points, to, scene);
+  PolyhedronWriter writer(arrays, first_point, points, to, context);
   std::size_t begin = 0, face = 0;
   for (std::size_t number = 0; number < old_ends.size(); ++number) {
     const std::size_t end_of_corners = old_ends[number] - kept;
